@@ -1,0 +1,1 @@
+"""chipbreak: a G-code filter that breaks chips and watches tools."""
