@@ -1,0 +1,1 @@
+"""Text to blocks, without losing a byte."""

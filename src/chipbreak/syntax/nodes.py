@@ -1,0 +1,134 @@
+"""What a block is made of.  Nodes point into the block's own text; nothing is ever printed from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+Operand = "Number | Variable | Operation | Call"
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A literal number in an expression."""
+
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """``#101``, ``#<name>`` or an indirect ``#[...]``: ``key`` is the number, the name or an expression."""
+
+    key: int | str | Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """``left operator right``; a sign in front of something is ``0 - something``."""
+
+    operator: str
+    left: Expression
+    right: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A function such as ``SIN[...]``."""
+
+    function: str
+    arguments: tuple[Expression, ...]
+
+
+Expression = Number | Variable | Operation | Call
+
+
+class Word(NamedTuple):
+    """A letter and its value.  ``start`` and ``end`` are offsets in the text of the block.
+
+    ``letter`` is as written (``f`` is not ``F``).  ``number`` is None where the value is an expression.
+    """
+
+    letter: str
+    value_text: str
+    number: float | None
+    expression: Expression | None
+    start: int
+    end: int
+
+    @property
+    def address(self) -> str:
+        """The letter in upper case, as controls read it."""
+        return self.letter.upper()
+
+    @property
+    def has_point(self) -> bool:
+        """True when the number was written with a decimal point."""
+        return "." in self.value_text
+
+
+class Comment(NamedTuple):
+    """``text`` is what stands inside ``( )`` or behind ``;``."""
+
+    text: str
+    start: int
+    end: int
+
+
+class Assignment(NamedTuple):
+    """``#100=[...]``."""
+
+    target: Variable
+    value: Expression
+    start: int
+    end: int
+
+
+class Control(NamedTuple):
+    """A control word: ``IF``, ``WHILE``, ``DO``, ``END``, ``GOTO``, ``THEN``, an o-word, a program name.
+
+    ``keyword`` is upper case; o-words carry ``O-`` (``O-CALL``) and their label in ``label``.
+    """
+
+    keyword: str
+    label: str
+    arguments: tuple[Expression, ...]
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """One line of a program.
+
+    ``line`` counts from 0.  ``sequence`` is the leading N word.  ``skip`` is the block-delete level (``/``
+    is 1) or 0.  ``opaque`` says why the line could not be read; then there are no words.
+    """
+
+    line: int
+    text: str
+    words: tuple[Word, ...] = ()
+    comments: tuple[Comment, ...] = ()
+    assignments: tuple[Assignment, ...] = ()
+    controls: tuple[Control, ...] = ()
+    sequence: Word | None = None
+    skip: int = 0
+    mark: bool = False
+    opaque: str = ""
+    opaque_column: int = 0
+
+    @property
+    def is_empty(self) -> bool:
+        """Nothing a control would act on: blank, comment only, or a block number alone."""
+        return not (self.words or self.assignments or self.controls or self.opaque)
+
+    @property
+    def has_macro(self) -> bool:
+        """True when variables or control words take part."""
+        return bool(self.assignments or self.controls) or any(w.expression is not None for w in self.words)
+
+    def word(self, address: str) -> Word | None:
+        """The last word with this address (upper case), as controls take it."""
+        for word in reversed(self.words):
+            if word.address == address:
+                return word
+        return None

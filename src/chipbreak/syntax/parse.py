@@ -1,0 +1,150 @@
+"""Text to Program.
+
+Two roads lead to a Block.  A block of plain words and comments is read by one regular expression made of
+the grammar's own terminals; whatever that cannot read goes to the grammar.  A property test holds the two
+roads equal.  What neither can read becomes an opaque block, with a diagnostic, and prints as it came.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chipbreak.diagnostics import Diagnostic, Severity
+from chipbreak.source import Source
+from chipbreak.syntax.build import BlockBuilder, build_block, opaque
+from chipbreak.syntax.grammar import block_parser, terminals
+from chipbreak.syntax.nodes import Block, Word
+from chipbreak.syntax.shapes import Shape, classify
+
+UNREADABLE = "SYN001"
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """A program as lines, without losing a byte.
+
+    ``plain`` holds for every line the index of its shape in ``shapes``, or -1 where the line is more than a
+    plain motion block; ``events`` are those lines of the body.  Blocks are read when asked for.
+    """
+
+    source: Source
+    plain: NDArray[np.int32]
+    shapes: tuple[Shape, ...]
+    events: NDArray[np.int64]
+    _blocks: dict[int, Block] = field(default_factory=dict)
+
+    def block(self, line: int) -> Block:
+        """The block on a line."""
+        block = self._blocks.get(line)
+        if block is None:
+            block = read_block(line, self.source.text(line))
+            if self.plain[line] < 0:
+                self._blocks[line] = block
+        return block
+
+    def event_blocks(self) -> Iterator[Block]:
+        """Every block of the body that is more than a plain motion."""
+        return (self.block(int(line)) for line in self.events)
+
+    def unreadable(self) -> list[Diagnostic]:
+        """A warning for every line that could not be read."""
+        return [
+            Diagnostic(
+                UNREADABLE,
+                Severity.WARNING,
+                f"this line cannot be read ({block.opaque}); it is passed through as it is",
+                "nothing is changed here; vibration and checks refuse to cross it",
+                self.source.place(block.line, block.opaque_column, block.opaque_column + 1),
+                block.text,
+            )
+            for block in self.event_blocks()
+            if block.opaque
+        ]
+
+
+def parse(source: Source) -> Program:
+    """Classify every line; blocks are read on demand.  Never fails."""
+    plain, shapes = classify(source)
+    body = source.body
+    events = np.flatnonzero(plain[body.start : body.stop] < 0).astype(np.int64) + body.start
+    return Program(source, plain, tuple(shapes), events)
+
+
+def emit(program: Program) -> bytes:
+    """The bytes of a program: the join of its lines."""
+    return b"".join(program.source.raw(line) for line in range(program.source.line_count))
+
+
+def read_block(line: int, text: str) -> Block:
+    """One block by the fast road where it is plain, by the grammar where it is not."""
+    if text.lstrip(" \t\0\xef\xbb\xbf").startswith("%"):
+        return Block(line, text, mark=True)
+    block = read_plain(line, text)
+    return block if block is not None else read_by_grammar(line, text)
+
+
+@lru_cache(maxsize=1)
+def _items() -> re.Pattern[str]:
+    names = terminals()
+    return re.compile(
+        f"(?P<word>(?P<letter>{names['LETTER']})(?:{names['BLANK']})?(?P<number>{names['NUMBER']}))"
+        f"|(?P<blank>{names['BLANK']})|(?P<comment>{names['COMMENT']})"
+    )
+
+
+@lru_cache(maxsize=1)
+def _head() -> re.Pattern[str]:
+    names = terminals()
+    return re.compile(f"(?:{names['BLANK']})?(?P<delete>{names['DELETE']})")
+
+
+def read_plain(line: int, text: str) -> Block | None:
+    """Words with literal numbers, comments and block delete; None when there is anything else."""
+    builder = BlockBuilder(line, text)
+    at = 0
+    head = _head().match(text)
+    if head:
+        builder.add_delete(head["delete"], head.start("delete"))
+        at = head.end()
+    match_item = _items().match
+    while at < len(text):
+        match = match_item(text, at)
+        if match is None:
+            return None
+        at = match.end()
+        kind = match.lastgroup
+        if kind == "word":
+            number = match["number"]
+            builder.add_word(Word(match["letter"], number, float(number), None, match.start(), at))
+        elif kind == "comment":
+            builder.add_comment(match.start(), at)
+    return builder.done()
+
+
+def read_by_grammar(line: int, text: str) -> Block:
+    """The law: the grammar's reading of any block."""
+    from lark.exceptions import UnexpectedInput  # noqa: PLC0415 (lark is loaded when it is needed)
+
+    try:
+        tree = block_parser().parse(text)
+    except UnexpectedInput as error:
+        column = error.pos_in_stream if error.pos_in_stream is not None else len(text)
+        column = min(max(column, 0), max(len(text) - 1, 0))
+        return opaque(line, text, _why(text, column), column)
+    except RecursionError:
+        return opaque(line, text, "brackets nested too deeply", 0)
+    return build_block(tree, line, text)
+
+
+def _why(text: str, column: int) -> str:
+    rest = text[column:].strip()
+    if not rest or column >= len(text) - 1 and text[column].isalpha():
+        return "it ends in the middle of a word or an expression"
+    shown = text[column] if text[column].isprintable() else f"byte 0x{ord(text[column]):02X}"
+    return f"{shown!r} is not expected here"
