@@ -73,7 +73,7 @@ class RefusalError(Exception):
     knows the block turns it into a :class:`Diagnostic`.
     """
 
-    def __init__(self, code: str, message: str, help: str = "") -> None:  # noqa: A002 (the word users see)
+    def __init__(self, code: str, message: str, help: str = "") -> None:
         super().__init__(message)
         self.code, self.message, self.help = code, message, help
 

@@ -13,12 +13,17 @@ from typing import Final
 # A word ends where the letters end: "DRILL4", "4XDRILL" and "D10_ROUGH" hold a word, "THROUGH" does not.
 _LEFT: Final = r"(?<![^\W\d_])"
 _RIGHT: Final = r"(?![^\W\d_])"
-_DECIMAL: Final = r"\d+\.?\d*|\.\d+"
+_DECIMAL: Final = r"\d+(?:\.\d*)?|\.\d+"
 _FRACTION: Final = r"(?:\d+[ -])?\d+/\d+"
 
 
 def _any(words: tuple[str, ...]) -> str:
     return "(?:" + "|".join(words) + ")"
+
+
+def _kind(name: str, words: tuple[str, ...], japanese: str = "(?!)") -> str:
+    """A named group; Japanese runs words together, so it stands without word ends."""
+    return f"(?P<{name}>{_LEFT}{_any(words)}{_RIGHT}|{japanese})"
 
 
 # --- kinds -----------------------------------------------------------------------------------------
@@ -30,12 +35,11 @@ _ROUGH: Final = (
     r"(?<!AIR )(?<!CHIP )CLEARING(?!\s+(?:CHIPS?|PLANE|HEIGHT|MOVE|THE|MAX|MODE))",
     r"HEM",
     r"DYNAMIC\s+(?:MILL\w*|CORE\w*|POCKET\w*|AREA|FAC\w+|MOTION|REST\w*)|DYNAMIC(?=[\s\d]*$)",
-    r"\w*SCHRUPP\w*|VORDREHEN|VORFR\S{1,3}SEN",
+    r"[^\W\d_]*SCHRUPP\w*|VORDREHEN|VORFR\S{1,3}SEN",
     r"VOORDRAAI\w*|VOORFREZEN",
     r"DESBAST\w*",
     r"[EÉ]BAUCH\w*",
     r"SGROSSA\w*",
-    r"[荒粗](?![さ度a-z])|(?<![ァ-ヺ])アラ(?!ー)",  # "粗e" is far more often a Windows quotation mark before an e
 )
 _SEMI_FINISH: Final = (
     r"(?:SEMI|DEMI|PRE)[\s_-]?FIN(?:ISH\w*|ITION|ITURA)?",
@@ -43,45 +47,52 @@ _SEMI_FINISH: Final = (
     r"SEMI(?=\s*(?:PASS|CUT|\W*$))",
     r"(?:SEMI|PRE|PRÉ)[\s_-]?ACABA\w+",
     r"VOR-?SCHLICHT\w*",
-    r"中仕上",
 )
 _FINISH: Final = (
     r"FINISH(?:ING|NIG|IGN|IG|IN|NG|ER)?",
     r"(?:FINSH|FINSIH|FINIHS|FINNISH|FNISH)(?:ING)?",
     r"FIN\.?",
     r"FINE\s+BOR(?:E|ING)",
-    r"\w*SCHLICHT\w*|FERTIG(?:DREHEN|FR\S{1,3}SEN)",
+    r"[^\W\d_]*SCHLICHT\w*|FERTIG(?:DREHEN|FR\S{1,3}SEN)",
     r"NADRAAI\w*|NAFREZEN",
     r"ACABAMENTO|ACABADO|ACAB",
     r"FINITION|FINITURA",
-    r"仕上|シアゲ",
 )
-_PROBE: Final = (r"PROB(?:E|ING)(?!\s+MODE)", r"ANTASTEN")
+_PROBE: Final = (r"(?<![_/.])PROB(?:E|ING)(?![_/.]|-[A-Z]|\s+MODE)", r"ANTASTEN")
 _THREAD: Final = (
     r"THREAD(?:S|ING|MILL(?:ING)?)?(?!\s+(?:RELIEF|UNDERCUT|DIA|OD|MAJOR|MINOR|START|PITCH))",
     r"(?<!\.)(?<!SELF-)TAP(?:S|PING)?(?!\s+DRILL)",
     r"GEWINDE\w*|ROSCA\w*|FILETAGE|TARAUDAGE|FILETTATURA",
-    r"タップ|ねじ|ネジ",
 )
 _DRILL: Final = (
-    r"(?:PRE-?|SPOT|CENTER|CENTRE|PECK)?DRILL(?:S|ING)?",
+    r"(?:(?:PRE|SPOT|CENT(?:ER|RE)|PECK)[ -]?)?DRILL(?:S|ING)?",
     r"SPOT(?:S|TING|-?FAC\w+)?",
     r"PECK(?:ING)?",
     r"REAM(?:S|ING|ER)?",
     r"(?:COUNTER|C'|C-)?BOR(?:E|ES|ING)(?!\s+(?:BAR|TOOL|INSERT|HEAD))",
     r"(?:COUNTER-?|C'|C-?)SINK(?:ING)?",
     r"BOHREN|BOHRER|TALADR\w*|FURA(?:R|CAO|ÇÃO)|BROCA|PER[CÇ]AGE|FORATURA",
-    r"ドリル",
 )
 
-# Where a text holds several kinds, the names of these groups say which; see kinds.py for the order.
+# "粗" before a small letter is far more often a Windows quotation mark before an e.
+_ROUGH_JA: Final = "[荒粗](?![さ度a-z])|(?<![ァ-ヺ])アラ(?!ー)|(?<![ｦ-ﾟ])ｱﾗ(?!ｰ)"
+_FINISH_JA: Final = "仕上|シアゲ|ｼｱｹﾞ"
+
+# The groups are named as the members of ``kinds.Kind``.
 KIND_WORDS: Final = re.compile(
-    _LEFT
-    + f"(?:(?P<semi>{_any(_SEMI_FINISH)})|(?P<rough>{_any(_ROUGH)})|(?P<finish>{_any(_FINISH)})"
-    + f"|(?P<probe>{_any(_PROBE)})|(?P<thread>{_any(_THREAD)})|(?P<drill>{_any(_DRILL)}))"
-    + _RIGHT,
+    "|".join(
+        (
+            _kind("SEMI_FINISH", _SEMI_FINISH, "中仕上"),
+            _kind("ROUGH", _ROUGH, _ROUGH_JA),
+            _kind("FINISH", _FINISH, _FINISH_JA),
+            _kind("PROBE", _PROBE),
+            _kind("THREAD", _THREAD, "タップ|ﾀｯﾌﾟ|ねじ|ネジ|ﾈｼﾞ"),
+            _kind("DRILL", _DRILL, "ドリル|ﾄﾞﾘﾙ"),
+        )
+    ),
     re.IGNORECASE,
 )
+JAPANESE_KIND: Final = re.compile(f"{_ROUGH_JA}|{_FINISH_JA}|ドリル|ﾄﾞﾘﾙ|タップ|ﾀｯﾌﾟ|ねじ|ネジ|ﾈｼﾞ")
 
 # Words that look like a kind and are none: blanked before the search.
 FALSE_FRIENDS: Final = re.compile(
@@ -93,15 +104,15 @@ FALSE_FRIENDS: Final = re.compile(
             r"|POSITION|PARTS?(?!\s*OFF)|LINE|PROG\w*|JOB|SPEC|RA|RMS)",
             r"(?:SURFACE|MILL|PROGRAM|JOB)\s+FINISH",
             r"(?:LEAV\w*|STOCK|ALLOWANCE|AUFMA\S+)\W.{0,40}?\b(?:FOR|TO|ZUM|F[UÜ]R)\s+(?:THE\s+)?(?:FIN|SCHLICHT)\w*",
-            r"(?:BEFORE|AFTER|UNTIL|NO|NOT|WITHOUT)\s+(?:THE\s+)?(?:SEMI-?)?(?:ROUGH|FINISH)\w*",
+            r"(?:BEFORE|AFTER|UNTIL|NO|NOT|WITHOUT)\s+(?:THE\s+)?(?:SEMI-?)?(?:ROUGH|FINISH|DRILL|TAP|BOR|REAM)\w*",
             r"SCHLICHT\w*(?:AUFMA|ZUGABE)\w*",
             r"FIN\s+(?:DE|DEL|DU|PROG\w*)",  # French and Spanish: the end
             r"(?:COOLING|HEAT\s?SINK)\s+FINS?",
             r"ACABAD[OA]\s+SUPERFICIAL",
             r"ROUGH(?:\s+(?:STOCK|CAST\w*|SAW\w*|SIZE|BLANK|MATERIAL|FORG\w*|DIA\w*))",
-            r"仕上(?:げ?(?:[代寸径]|しろ|シロ)|が?り)",
         )
-    ),
+    )
+    + "|仕上(?:げ?(?:[代寸径]|しろ|シロ)|が?り)",
     re.IGNORECASE,
 )
 
@@ -114,7 +125,7 @@ STOCK_TO_LEAVE: Final = re.compile(
 # Commands in comment form, and remarks about code: parameters, expressions.
 ACTIVE_OR_CODE: Final = re.compile(
     r"^\W*(?:(?:MSG|DEBUG|PRINT|LOG(?:OPEN|APPEND|CLOSE)?|ABORT|AXIS|PY)\s*,|PROBE(?:OPEN|CLOSE)\b)"
-    r"|#<|\[#|#\d+\s*=|\w\(\)",
+    r"|^'[\w:-]+'\s*,|^#\d|^[A-SU-Z]?\s*=|^MACRO\w+\s*=|O<|\$\{|#<|\[#|#\d+\s*=|\w\(\)",
     re.IGNORECASE,
 )
 # A sentence explains; a title names.
@@ -141,8 +152,8 @@ _STRATEGY: Final = (
     r"|TURNING(?: PART)?|SINGLE GROOVE|CUTOFF"
 )
 STRATEGY_TITLE: Final = re.compile(
-    rf"^(?:(?:[23]D[ -]?)?(?:{_STRATEGY})(?:\d+(?: \d+)?|(?:(?<!DRILL) \d+)?(?:\s*\(\d+\))+|\d+(?:\s*\(\d+\))+)"
-    rf"|(?!DRILL )(?:[23]D[ -])?(?:{_STRATEGY}) \d+"
+    rf"^(?:(?:[23]D[ -]?)?(?:{_STRATEGY})(?:\d+(?: \d+)?(?:\s*\(\d+\))*|(?:\s*\(\d+\))+)"
+    rf"|(?!DRILL )(?:[23]D[ -])?(?:{_STRATEGY}) \d+(?:\s*\(\d+\))*"  # "DRILL 5" is a size
     r"|PART\d+"  # "PART 2" is a workpiece
     rf"|[23]D[ -](?:{_STRATEGY})(?:\s+\S+){{0,4}}"
     r"|PARALLEL|SCALLOP|MORPHED SPIRAL|PENCIL|SWARF|STEEP AND SHALLOW"
@@ -170,20 +181,22 @@ _WORK: Final = _any((*_SEMI_FINISH, *_ROUGH, *_FINISH, *_PROBE, *_THREAD, *_DRIL
 # A title by feature or kind starts with it ("DRILL 4X", "OD ROUGH RIGHT") or ends with its -ING form.
 HAND_TITLE: Final = re.compile(
     rf"^(?:{_PLACE}\s+)*{_LEFT}{_WORK}{_RIGHT}.*$"
-    r"|^(?:[^\W_][\w/.'&-]*\s+){0,4}(?:ROUGHING|ROUGHNIG|ROUGH|FINISHING|FINISH|TURNING|FACING|BORING|DRILLING"
-    r"|TAPPING|THREADING|GROOVING|MILLING|PROFILING|REAMING|ADAPTIVE|CHAMFERING|DEBURRING|ENGRAVING)\s*\d*$",
+    r"|^(?:[^\W_][\w/.'&-]*\s+){0,3}(?:ROUGHING|ROUGHNIG|ROUGH|FINISHING|FINISH|TURNING|FACING|BORING|DRILLING"
+    r"|TAPPING|THREADING|GROOVING|MILLING|PROFILING|REAMING|ADAPTIVE|CHAMFERING|DEBURRING|ENGRAVING"
+    r"|[^\W\d_]*(?:SCHRUPPEN|SCHLICHTEN)|DESBASTE|ACABAMENTO|ACABADO)\s*\d*$",
     re.IGNORECASE,
 )
 _NOTE: Final = (
     r"USING|STOCK|BLOCK|MATERIAL|DATE|TIME|PROG\w*|REV|RAPID|RETRACT|MOVES?|MOTION|OFFSETS?|PARAMETERS?"
     r"|VARIABLES?|NUMBER|FEED(?:RATE)?|RPM|SFM|RATE|COOLANT|SPINDLE|FIXTURE|VISE|JAWS?|NOTES?|CHECK|FAIL(?:ED|S)?"
-    r"|FAILURE|DONE|MODE|TEST|ERROR|EXITING|RESULTS?|START|MACRO|SUB|DIRECTION|TOOL|TRIP|BEGIN"
+    r"|FAILURE|DONE|MODE|TEST|ERROR|EXITING|RESULTS?|START|MACRO|SUB|DIRECTION|TOOL|BEGIN|SPEED"
+    r"|COMP|CLAMPED|DEG\.? TIP"
 )
 # What a title never holds: words of notes, a value ("DEPTH: 1.5"), a measure right after the feature.
 NOT_A_TITLE: Final = re.compile(
     rf"\b(?:{_NOTE})\b|=|:\s*[-+#%\[.\d]|,.*,|\?|!"
     rf"|^\W*{_WORK}{_RIGHT}\W*(?:DEPTH|LENGTH|DIA(?:M\w*|\.)?|RADIUS|WIDTH|ANGLE|PITCH|HEIGHT|SIZE|TIP|CENTERLINE)\s*$"
-    r"|^FIN$|\.(?:NC|TAP|NGC|MPF|TXT)$",
+    r"|^FIN$|^[XYZ] FINISH$|\.(?:NC|TAP|NGC|MPF|TXT)$",
     re.IGNORECASE,
 )
 
@@ -191,11 +204,11 @@ NOT_A_TITLE: Final = re.compile(
 # Canonical name (the words of Fusion's library) and how comments write it; the leftmost match wins, the
 # first of the table at the same place.
 TOOL_TYPES: Final = (
-    ("flat end mill", r"FLAT[\s-]*END[\s-]*MILL|SCHAFTFR\S{1,3}SER|SCHAFTFRSER"),
-    ("ball end mill", r"BALL[\s-]*(?:NOSE[\s-]*)?(?:END[\s-]*)?MILL|BALL[\s-]*NOSE|KUGELFR\S{1,3}SER|KUGELFRSER"),
+    ("flat end mill", r"FLAT[\s-]*END[\s-]*MILL|SCHAFTFR\S{0,3}SER"),
+    ("ball end mill", r"END_?MILL_SPHER|BALL[\s-]*(?:NOSE|(?:END[\s-]*)?MILL)|KUGELFR\S{0,3}SER"),
     ("bull nose end mill", r"BULL[\s-]*(?:NOSE[\s-]*)?(?:END[\s-]*)?MILL|BULL[\s-]*NOSE"),
     ("end mill", r"END[\s_-]*MILL|E\.\s?M\.|EM"),
-    ("face mill", r"(?:FACE|SHELL)[\s-]*MILL|PLANFR\S{1,3}SER|PLANFRSER"),
+    ("face mill", r"(?:FACE|SHELL)[\s-]*MILL|PLANFR\S{0,3}SER"),
     ("chamfer mill", r"CHAMFER[\s-]*(?:END[\s-]*)?(?:MILL|TOOL)"),
     ("thread mill", r"THREAD[\s-]*MILL"),
     ("slot mill", r"SLOT[\s-]*MILL|SLITTING\s+SAW"),
@@ -223,9 +236,10 @@ FUSION_TOOL: Final = re.compile(
     re.IGNORECASE,
 )
 MASTERCAM_TOOL: Final = re.compile(r"^T\s*(?P<n>\d+)\s*\|\s*(?P<name>[^|]*)(?:\||$)", re.IGNORECASE)
-# "TOOL - 1 DIA. OFF. - 1 LEN. - 1 DIA. - .5", "TOOL NO. - 1 OFFSET - 1", "TOOL 17 - 3/8 EM", "Tool Number : 4"
+# "TOOL - 1 DIA. OFF. - 1 LEN. - 1 DIA. - .5", "TOOL NO. - 1", "TOOL 17 - 3/8 EM", "Tool Number: 4"
 TOOL_NUMBER: Final = re.compile(
-    r"^(?:\#\s*)?TOOL(?:\s*(?:NO\.?|NUM(?:BER|\.)?|\#))?\s*[-:=]?\s*(?P<n>\d{1,3})(?![\d./\"])(?P<rest>.*)$", re.IGNORECASE
+    r"^TOOL(?:\s*(?:NO\.?|NUM(?:BER|\.)?|#))?\s*[-:=]?\s*(?P<n>\d{1,3})(?![\d./\"]|\s*MM)(?P<rest>.*)$",
+    re.IGNORECASE,
 )
 # "T01 = 80 DEG ROUGH TURNING TOOL"; the letter O for a nought is common.
 HAND_TOOL: Final = re.compile(r"^T(?P<n>O?\d{1,4})(?:\s*[-=:|,]+\s*|\s+)(?P<rest>\S.*)$", re.IGNORECASE)
@@ -245,14 +259,24 @@ SIZE: Final = re.compile(
     re.IGNORECASE,
 )
 SAID_DIAMETER: Final = re.compile(
-    rf"(?:\bD(?:IA\w*)?\.?\s*[-=:]\s*|\bDESC:\s*(?=\S+\s+DIA\b))(?P<d>{_DECIMAL})(?![\w\"/])", re.IGNORECASE
+    rf"(?:\bD(?:IA\w*)?\.?\s*[-=:]\s*|\bDESC:\s*(?=\S+\s+DIA\b)|\bDIA\.\s+(?!\S+\s*-?\s*FL))"
+    rf"(?P<d>{_DECIMAL})(?![\w\"/])",
+    re.IGNORECASE,
 )
 SAID_NOSE: Final = re.compile(
-    rf"(?<![\w.])(?:(?P<before>{_DECIMAL})\s*(?:TNR|RAD\b|NOSE\s+RAD)|(?:TNR|(?:NOSE|CORNER|TIP)\s+RADIUS)\s*[:=-]?\s*(?P<after>{_DECIMAL})(?!\w))",
+    rf"(?<![\w.])(?:(?P<before>{_DECIMAL})\s*(?:TNR|RAD\b|NOSE\s+RAD)|"
+    rf"(?:TNR|(?:NOSE|CORNER|TIP)\s+RADIUS)\s*[:=-]?\s*(?P<after>{_DECIMAL})(?!\w))",
     re.IGNORECASE,
 )
 # Only a size follows: the comment names the tool ("DRILL 1/4""), not what is done with it.
 ONLY_A_SIZE: Final = re.compile(
-    rf"^(?:DRILL|TAP|REAM(?:ER)?|(?:SPOT|CENT(?:ER|RE))\s*DRILL)\s+(?:D|DIA\.?|Ø)?\s*(?:{_FRACTION}|{_DECIMAL})\s*(?:\"|''|MM|IN\.?|DIA\.?)*\s*$",
+    rf"^(?:DRILL|TAP|REAM(?:ER)?|(?:SPOT|CENT(?:ER|RE))\s*DRILL)\s+(?:D|DIA\.?|Ø)?\s*"
+    rf"(?:{_FRACTION}|{_DECIMAL})\s*(?:\"|''|MM|IN\.?|DIA\.?)*\s*$",
+    re.IGNORECASE,
+)
+# DRILL, TAP and PROBE are things to do as well: they name a tool behind its size or make, not before work.
+WORK_TOO: Final = frozenset({"drill", "spot drill", "center drill", "tap", "counter sink", "probe"})
+TOOL_FOR_SURE: Final = re.compile(
+    r"^(?:[\w./\"'#-]*[\d\"'#][\w./\"'°-]*|LET\S*|HSS|CARBIDE|COBALT)\s.*(?:DRILL|TAP|SINK)S?\s*$|\bTWIST\s+DRILL",
     re.IGNORECASE,
 )

@@ -129,7 +129,8 @@ def _add_rule(builder: BlockBuilder, tree: Tree[Token], text: str) -> None:
         assert isinstance(target, Variable)
         builder.assignments.append(Assignment(target, _expression(children[1]), start, end))
     elif rule == "o_word":
-        label = str(children[1]) if _is_token(children[1]) else text[children[1].meta.start_pos : children[1].meta.end_pos]
+        name = children[1]
+        label = str(name) if _is_token(name) else text[name.meta.start_pos : name.meta.end_pos]
         keyword = str(children[2]).upper()
         keyword = "O-" + _O_WORD_SYNONYMS.get(keyword, keyword)
         arguments = tuple(_expression(node) for node in children[3:])

@@ -144,7 +144,7 @@ def read_by_grammar(line: int, text: str) -> Block:
 
 def _why(text: str, column: int) -> str:
     rest = text[column:].strip()
-    if not rest or column >= len(text) - 1 and text[column].isalpha():
+    if not rest or (column >= len(text) - 1 and text[column].isalpha()):
         return "it ends in the middle of a word or an expression"
     shown = text[column] if text[column].isprintable() else f"byte 0x{ord(text[column]):02X}"
     return f"{shown!r} is not expected here"

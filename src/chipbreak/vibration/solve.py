@@ -1,26 +1,21 @@
 """Two of spindle speed S, vibrations per revolution N and vibration frequency f give all three.
 
 N = 60 f / S ties the three together (JP6416218B2, claims 1 and 4).  A control that commands positions once
-per base period can only vibrate at f = 1 / (n T0), so whatever was asked has to move to that group
-(claim 5); what moves with it is said in ``Solution.reasons``.
+per base period can only vibrate at f = 1 / (n T0), so what was asked moves to that group (claim 5).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.units import MS_PER_S, S_PER_MIN
 
-# An f given as a word this far outside the group is more likely a feed or a slip of the pen.
-FAR_RATIO = 1.25
-
-# Nearer to a whole number than this, the stroke would have to be hundreds of times the feed.
-WHOLE_WITHIN = 1e-3
-
+FAR_RATIO = 1.25  # an f given as a word that far outside the group is more likely a feed
+MOST_TICKS = 1_000_000  # the end of a group without a highest multiple: over an hour per vibration
+WHOLE_WITHIN = 1e-3  # nearer to a whole number, the stroke would have to be hundreds of times the feed
 _FUZZ = 1e-9  # two numbers that differ by less were meant to be equal
 
 
@@ -30,6 +25,9 @@ class Given:
 
     value: float
     origin: str
+
+    def __str__(self) -> str:
+        return f"{shown(self.value)} ({self.origin})"
 
 
 @dataclass(frozen=True)
@@ -45,10 +43,9 @@ class Period:
 class CommandGroup:
     """The vibration frequencies a control can command: f = 1 / (n T0), JP6416218B2 first embodiment.
 
-    ``n`` runs from ``min_multiple`` to ``max_multiple`` (None: no end), or through ``multiples`` when those
-    are listed.  ``periods_s`` lists the periods themselves, for controls whose periods are not multiples of
-    the base period.  One vibration needs a tick forward and a tick back, so n is at least 2.
-    Errors: VIB009 for a group that is empty or cannot be.
+    ``n`` runs from ``min_multiple`` to ``max_multiple`` (None: no end) or through ``multiples``; controls
+    whose periods are not multiples of the base period list ``periods_s``.  A vibration needs a tick forward
+    and a tick back, so n is at least 2.  Errors: VIB009.
     """
 
     base_period_s: float = 0.004
@@ -58,75 +55,39 @@ class CommandGroup:
     periods_s: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
-        if not _is_positive(self.base_period_s):
-            raise _impossible(f"base period {self.base_period_s} s", "give a base period above zero, such as 0.004")
-        if self.multiples is not None and self.periods_s is not None:
-            raise _impossible("multiples and explicit periods together", "give one of the two")
-        if self.multiples is not None and (not self.multiples or min(self.multiples) < 2):
-            raise _impossible(f"multiples {self.multiples}", "list whole numbers from 2 up")
-        if self.periods_s is not None and not (self.periods_s and all(map(_is_positive, self.periods_s))):
-            raise _impossible(f"periods {self.periods_s}", "list periods in seconds, each above zero")
-        if self.min_multiple < 2:
-            raise _impossible(f"lowest multiple {self.min_multiple}", "one vibration is at least two base periods")
-        if self.max_multiple is not None and self.max_multiple < self.min_multiple:
-            raise _impossible(f"multiples {self.min_multiple} to {self.max_multiple}", "the highest is below the lowest")
+        _require(_is_positive(self.base_period_s), "a base period above zero")
+        _require(self.multiples is None or self.periods_s is None, "multiples or explicit periods, not both")
+        _require(self.multiples is None or min(self.multiples, default=0) >= 2, "multiples from 2 up")
+        _require(self.periods_s != () and all(map(_is_positive, self.periods_s or ())), "periods above zero")
+        _require(self.min_multiple >= 2, "a lowest multiple of 2 or more")
+        _require(self.max_multiple is None or self.max_multiple >= self.min_multiple, "multiples in order")
 
     def around(self, frequency_hz: float, count: int = 3) -> tuple[Period, ...]:
-        """The ``count`` periods nearest in frequency, best first; of two equally near the slower comes first.
-
-        Slower, because it asks less of the axis and keeps S = 60 f / N under the clamp.
-        """
-        periods = self._listed()
-        if periods is None:
-            middle = 1.0 / (frequency_hz * self.base_period_s)
-            last = math.inf if self.max_multiple is None else self.max_multiple
-            low = max(self.min_multiple, min(last, math.floor(middle)) - count)
-            high = min(last, max(self.min_multiple, math.ceil(middle)) + count)
-            periods = [self._multiple(n) for n in range(int(low), int(high) + 1)]
-        step_hz = frequency_hz * _FUZZ  # so that a tie survives rounding
-        ranked = sorted(periods, key=lambda p: (round(abs(p.frequency_hz - frequency_hz) / step_hz), p.frequency_hz))
-        return tuple(ranked[:count])
+        """The ``count`` periods nearest in frequency, best first; of two equally near the slower first."""
+        if self.periods_s is not None:
+            periods = [Period(1.0 / p, p, max(2, round(p / self.base_period_s))) for p in self.periods_s]
+        else:
+            last = self.max_multiple or MOST_TICKS
+            middle = min(max(1.0 / (frequency_hz * self.base_period_s), self.min_multiple), last)
+            low = max(self.min_multiple, math.floor(middle) - count)
+            multiples = self.multiples or range(low, min(math.ceil(middle) + count, last) + 1)
+            periods = [Period(1.0 / (n * self.base_period_s), n * self.base_period_s, n) for n in multiples]
+        # The distance is rounded so that a tie survives binary arithmetic.
+        periods.sort(key=lambda p: (round(abs(p.frequency_hz - frequency_hz), 9), p.frequency_hz))
+        return tuple(periods[:count])
 
     def nearest(self, frequency_hz: float) -> Period:
-        """The period nearest in frequency (claim 5, step S5); at a tie the slower one.
+        """The period nearest in frequency (claim 5, step S5); at a tie the slower: it asks less of the axis.
 
         >>> CommandGroup().nearest(75.0)
         Period(frequency_hz=62.5, period_s=0.016, ticks=4)
         """
         return self.around(frequency_hz, 1)[0]
 
-    def at_or_below(self, frequency_hz: float) -> Period | None:
-        """The fastest period that is not faster than ``frequency_hz``; None when the group has none."""
-        periods = self._listed()
-        if periods is None:
-            n = max(self.min_multiple, math.ceil(1.0 / (frequency_hz * self.base_period_s) - _FUZZ))
-            periods = [] if self.max_multiple is not None and n > self.max_multiple else [self._multiple(n)]
-        slow = [p for p in periods if p.frequency_hz <= frequency_hz * (1.0 + _FUZZ)]
-        return max(slow, key=lambda p: p.frequency_hz, default=None)
-
     def contains_near(self, frequency_hz: float) -> bool:
-        """False when ``frequency_hz`` lies more than a quarter beyond the fastest or the slowest of the group.
-
-        A group without a highest n has no slowest frequency, so there nothing is too slow.
-        """
-        periods = self._listed()
-        if periods is None:
-            periods = [self._multiple(self.min_multiple)]
-            if self.max_multiple is None:
-                return frequency_hz <= periods[0].frequency_hz * FAR_RATIO
-            periods.append(self._multiple(self.max_multiple))
-        rates_hz = [p.frequency_hz for p in periods]
-        return min(rates_hz) / FAR_RATIO <= frequency_hz <= max(rates_hz) * FAR_RATIO
-
-    def _multiple(self, n: int) -> Period:
-        return Period(1.0 / (n * self.base_period_s), n * self.base_period_s, n)
-
-    def _listed(self) -> list[Period] | None:
-        if self.multiples is not None:
-            return [self._multiple(n) for n in self.multiples]
-        if self.periods_s is not None:
-            return [Period(1.0 / p, p, max(2, round(p / self.base_period_s))) for p in self.periods_s]
-        return None
+        """False when the frequency lies over a quarter beyond the fastest or the slowest of the group."""
+        slowest_hz, fastest_hz = self.nearest(1e-6).frequency_hz, self.nearest(1e6).frequency_hz
+        return slowest_hz / FAR_RATIO <= frequency_hz <= fastest_hz * FAR_RATIO
 
 
 @dataclass(frozen=True)
@@ -135,8 +96,8 @@ class SolverRules:
 
     ``rounding`` "nearest-half" is the nearest n + phase (step S12), "claim-7" the nearest integer + phase.
     ``phase`` is the wanted fraction of N / edges (0.5, or 1 - forward share for an uneven triangle).
-    ``pn`` and ``mn`` are the tolerances above and below (claim 6), in units of N.  ``correct`` says what gives
-    way: the spindle speed or the count N.  ``resolution_rpm`` is the step of a printed S.
+    ``pn`` and ``mn`` are the tolerances above and below (claim 6), in units of N.  ``correct`` says what
+    gives way: the spindle speed or the count N.  ``resolution_rpm`` is the step of a printed S.  VIB009.
     """
 
     rounding: Literal["nearest-half", "claim-7"] = "nearest-half"
@@ -149,14 +110,16 @@ class SolverRules:
     min_rpm: float = 0.0
     max_rpm: float | None = None
 
+    def __post_init__(self) -> None:
+        _require(0.0 < self.phase < 1.0, "a phase between 0 and 1")
+        _require(_is_positive(self.resolution_rpm), "a spindle resolution above zero")
+        _require(self.edges >= 1, "one cutting edge or more")
+        _require(all(0.0 <= (t or 0.0) < math.inf for t in (self.pn, self.mn)), "PN and MN of zero or more")
+
 
 @dataclass(frozen=True)
 class Solution:
-    """All three, consistent: ``per_rev`` = 60 ``frequency_hz`` / ``speed_rpm`` with S as it will be printed.
-
-    ``reasons`` holds one sentence per correction, and is empty when what was asked can be had unchanged.
-    ``changed_speed`` is about an S that was given; an S that follows from N and f is not a change.
-    """
+    """All three, consistent: N = 60 f / S with S as it will be printed; one sentence per correction."""
 
     speed_rpm: float
     per_rev: float
@@ -164,19 +127,11 @@ class Solution:
     period: Period
     reasons: tuple[str, ...]
     changed_speed: bool
-    changed_per_rev: bool
-    changed_frequency: bool
 
 
-def number_text(value: float) -> str:
-    """A number for people: four decimals at most, no trailing zeros.
-
-    >>> number_text(2586.20690), number_text(3000.0), number_text(0.00002)
-    ('2586.2069', '3000', '2e-05')
-    """
-    if value != 0.0 and not 1e-3 <= abs(value) < 1e12:
-        return f"{value:.4g}"
-    return f"{value:.4f}".rstrip("0").rstrip(".")
+def shown(value: float) -> str:
+    """A number for people, six digits at most: ``2586.21``."""
+    return f"{value:.6g}"
 
 
 def never_breaks(per_rev: float, edges: int = 1) -> bool:
@@ -188,203 +143,157 @@ def never_breaks(per_rev: float, edges: int = 1) -> bool:
 def preferred_per_rev(per_rev: float, rules: SolverRules) -> float:
     """The N that breaks best near ``per_rev``: edges * (n + phase), n = 0, 1, 2, ...
 
-    At a tie "nearest-half" takes the larger N (shorter chips, slower spindle); "claim-7" takes the smaller
-    integer, so that an N which is already n + 0.5 stays.
+    At a tie "nearest-half" takes the larger N (shorter chips), "claim-7" the smaller integer (n + 0.5 stays).
 
     >>> preferred_per_rev(1.75, SolverRules()), preferred_per_rev(1.75, SolverRules(rounding="claim-7"))
     (1.5, 2.5)
     """
     share = per_rev / rules.edges
-    if rules.rounding == "claim-7":
-        n = math.ceil(share - 0.5 - _FUZZ)
-    else:
-        n = math.floor(share - rules.phase + 0.5 + _FUZZ)
+    by_claim_7 = rules.rounding == "claim-7"
+    n = math.ceil(share - 0.5 - _FUZZ) if by_claim_7 else math.floor(share - rules.phase + 0.5 + _FUZZ)
     return rules.edges * (max(n, 0) + rules.phase)
 
 
 def solve(
-    *, speed: Given | None, per_rev: Given | None, frequency: Given | None, group: CommandGroup, rules: SolverRules
+    *,
+    speed: Given | None,
+    per_rev: Given | None,
+    frequency: Given | None,
+    group: CommandGroup,
+    rules: SolverRules,
 ) -> Solution:
     """Determine S, N and f from exactly two of them (JP6416218B2, steps S1 to S13, claims 4 to 7).
 
-    ``speed`` is in rpm, ``per_rev`` in 1/rev, ``frequency`` in Hz.  Errors: VIB001 fewer than two given,
-    VIB002 three given, VIB003 not a number above zero, VIB004 f far outside the group, VIB005 N / edges whole,
-    VIB006 S above the clamp, VIB007 S below the least, VIB008 f too slow for S, VIB009 impossible rules.
+    In rpm, 1/rev and Hz.  Errors: VIB001 fewer than two given, VIB002 all three, VIB003 not above zero,
+    VIB004 f far outside the group, VIB005 N / edges whole, VIB006 S above the clamp, VIB007 S below the
+    least, VIB008 S changed beyond reason: more than doubled, or more than halved for an f that was given.
     """
-    _check_rules(rules)
-    _check_given((("S", speed), ("N", per_rev), ("f", frequency)))
+    _check_given({"S": speed, "N": per_rev, "f": frequency})
     reasons: list[str] = []
     if frequency is not None:
-        _check_near(frequency, group)
         asked_hz = frequency.value
+        if not group.contains_near(asked_hz):
+            near = ", ".join(shown(period.frequency_hz) for period in group.around(asked_hz))
+            way_out = f"the nearest are {near} Hz; a feed is written with an upper-case F"
+            raise RefusalError("VIB004", f"f {frequency} is far from all the control can command", way_out)
     else:
         assert speed is not None and per_rev is not None
         asked_hz = per_rev.value * speed.value / S_PER_MIN
     period = group.nearest(asked_hz)
-    changed_frequency = not math.isclose(asked_hz, period.frequency_hz, rel_tol=1e-4)
-    if changed_frequency:
-        change = f"f {number_text(asked_hz)} -> {number_text(period.frequency_hz)} Hz"
-        reasons.append(f"{change}, nearest the control can command ({_how_long(period, group)})")
-
+    # 41.667 Hz is how people write 1 / 24 ms; that is no correction.
+    if not math.isclose(asked_hz, period.frequency_hz, rel_tol=1e-4):
+        size = f"{shown(period.period_s * MS_PER_S)} ms" if group.periods_s else f"n = {period.ticks}"
+        near = f"{shown(period.frequency_hz)} Hz, nearest the control can command ({size})"
+        reasons.append(f"f {shown(asked_hz)} -> {near}")
     if per_rev is not None:
         wanted = per_rev.value
         if speed is None or rules.correct == "spindle":
             _check_breaks(wanted, rules, per_rev.origin)
     else:
-        assert speed is not None and frequency is not None
-        wanted = _count_from(speed, frequency, period, rules, reasons)
-    speed_rpm = _speed(speed, wanted, period, rules, reasons, keeps_count=per_rev is not None)
-    reached = S_PER_MIN * period.frequency_hz / speed_rpm
-    _check_breaks(reached, rules, f"from S {number_text(speed_rpm)} and f {number_text(period.frequency_hz)}")
+        assert speed is not None
+        wanted = _count(speed, period, rules, reasons)
+    speed_rpm = _speed(speed, wanted, period, rules, reasons)
+    reached = _ratio(period, speed_rpm)
+    _check_breaks(reached, rules, f"S {shown(speed_rpm)}, f {shown(period.frequency_hz)}")
     _check_speed(speed_rpm, wanted, group, rules)
-    return Solution(
-        speed_rpm=speed_rpm,
-        per_rev=reached,
-        frequency_hz=period.frequency_hz,
-        period=period,
-        reasons=tuple(reasons),
-        changed_speed=speed is not None and speed_rpm != speed.value,
-        changed_per_rev=per_rev is not None and not math.isclose(reached, per_rev.value, rel_tol=1e-9),
-        changed_frequency=changed_frequency,
-    )
+    if speed is not None and speed_rpm > 2.0 * speed.value:  # a surprise that can throw the part
+        raise RefusalError("VIB008", f"S {speed} would become {shown(speed_rpm)} rpm", "give a larger N")
+    changed = speed is not None and speed_rpm != speed.value
+    return Solution(speed_rpm, reached, period.frequency_hz, period, tuple(reasons), changed)
 
 
-def _count_from(
-    speed: Given, frequency: Given, period: Period, rules: SolverRules, reasons: list[str]
-) -> float:
-    """N of given S and f (steps S8 to S12); nothing is corrected when S already is right to its resolution."""
-    raw = S_PER_MIN * period.frequency_hz / speed.value
+def _count(speed: Given, period: Period, rules: SolverRules, reasons: list[str]) -> float:
+    """N of given S and f (steps S8 to S12); nothing changes when S is right to its resolution already."""
+    raw = _ratio(period, speed.value)
     if rules.correct == "count":
         return raw
-    half_step_rpm = rules.resolution_rpm / 2 + _FUZZ
-    best = preferred_per_rev(raw, SolverRules(phase=rules.phase, edges=rules.edges))
-    if abs(S_PER_MIN * period.frequency_hz / best - speed.value) > half_step_rpm:
+    best = preferred_per_rev(raw, replace(rules, rounding="nearest-half"))
+    if not _prints_as(speed, best, period, rules):
         best = preferred_per_rev(raw, rules)
     low, high = best - (rules.mn or 0.0), best + (rules.pn or 0.0)
     count = min(max(raw, low), high)
     if raw < min(count, rules.edges * rules.phase) / 2:
-        raise RefusalError(
-            "VIB008",
-            f"f {number_text(frequency.value)} ({frequency.origin}) with S {number_text(speed.value)} ({speed.origin})"
-            f" is N {number_text(raw)}; N {number_text(count)} would need less than half that spindle speed",
-            f"give a higher f, or give N and f and let S follow (S {number_text(raw * speed.value / count)})",
-        )
-    if abs(S_PER_MIN * period.frequency_hz / count - speed.value) > half_step_rpm:
-        rule = "nearest integer + phase (claim 7)" if rules.rounding == "claim-7" else "nearest n + phase"
-        why = f"{rule}, phase {number_text(rules.phase)}"
-        if rules.edges > 1:
-            why += f", {rules.edges} edges"
+        what = f"S {speed} with f {shown(period.frequency_hz)} Hz makes N {shown(raw)}"
+        slower = f"N {shown(count)} would need less than half that spindle speed"
+        raise RefusalError("VIB008", f"{what}; {slower}", "give a higher f, or N and f without S")
+    if not _prints_as(speed, count, period, rules):
+        why = "nearest integer + phase (claim 7)" if rules.rounding == "claim-7" else "nearest n + phase"
+        why += f", phase {shown(rules.phase)}" + (f", {rules.edges} edges" if rules.edges > 1 else "")
         if count != best:
-            why = f"the tolerance {number_text(low)} to {number_text(high)} around {number_text(best)}, {why}"
-        reasons.append(f"N {number_text(raw)} -> {number_text(count)}, {why}")
+            why = f"tolerance {shown(low)} to {shown(high)} around {shown(best)} ({why})"
+        reasons.append(f"N {shown(raw)} -> {shown(count)}, {why}")
     return count
 
 
-def _speed(
-    given: Given | None, wanted: float, period: Period, rules: SolverRules, reasons: list[str], *, keeps_count: bool
-) -> float:
-    """S as it will be printed; a given S that is right to its resolution, or that must stay, is returned as is."""
-    exact_rpm = S_PER_MIN * period.frequency_hz / wanted
+def _speed(given: Given | None, wanted: float, period: Period, rules: SolverRules, why: list[str]) -> float:
+    """S [rpm] as it will be printed; a given S that is right to its resolution, or must stay, is kept."""
     if given is not None and rules.correct == "count":
-        reached = S_PER_MIN * period.frequency_hz / given.value
-        if not math.isclose(reached, wanted, rel_tol=1e-9):
-            change = f"N {number_text(wanted)} -> {number_text(reached)}"
-            reasons.append(f"{change}, so that S stays {number_text(given.value)} rpm")
+        kept = _ratio(period, given.value)
+        if not math.isclose(kept, wanted, rel_tol=1e-9):
+            why.append(f"N {shown(wanted)} -> {shown(kept)} so that S stays {shown(given.value)} rpm")
         return given.value
-    if given is not None and abs(exact_rpm - given.value) <= rules.resolution_rpm / 2 + _FUZZ:
+    if given is not None and _prints_as(given, wanted, period, rules):
         return given.value
+    exact_rpm = _ratio(period, wanted)
     # Rounded again because 25862 * 0.1 is not 2586.2 in binary.
     printed_rpm = round(math.floor(exact_rpm / rules.resolution_rpm + 0.5) * rules.resolution_rpm, 9)
     if printed_rpm <= 0.0:
-        raise RefusalError("VIB007", f"S {number_text(exact_rpm)} rpm prints as zero", "give a smaller N or a higher f")
+        raise RefusalError("VIB007", f"S {shown(exact_rpm)} rpm prints as zero", "give a smaller N")
     if given is not None:
-        verb = "stays" if keeps_count else "becomes"
-        change = f"S {number_text(given.value)} -> {number_text(printed_rpm)} rpm"
-        reasons.append(f"{change} so that N {verb} {number_text(wanted)}")
+        why.append(f"S {shown(given.value)} -> {shown(printed_rpm)} rpm so that N is {shown(wanted)}")
     if not math.isclose(printed_rpm, exact_rpm, rel_tol=1e-9):
-        reached = number_text(S_PER_MIN * period.frequency_hz / printed_rpm)
-        reasons.append(
-            f"S {number_text(exact_rpm)} prints as {number_text(printed_rpm)} rpm, which makes N {reached}"
-        )
+        count = shown(_ratio(period, printed_rpm))
+        why.append(f"S {exact_rpm:.4f} prints as {shown(printed_rpm)} rpm, which makes N {count}")
     return printed_rpm
 
 
-def _check_given(values: Iterable[tuple[str, Given | None]]) -> None:
-    given = [(name, value) for name, value in values if value is not None]
-    told = ", ".join(f"{name} {number_text(v.value)} ({v.origin})" for name, v in given) or "none"
+def _ratio(period: Period, speed_or_count: float) -> float:
+    """60 f / S = N, and 60 f / N = S."""
+    return S_PER_MIN * period.frequency_hz / speed_or_count
+
+
+def _prints_as(speed: Given, count: float, period: Period, rules: SolverRules) -> bool:
+    """True when the given S is what N ``count`` needs, to the resolution of the control."""
+    return abs(_ratio(period, count) - speed.value) <= rules.resolution_rpm / 2 + _FUZZ
+
+
+def _check_given(values: dict[str, Given | None]) -> None:
+    given = {name: value for name, value in values.items() if value is not None}
+    told = ", ".join(f"{name} {value}" for name, value in given.items()) or "none"
     if len(given) > 2:
-        raise RefusalError(
-            "VIB002", f"S, N and f are all given: {told}", "leave one out; it follows from N = 60 f / S"
-        )
+        raise RefusalError("VIB002", f"S, N and f are all given: {told}", "leave one out: N = 60 f / S")
     if len(given) < 2:
-        raise RefusalError(
-            "VIB001", f"two of S, N and f are needed, given: {told}", "give another of S, N and f"
-        )
-    for name, value in given:
+        raise RefusalError("VIB001", f"two of S, N and f are needed, given: {told}", "give one more")
+    for name, value in given.items():
         if not _is_positive(value.value):
-            raise RefusalError(
-                "VIB003", f"{name} {value.value:g} ({value.origin}) is not a number above zero", f"correct {name}"
-            )
-
-
-def _check_near(frequency: Given, group: CommandGroup) -> None:
-    if not group.contains_near(frequency.value):
-        near = ", ".join(number_text(p.frequency_hz) for p in group.around(frequency.value))
-        raise RefusalError(
-            "VIB004",
-            f"f {number_text(frequency.value)} Hz ({frequency.origin}) is far from what the control can command",
-            f"the nearest are {near} Hz; a feed is written with an upper-case F",
-        )
+            raise RefusalError("VIB003", f"{name} {value} is not a number above zero", f"correct {name}")
 
 
 def _check_breaks(per_rev: float, rules: SolverRules, origin: str) -> None:
     if never_breaks(per_rev, rules.edges):
         whole = round(per_rev / rules.edges)
         low, high = (rules.edges * (n + rules.phase) for n in (max(whole - 1, 0), whole))
-        edges = f" / {rules.edges} edges" if rules.edges > 1 else ""
-        raise RefusalError(
-            "VIB005",
-            f"N {number_text(per_rev)} ({origin}){edges} is a whole number: each pass repeats the last, no chip breaks",
-            f"N {number_text(low)} or {number_text(high)} breaks best",
-        )
+        what = f"N {shown(per_rev)} ({origin})" + (f" / {rules.edges} edges" if rules.edges > 1 else "")
+        way_out = f"N {shown(low)} or {shown(high)} breaks best"
+        raise RefusalError("VIB005", f"{what} is a whole number, so no chip ever breaks", way_out)
 
 
 def _check_speed(speed_rpm: float, wanted: float, group: CommandGroup, rules: SolverRules) -> None:
     if rules.max_rpm is not None and speed_rpm > rules.max_rpm + _FUZZ:
-        slower = group.at_or_below(rules.max_rpm * wanted / S_PER_MIN)
-        way = f"f {number_text(slower.frequency_hz)} Hz with N {number_text(wanted)} stays below it" if slower else ""
-        raise RefusalError(
-            "VIB006",
-            f"S {number_text(speed_rpm)} rpm is above the clamp of {number_text(rules.max_rpm)} rpm",
-            way or "give a larger N",
-        )
+        most_hz = rules.max_rpm * wanted / S_PER_MIN
+        slower = [p.frequency_hz for p in group.around(most_hz) if p.frequency_hz <= most_hz]
+        way_out = f"give f {shown(slower[0])} Hz or a larger N" if slower else "give a larger N"
+        clamp = f"S {shown(speed_rpm)} rpm is above the clamp of {shown(rules.max_rpm)} rpm"
+        raise RefusalError("VIB006", clamp, way_out)
     if speed_rpm < rules.min_rpm - _FUZZ:
-        raise RefusalError(
-            "VIB007",
-            f"S {number_text(speed_rpm)} rpm is below the least of {number_text(rules.min_rpm)} rpm",
-            "give a smaller N or a higher f",
-        )
-
-
-def _check_rules(rules: SolverRules) -> None:
-    if not 0.0 < rules.phase < 1.0:
-        raise _impossible(f"phase {rules.phase}", "the phase lies between 0 and 1")
-    if not _is_positive(rules.resolution_rpm):
-        raise _impossible(f"spindle resolution {rules.resolution_rpm} rpm", "give a step above zero, such as 1")
-    if rules.edges < 1:
-        raise _impossible(f"{rules.edges} cutting edges", "give 1 or more")
-    for name, tolerance in (("PN", rules.pn), ("MN", rules.mn)):
-        if tolerance is not None and not (math.isfinite(tolerance) and tolerance >= 0.0):
-            raise _impossible(f"tolerance {name} {tolerance}", "a tolerance is zero or more")
-
-
-def _how_long(period: Period, group: CommandGroup) -> str:
-    return f"{number_text(period.period_s * MS_PER_S)} ms" if group.periods_s else f"n = {period.ticks}"
+        least = f"S {shown(speed_rpm)} rpm is below the least of {shown(rules.min_rpm)} rpm"
+        raise RefusalError("VIB007", least, "give a smaller N")
 
 
 def _is_positive(value: float) -> bool:
     return math.isfinite(value) and value > 0.0
 
 
-def _impossible(what: str, way_out: str) -> RefusalError:
-    return RefusalError("VIB009", f"vibration settings cannot have {what}", way_out)
+def _require(ok: bool, what: str) -> None:
+    if not ok:
+        raise RefusalError("VIB009", f"vibration settings need {what}", "correct the machine profile")

@@ -1,0 +1,99 @@
+"""The shape of a dialect.  G codes are keyed by ten times their number, so G38.2 is 382."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+# Groups whose codes act in their own block only.  The interpreter and the refusals know them by value.
+ONCE = "once"
+
+
+class Code(NamedTuple):
+    """What a G code does: it sets ``group`` to ``value``."""
+
+    group: str
+    value: str
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """A control's vocabulary.
+
+    ``g_codes``       ten times the G number -> Code
+    ``initial``       modal groups at power-on
+    ``incremental``   letters that always move incrementally -> the axis (U -> X); empty where they are axes
+    ``tool_change``   "T" where a T word changes the tool at once, "M6" where M6 does
+    ``speed_limit``   G codes (times ten) that limit the spindle when they stand with S
+    ``machine_retract`` blocks that take the tool to the machine's safe end of travel, in order
+    """
+
+    name: str
+    title: str
+    is_lathe: bool
+    g_codes: Mapping[int, Code]
+    initial: Mapping[str, str]
+    tool_change: str
+    lathe_system: str = ""
+    incremental: Mapping[str, str] = field(default_factory=dict)
+    speed_limit: frozenset[int] = frozenset()
+    machine_retract: tuple[str, ...] = ()
+    reads_comments_in_lower_case: bool = False
+
+    def code(self, group: str, value: str) -> str:
+        """The G code that sets a modal group, such as ``G95`` for feed_mode, rev.
+
+        Raises KeyError where the control has none.
+        """
+        for number, code in self.g_codes.items():
+            if code == (group, value):
+                whole, tenth = divmod(number, 10)
+                return f"G{whole}.{tenth}" if tenth else f"G{whole}"
+        raise KeyError(f"{group} {value}")
+
+    def can(self, group: str, value: str) -> bool:
+        """True when the control has a code for this."""
+        return Code(group, value) in self.g_codes.values()
+
+
+def table(**groups: Mapping[str, str]) -> dict[int, Code]:
+    """Build a G code table from ``group={"G0": "rapid", ...}``; codes may share a cell: ``"G43 G44"``."""
+    codes: dict[int, Code] = {}
+    for group, entries in groups.items():
+        for names, value in entries.items():
+            for name in names.split():
+                codes[round(float(name[1:]) * 10)] = Code(group, value)
+    return codes
+
+
+# What nearly every ISO 6983 control shares.
+COMMON = table(
+    motion={"G0": "rapid", "G1": "line", "G2": "cw", "G3": "ccw"},
+    plane={"G17": "XY", "G18": "ZX", "G19": "YZ"},
+    units={"G20": "inch", "G21": "mm"},
+    compensation={"G40": "off", "G41 G41.1": "left", "G42 G42.1": "right"},
+    work_offset={
+        "G54": "G54",
+        "G55": "G55",
+        "G56": "G56",
+        "G57": "G57",
+        "G58": "G58",
+        "G59": "G59",
+        "G54.1": "G54.1",
+        "G59.1": "G59.1",
+        "G59.2": "G59.2",
+        "G59.3": "G59.3",
+    },
+    once={
+        "G4": "dwell",
+        "G9": "exact-stop",
+        "G10": "data-setting",
+        "G11": "data-setting-end",
+        "G28 G28.1 G30 G30.1": "home",
+        "G31": "skip",
+        "G52": "shift",
+        "G53": "machine",
+        "G65": "macro-call",
+    },
+)

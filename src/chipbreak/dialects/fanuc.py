@@ -1,0 +1,159 @@
+"""Fanuc-type controls: lathe code systems A, B and C, and the machining centre."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+from chipbreak.dialects.base import COMMON, Dialect, table
+
+_INCREMENTAL = MappingProxyType({"U": "X", "V": "Y", "W": "Z", "H": "C"})
+
+_LATHE = COMMON | table(
+    motion={"G32 G33 G34": "thread", "G80": "none", "G83 G84 G85 G87 G88 G89": "cycle"},
+    speed_mode={"G96": "surface", "G97": "rpm"},
+    rotation={"G69 G69.1": "off", "G68 G68.1": "on"},
+    polar={"G13.1 G113": "off", "G12.1 G112": "on"},
+    cylinder={"G7.1 G107": "switched"},
+    polygon={"G50.2 G250": "off", "G51.2 G251": "on"},
+    modal_macro={"G67": "off", "G66 G66.1": "on"},
+    look_ahead={"G5.1 G5": "switched"},
+    once={"G22 G23 G25 G26 G27 G36 G37 G37.1": "service"},
+)
+
+_LATHE_INITIAL = MappingProxyType(
+    {
+        "motion": "rapid",
+        "plane": "ZX",
+        "distance": "absolute",
+        "feed_mode": "rev",
+        "units": "mm",
+        "compensation": "off",
+        "speed_mode": "rpm",
+        "work_offset": "G54",
+    }
+)
+
+_CYCLES_AB = table(
+    once={
+        "G70": "finish-cycle",
+        "G71 G72 G73": "rough-cycle",
+        "G74 G75": "peck-cycle",
+        "G76": "thread-cycle",
+    }
+)
+
+FANUC_LATHE_A = Dialect(
+    name="fanuc-lathe",
+    title="Fanuc lathe, code system A",
+    lathe_system="A",
+    is_lathe=True,
+    g_codes=_LATHE
+    | _CYCLES_AB
+    | table(
+        feed_mode={"G98": "minute", "G99": "rev"},
+        motion={"G90 G94": "turning-cycle", "G92": "threading-cycle"},
+        once={"G50": "set-position"},
+    ),
+    initial=_LATHE_INITIAL,
+    tool_change="T",
+    incremental=_INCREMENTAL,
+    speed_limit=frozenset({500}),
+    machine_retract=("G28 U0", "G28 W0"),
+)
+
+FANUC_LATHE_B = Dialect(
+    name="fanuc-lathe",
+    title="Fanuc lathe, code system B",
+    lathe_system="B",
+    is_lathe=True,
+    g_codes=_LATHE
+    | _CYCLES_AB
+    | table(
+        feed_mode={"G94": "minute", "G95": "rev"},
+        distance={"G90": "absolute", "G91": "incremental"},
+        return_level={"G98": "initial", "G99": "r-plane"},
+        motion={"G77 G79": "turning-cycle", "G78": "threading-cycle"},
+        once={"G50 G92": "set-position"},
+    ),
+    initial=_LATHE_INITIAL,
+    tool_change="T",
+    incremental=_INCREMENTAL,
+    speed_limit=frozenset({500, 920}),
+    machine_retract=("G28 U0", "G28 W0"),
+)
+
+FANUC_LATHE_C = Dialect(
+    name="fanuc-lathe",
+    title="Fanuc lathe, code system C",
+    lathe_system="C",
+    is_lathe=True,
+    g_codes=_LATHE
+    | table(
+        units={"G70": "inch", "G71": "mm"},
+        feed_mode={"G94": "minute", "G95": "rev"},
+        distance={"G90": "absolute", "G91": "incremental"},
+        return_level={"G98": "initial", "G99": "r-plane"},
+        motion={"G20 G24": "turning-cycle", "G21": "threading-cycle"},
+        once={
+            "G50 G92": "set-position",
+            "G72": "finish-cycle",
+            "G73 G74 G75": "rough-cycle",
+            "G76 G77": "peck-cycle",
+            "G78": "thread-cycle",
+        },
+    ),
+    initial=_LATHE_INITIAL,
+    tool_change="T",
+    incremental=_INCREMENTAL,
+    speed_limit=frozenset({500, 920}),
+    machine_retract=("G28 U0", "G28 W0"),
+)
+
+FANUC_MILL = Dialect(
+    name="fanuc-mill",
+    title="Fanuc machining centre",
+    is_lathe=False,
+    g_codes=COMMON
+    | table(
+        motion={
+            "G33": "thread",
+            "G80": "none",
+            "G73 G74 G76 G81 G82 G83 G84 G84.2 G85 G86 G87 G88 G89": "cycle",
+        },
+        distance={"G90": "absolute", "G91": "incremental"},
+        feed_mode={"G93": "inverse", "G94": "minute", "G95": "rev"},
+        return_level={"G98": "initial", "G99": "r-plane"},
+        speed_mode={"G96": "surface", "G97": "rpm"},
+        length_offset={"G49 G49.1": "off", "G43 G43.1 G43.4 G43.5 G44": "on"},
+        rotation={"G69": "off", "G68 G68.2 G68.3": "on"},
+        scaling={"G50": "off", "G51": "on"},
+        mirror={"G50.1": "off", "G51.1": "on"},
+        polar={"G15": "off", "G16": "on"},
+        interpolation={"G13.1": "off", "G12.1": "on"},
+        path={"G61": "exact", "G62": "corner", "G63": "tapping", "G64": "blend"},
+        modal_macro={"G67": "off", "G66 G66.1": "on"},
+        look_ahead={"G5 G5.1 G5.3": "switched", "G8": "switched"},
+        once={
+            "G92 G92.1": "set-position",
+            "G22 G23 G25 G26 G27 G29 G37 G45 G46 G47 G48": "service",
+            "G53.1": "tilt",
+            "G7 G12 G13": "service",
+        },
+    ),
+    initial=MappingProxyType(
+        {
+            "motion": "rapid",
+            "plane": "XY",
+            "distance": "absolute",
+            "feed_mode": "minute",
+            "units": "mm",
+            "compensation": "off",
+            "length_offset": "off",
+            "speed_mode": "rpm",
+            "work_offset": "G54",
+            "path": "blend",
+        }
+    ),
+    tool_change="M6",
+    machine_retract=("G91 G28 Z0.", "G90"),
+)

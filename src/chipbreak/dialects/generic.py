@@ -1,0 +1,53 @@
+"""A lathe whose control is not named: the codes that nearly all of them read the same way."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+from chipbreak.dialects.base import COMMON, Dialect, table
+
+GENERIC_LATHE = Dialect(
+    name="generic-lathe",
+    title="Lathe with ISO 6983 codes",
+    is_lathe=True,
+    g_codes=COMMON
+    | table(
+        motion={
+            "G32 G33 G34": "thread",
+            "G80": "none",
+            "G81 G82 G83 G84 G85 G86 G87 G88 G89": "cycle",
+        },
+        distance={"G90": "absolute", "G91": "incremental"},
+        feed_mode={"G94": "minute", "G95": "rev", "G93": "inverse", "G98": "minute", "G99": "rev"},
+        speed_mode={"G96": "surface", "G97": "rpm"},
+        path={"G61": "exact", "G64": "blend"},
+        rotation={"G69": "off", "G68": "on"},
+        polar={"G113 G13.1": "off", "G112 G12.1": "on"},
+        cylinder={"G107 G7.1": "switched"},
+        modal_macro={"G67": "off", "G66": "on"},
+        once={
+            "G50 G92": "set-position",
+            "G70": "finish-cycle",
+            "G71 G72 G73": "rough-cycle",
+            "G74 G75": "peck-cycle",
+            "G76": "thread-cycle",
+            "G27 G36 G37": "service",
+        },
+    ),
+    initial=MappingProxyType(
+        {
+            "motion": "rapid",
+            "plane": "ZX",
+            "distance": "absolute",
+            "feed_mode": "rev",
+            "units": "mm",
+            "compensation": "off",
+            "speed_mode": "rpm",
+            "work_offset": "G54",
+        }
+    ),
+    tool_change="T",
+    incremental=MappingProxyType({"U": "X", "V": "Y", "W": "Z", "H": "C"}),
+    speed_limit=frozenset({500, 920}),
+    machine_retract=("G28 U0", "G28 W0"),
+)

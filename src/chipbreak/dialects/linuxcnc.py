@@ -1,0 +1,69 @@
+"""LinuxCNC 2.9: one interpreter, with the power-on modes a lathe and a mill are configured for."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+from chipbreak.dialects.base import COMMON, Dialect, table
+
+_CODES = COMMON | table(
+    motion={
+        "G33 G33.1": "thread",
+        "G76": "thread-cycle",
+        "G80": "none",
+        "G73 G74 G81 G82 G83 G84 G85 G86 G87 G88 G89": "cycle",
+        "G5 G5.1 G5.2 G5.3": "spline",
+        "G38.2 G38.3 G38.4 G38.5": "probe",
+    },
+    distance={"G90": "absolute", "G91": "incremental"},
+    arc_distance={"G90.1": "absolute", "G91.1": "incremental"},
+    feed_mode={"G93": "inverse", "G94": "minute", "G95": "rev"},
+    speed_mode={"G96": "surface", "G97": "rpm"},
+    length_offset={"G49": "off", "G43 G43.1 G43.2": "on"},
+    return_level={"G98": "initial", "G99": "r-plane"},
+    path={"G61": "exact", "G61.1": "exact-stop", "G64": "blend"},
+    diameter={"G7": "diameter", "G8": "radius"},
+    once={
+        "G92 G92.1 G92.2 G92.3": "set-position",
+        "G70": "finish-cycle",
+        "G71 G71.1 G71.2 G72 G72.1 G72.2": "rough-cycle",
+    },
+)
+# LinuxCNC has neither G9, G11, G31 nor the calls of Fanuc macros.
+for _absent in (90, 110, 310, 650, 541):
+    _CODES.pop(_absent)
+
+_INITIAL = {
+    "motion": "none",
+    "distance": "absolute",
+    "arc_distance": "incremental",
+    "feed_mode": "minute",
+    "units": "mm",
+    "compensation": "off",
+    "length_offset": "off",
+    "speed_mode": "rpm",
+    "work_offset": "G54",
+    "path": "blend",
+}
+
+LINUXCNC_LATHE = Dialect(
+    name="linuxcnc-lathe",
+    title="LinuxCNC, lathe",
+    is_lathe=True,
+    g_codes=_CODES,
+    initial=MappingProxyType(_INITIAL | {"plane": "ZX"}),
+    tool_change="M6",
+    machine_retract=("G53 G0 X0", "G53 G0 Z0"),
+    reads_comments_in_lower_case=True,
+)
+
+LINUXCNC_MILL = Dialect(
+    name="linuxcnc-mill",
+    title="LinuxCNC, mill",
+    is_lathe=False,
+    g_codes=_CODES,
+    initial=MappingProxyType(_INITIAL | {"plane": "XY"}),
+    tool_change="M6",
+    machine_retract=("G53 G0 Z0",),
+    reads_comments_in_lower_case=True,
+)

@@ -1,0 +1,1 @@
+"""What blocks mean: modal groups, positions, operations."""

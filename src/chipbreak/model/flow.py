@@ -1,0 +1,91 @@
+"""Where a program does not simply run from one line to the next."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass
+
+from chipbreak.dialects import Dialect
+from chipbreak.dialects.base import ONCE
+from chipbreak.syntax.nodes import Block
+from chipbreak.syntax.parse import Program
+
+CONTOUR_CYCLES = ("rough-cycle", "finish-cycle")
+
+
+@dataclass(frozen=True)
+class Flow:
+    """Jump targets and cycle contours.
+
+    ``targets``   lines that a GOTO may reach
+    ``contours``  [first, last] lines of shapes that G70 to G73 call by P and Q: no moves of their own
+    """
+
+    targets: frozenset[int]
+    contours: tuple[tuple[int, int], ...]
+
+    @property
+    def is_straight(self) -> bool:
+        """True when every line follows the one before it."""
+        return not self.targets and not self.contours
+
+    def in_contour(self, line: int) -> bool:
+        """True inside the shape of a cycle."""
+        at = bisect_right(self.contours, (line, 1 << 62)) - 1
+        return at >= 0 and self.contours[at][0] <= line <= self.contours[at][1]
+
+
+def read_flow(program: Program, dialect: Dialect) -> Flow:
+    """Find the jumps and the contours of a program."""
+    jumps: set[int] = set()
+    anywhere = False
+    cycles: list[tuple[Block, int, int]] = []
+    for block in program.event_blocks():
+        for control in block.controls:
+            if control.keyword == "GOTO":
+                number = control.label.strip("Nn")
+                anywhere |= not number.isdigit()
+                jumps.add(int(number) if number.isdigit() else -1)
+        cycle = _contour_cycle(block, dialect)
+        if cycle:
+            cycles.append((block, *cycle))
+    numbers = _sequence_lines(program) if jumps or cycles else {}
+    targets = {line for number, lines in numbers.items() if anywhere or number in jumps for line in lines}
+    return Flow(frozenset(targets), _contours(cycles, numbers))
+
+
+def _contour_cycle(block: Block, dialect: Dialect) -> tuple[int, int] | None:
+    """P and Q of a cycle that reads a shape from the program."""
+    first, last = block.word("P"), block.word("Q")
+    if first is None or last is None or first.number is None or last.number is None:
+        return None
+    for word in block.words:
+        if word.address == "G" and word.number is not None:
+            code = dialect.g_codes.get(round(word.number * 10))
+            if code and code.group == ONCE and code.value in CONTOUR_CYCLES:
+                return int(first.number), int(last.number)
+    return None
+
+
+def _sequence_lines(program: Program) -> dict[int, list[int]]:
+    found: dict[int, list[int]] = {}
+    for line in program.source.body:
+        sequence = program.block(line).sequence
+        if sequence is not None and sequence.number is not None:
+            found.setdefault(int(sequence.number), []).append(line)
+    return found
+
+
+def _contours(
+    cycles: list[tuple[Block, int, int]], numbers: dict[int, list[int]]
+) -> tuple[tuple[int, int], ...]:
+    """The control takes the next such number behind the cycle; G70 may look back to the roughing's shape."""
+    ranges = set()
+    for block, first, last in cycles:
+        starts = numbers.get(first, [])
+        ahead = [line for line in starts if line > block.line] or starts[-1:]
+        if ahead:
+            ends = [line for line in numbers.get(last, []) if line >= ahead[0]]
+            if ends:
+                ranges.add((ahead[0], ends[0]))
+    return tuple(sorted(ranges))

@@ -1,0 +1,258 @@
+"""One block at a time: the state before it, what it does, the state after it.
+
+``Interpreter.advance`` is the law.  Inside a block things happen in the numbered order of ISO 6983 and of
+the controls' manuals: (1) feed mode, (2) feed, (3) speed, (4) tool, (5) spindle, (6) coolant, (7) plane,
+units, compensation, offsets and the other modal groups, (8) non-modal codes, (9) motion, (10) stop.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+from chipbreak.dialects.base import ONCE
+from chipbreak.model.flow import Flow
+from chipbreak.model.modal import Position, Setting, State
+from chipbreak.model.motion import AXES, move_of
+from chipbreak.model.requests import vibration_words
+from chipbreak.model.steps import CUTTING, Move, Step
+from chipbreak.model.words import feed_value, plain_value
+from chipbreak.settings.sections import Settings
+from chipbreak.syntax.nodes import Block, Word
+
+_SPINDLE = {3: "cw", 4: "ccw", 5: "stop", 19: "stop"}
+_ENDS = (2, 30, 99)
+_CALLS = (97, 98, 198)
+# Codes whose block gives its other words a meaning of their own: no axis motion, no vibration words.
+_READS_ALL = frozenset(
+    {
+        "dwell",
+        "data-setting",
+        "macro-call",
+        "service",
+        "set-position",
+        "shift",
+        "rough-cycle",
+        "finish-cycle",
+        "peck-cycle",
+        "thread-cycle",
+        "home",
+        "tilt",
+    }
+)
+_LOSES = {
+    "home": "a reference return (G28, G30) leaves the program's coordinates",
+    "machine": "G53 moves in machine coordinates",
+    "skip": "a skip move (G31) ends where the probe trips",
+    "set-position": "G92 or G50 sets a new origin",
+    "shift": "G52 shifts the origin",
+    "data-setting": "G10 may change an offset",
+    "macro-call": "a macro call moves the tool",
+    "service": "a service code moves the tool",
+    "tilt": "G53.1 turns the tool axis",
+    "rough-cycle": "a roughing cycle moves the tool",
+    "finish-cycle": "a finishing cycle moves the tool",
+    "peck-cycle": "a pecking cycle moves the tool",
+    "thread-cycle": "a threading cycle moves the tool",
+}
+_COORDINATE_GROUPS = ("work_offset", "rotation", "polar", "scaling", "mirror", "interpolation")
+_LOSES_NAMED_AXES = ("home", "machine", "skip")
+_PLAIN_LETTERS = frozenset("GMTSFODHABC")
+_ARC_LETTERS = frozenset("IJKR")
+
+
+def initial_state(settings: Settings) -> State:
+    """The state at the first block: the control's power-on modes."""
+    return State(modes=dict(settings.dialect.initial))
+
+
+class Interpreter:
+    """Reads blocks under one profile.  Holds no state of its own."""
+
+    def __init__(self, settings: Settings, flow: Flow) -> None:
+        self.settings, self.flow = settings, flow
+        self.dialect = settings.dialect
+        self.axis_letters = frozenset(AXES) | frozenset(self.dialect.incremental)
+
+    def advance(self, state: State, block: Block) -> Step:
+        """What a block does."""
+        if state.ended and not block.is_empty:
+            state = replace(initial_state(self.settings), unknown_why="another program starts here")
+        if block.line in self.flow.targets:
+            state = state.forgotten("a jump (GOTO) can arrive at this block")
+        if block.opaque:
+            return Step(block, state, state.forgotten(f"line {block.line + 1} cannot be read"))
+        if block.is_empty:
+            return Step(block, state, state)
+        if self.flow.in_contour(block.line):
+            return Step(block, state, state, in_contour=True)
+        step = self._execute(state, block)
+        if block.skip:
+            step = replace(step, after=_maybe(state, step.after, block.line))
+        return step
+
+    def _execute(self, state: State, block: Block) -> Step:
+        changes, once, unknown = self._codes(block)
+        cuts = {**state.modes, **changes}.get("motion") in CUTTING
+        reads_all = bool(once & _READS_ALL)
+        vibration = vibration_words(block, self.axis_letters, cuts=cuts, has_once=reads_all)
+        after = self._values(state, block, changes, once, vibration)
+        after = self._machine_functions(after, block)
+        after, move = self._motion(after, block, once, unknown)
+        after = self._flow_of_control(after, block)
+        unread = () if reads_all or block.has_macro else self._unread(block, vibration, after, move)
+        return Step(block, state, after, move, once, vibration, unread)
+
+    def _codes(self, block: Block) -> tuple[dict[str, str], frozenset[str], bool]:
+        """Modal changes, non-modal codes, and whether a G code is not known."""
+        changes: dict[str, str] = {}
+        once: set[str] = set()
+        unknown = False
+        for word in block.words:
+            if word.address != "G":
+                continue
+            value = plain_value(word)
+            code = None if math.isnan(value) else self.dialect.g_codes.get(round(value * 10))
+            if code is None:
+                unknown = True
+            elif code.group == ONCE:
+                once.add(code.value)
+            else:
+                changes[code.group] = code.value
+        return changes, frozenset(once), unknown
+
+    def _values(
+        self,
+        state: State,
+        block: Block,
+        changes: dict[str, str],
+        once: frozenset[str],
+        vibration: tuple[Word, ...],
+    ) -> State:
+        """(1) feed mode, (2) feed, (3) speed, (7) the other modal groups."""
+        modes = {**state.modes, **changes}
+        after = replace(state, modes=modes)
+        if modes["feed_mode"] != state.modes["feed_mode"]:
+            after = replace(after, feed=None)
+        if modes["speed_mode"] != state.modes["speed_mode"]:
+            after = replace(after, speed=None)
+        limits = self._is_speed_limit(block)
+        reads_all = bool(once & _READS_ALL) and not limits
+        for word in block.words:
+            if word in vibration or reads_all:
+                continue
+            if word.address == "F":
+                value = feed_value(word, after, self.settings.control)
+                after = replace(after, feed=Setting(value, word.value_text, block.line))
+            elif word.address == "S":
+                setting = Setting(plain_value(word), word.value_text, block.line)
+                after = replace(after, speed_limit=setting) if limits else replace(after, speed=setting)
+            elif word.address == "D" and changes.get("speed_mode") == "surface":
+                after = replace(after, speed_limit=Setting(plain_value(word), word.value_text, block.line))
+        if any(modes.get(group, "off") != state.modes.get(group, "off") for group in _COORDINATE_GROUPS):
+            after = after.lost("the coordinate system changed")
+        if changes.get("length_offset") == "on":
+            after = replace(after, position=after.position._replace(z=math.nan))
+            after = replace(after, unknown_why="tool length compensation changed Z")
+        return after
+
+    def _is_speed_limit(self, block: Block) -> bool:
+        """``G50 S2000``: a code that limits the spindle when it stands with S."""
+        codes = {round(w.number * 10) for w in block.words if w.address == "G" and w.number is not None}
+        return bool(codes & self.dialect.speed_limit) and block.word("S") is not None
+
+    def _machine_functions(self, state: State, block: Block) -> State:
+        """(4) tool, (5) spindle, (6) coolant, (10) stop."""
+        for word in block.words:
+            value = plain_value(word)
+            if word.address == "T":
+                state = self._tool_word(state, value)
+            elif word.address == "M" and not math.isnan(value):
+                state = _m_code(state, int(value))
+        changed = self.dialect.tool_change == "M6" and any(
+            w.address == "M" and w.number == 6 for w in block.words
+        )
+        if changed:
+            tool = state.next_tool
+            state = replace(state, tool=tool).lost("a tool change moves the machine")
+        return state
+
+    def _tool_word(self, state: State, value: float) -> State:
+        number = None if math.isnan(value) else int(value)
+        if self.dialect.tool_change == "M6":
+            return replace(state, next_tool=number)
+        if number is not None and number >= 100:
+            number //= 100
+        return replace(state, tool=number, next_tool=None).lost("a tool or its offset changed")
+
+    def _motion(
+        self, state: State, block: Block, once: frozenset[str], unknown: bool
+    ) -> tuple[State, Move | None]:
+        """(8) non-modal codes, (9) motion."""
+        axis_words = [w for w in block.words if w.letter.upper() in self.axis_letters]
+        limits_only = "set-position" in once and not axis_words
+        for name in sorted(once):
+            if name in _LOSES and not limits_only:
+                axes = [self.dialect.incremental.get(w.address, w.address) for w in axis_words]
+                state = _lose_axes(state, axes, _LOSES[name], everything=name not in _LOSES_NAMED_AXES)
+        if not axis_words or once & _READS_ALL:
+            return state, None
+        if unknown:
+            return state.lost("a G code this profile does not know stands with axis words"), None
+        move = move_of(block, state, axis_words, self.settings, once)
+        return replace(state, position=move.end), move
+
+    def _flow_of_control(self, state: State, block: Block) -> State:
+        """Loops, subprograms and calls: the next block may be reached with other values."""
+        for control in block.controls:
+            if control.keyword in ("WHILE", "DO", "END") or control.keyword.startswith("O-"):
+                called = control.keyword == "O-CALL"
+                why = "a subprogram moves the tool" if called else "a loop or a branch arrives here"
+                state = state.lost(why) if called else state.forgotten(why)
+        for word in block.words:
+            if word.address == "M" and word.number in _CALLS:
+                state = state.lost("a subprogram moves the tool")
+        return state
+
+    def _unread(
+        self, block: Block, vibration: tuple[Word, ...], after: State, move: Move | None
+    ) -> tuple[Word, ...]:
+        read = _PLAIN_LETTERS | self.axis_letters
+        motion = after.modes.get("motion", "")
+        if motion in ("cw", "ccw"):
+            read |= _ARC_LETTERS
+        if motion not in ("rapid", "line", "cw", "ccw"):
+            return ()
+        if any(w.address == "M" and w.number is not None for w in block.words) and move is None:
+            return ()
+        return tuple(w for w in block.words if w.letter.upper() not in read and w not in vibration)
+
+
+def _m_code(state: State, code: int) -> State:
+    if code in _SPINDLE:
+        return replace(state, spindle=_SPINDLE[code])
+    if code in (7, 8):
+        return replace(state, coolant=state.coolant | {"mist" if code == 7 else "flood"})
+    if code == 9:
+        return replace(state, coolant=frozenset())
+    if code in _ENDS:
+        return replace(state, ended=True)
+    return state
+
+
+def _lose_axes(state: State, axes: list[str], why: str, *, everything: bool) -> State:
+    if everything or not axes:
+        return state.lost(why)
+    position = state.position._replace(**{a.lower(): math.nan for a in axes if a in AXES})
+    return replace(state, position=position, unknown_why=why)
+
+
+def _maybe(before: State, after: State, line: int) -> State:
+    """After a block that an operator may switch off: what differs cannot be known."""
+    keep: Callable[[float, float], float] = lambda a, b: b if a == b else math.nan  # noqa: E731
+    position = Position(*map(keep, before.position, after.position))
+    if position != after.position:
+        why = f"line {line + 1} is skipped while block delete is on"
+        after = replace(after, position=position, unknown_why=why)
+    return replace(after, ended=before.ended)

@@ -1,0 +1,75 @@
+"""The modal state of a control between two blocks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+UNKNOWN = math.nan
+
+
+class Position(NamedTuple):
+    """Tool position in the program's coordinates [mm]; X is a radius.  NaN where it cannot be known."""
+
+    x: float
+    y: float
+    z: float
+
+
+NOWHERE = Position(UNKNOWN, UNKNOWN, UNKNOWN)
+
+
+class Setting(NamedTuple):
+    """A value a word has set: the number, the word's own text, and the line it stands on (from 0)."""
+
+    value: float
+    text: str
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """Everything that one block leaves to the next.
+
+    ``modes``          modal group -> value, as in the dialect
+    ``feed``           F as programmed; its unit follows ``modes["feed_mode"]`` and ``units``
+    ``speed``          S as programmed: rpm under speed_mode rpm, m/min (or ft/min) under surface
+    ``speed_limit``    G50/G92 S, LinuxCNC's G96 D [rpm]
+    ``unknown_why``    why the position, the feed or the speed cannot be known
+    """
+
+    modes: Mapping[str, str]
+    position: Position = NOWHERE
+    unknown_why: str = "no block has moved there yet"
+    feed: Setting | None = None
+    speed: Setting | None = None
+    speed_limit: Setting | None = None
+    spindle: str = "stop"
+    coolant: frozenset[str] = frozenset()
+    tool: int | None = None
+    next_tool: int | None = None
+    ended: bool = False
+
+    def with_modes(self, changes: Mapping[str, str]) -> State:
+        """The same with some modal groups changed."""
+        return replace(self, modes={**self.modes, **changes})
+
+    def lost(self, why: str) -> State:
+        """The same with the position unknown."""
+        return replace(self, position=NOWHERE, unknown_why=why)
+
+    def forgotten(self, why: str) -> State:
+        """The same with position, feed and speed unknown: the block can be reached from elsewhere."""
+        return replace(self, position=NOWHERE, unknown_why=why, feed=None, speed=None)
+
+    @property
+    def is_inch(self) -> bool:
+        """True while the program is in inches."""
+        return self.modes.get("units") == "inch"
+
+    @property
+    def turns(self) -> bool:
+        """True while the spindle turns."""
+        return self.spindle != "stop"

@@ -1,0 +1,54 @@
+"""What one block does: the values the interpreter hands on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from chipbreak.model.modal import Position, State
+from chipbreak.syntax.nodes import Block, Word
+
+CUTTING = ("line", "cw", "ccw")
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """A motion from ``start`` to ``end`` [mm, X as radius].
+
+    ``kind``         rapid, line, cw, ccw, thread or other
+    ``axes``         the axes the block names, in its order
+    ``incremental``  True where the block gives distances (G91, U, W)
+    ``offsets``      I, J, K of an arc [mm], NaN where not given;  ``radius_mm`` its R, NaN without
+    """
+
+    kind: str
+    start: Position
+    end: Position
+    axes: str
+    incremental: bool
+    offsets: Position | None = None
+    radius_mm: float = float("nan")
+
+    @property
+    def is_cut(self) -> bool:
+        """True for a feed move that can be vibrated in principle."""
+        return self.kind in CUTTING
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A block with the state before and after it.
+
+    ``once``        what its non-modal codes do (dwell, home, macro-call, ...)
+    ``vibration``   the words that ask for vibration, in the block's order
+    ``unread``      words nothing reads here
+    ``in_contour``  True for a line that is only the shape of a cycle
+    """
+
+    block: Block
+    before: State
+    after: State
+    move: Move | None = None
+    once: frozenset[str] = frozenset()
+    vibration: tuple[Word, ...] = ()
+    unread: tuple[Word, ...] = ()
+    in_contour: bool = False

@@ -1,0 +1,140 @@
+"""The whole program, interpreted.
+
+Blocks that are more than plain motion (events) are stepped through one by one.  A run of plain motion
+between two events is skipped over: its end needs only the last word of each axis.  ``Trace.skip`` must give
+what advancing block by block gives; a property test holds them equal.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from chipbreak.model.flow import Flow, read_flow
+from chipbreak.model.interpret import Interpreter, initial_state
+from chipbreak.model.modal import Setting, State
+from chipbreak.model.steps import Step
+from chipbreak.model.words import feed_value, is_diameter, length_mm
+from chipbreak.settings.sections import Settings
+from chipbreak.syntax.parse import Program
+
+_MOTION = ("rapid", "line", "cw", "ccw")
+_SHORT_RUN = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """States and steps of a program.
+
+    ``lines`` and ``states`` hold the state before each line that is no plain motion, and before the line
+    after it, so that the state anywhere is a short walk away.  ``events`` are the steps of blocks that do
+    something.
+    """
+
+    program: Program
+    settings: Settings
+    flow: Flow
+    interpreter: Interpreter
+    lines: list[int] = field(default_factory=list)
+    states: list[State] = field(default_factory=list)
+    events: list[Step] = field(default_factory=list)
+
+    def before(self, line: int) -> State:
+        """The state before a line."""
+        at = bisect_right(self.lines, line) - 1
+        return self.skip(self.states[at], self.lines[at], line)
+
+    def steps(self, first: int, last: int) -> Iterator[Step]:
+        """The steps of lines ``first`` to ``last`` (exclusive), one by one."""
+        state = self.before(first)
+        for line in range(first, last):
+            step = self.interpreter.advance(state, self.program.block(line))
+            state = step.after
+            yield step
+
+    def step(self, line: int) -> Step:
+        """The step of one line."""
+        return next(self.steps(line, line + 1))
+
+    def end(self) -> State:
+        """The state behind the last line."""
+        return self.before(self.program.source.body.stop)
+
+    def skip(self, state: State, first: int, last: int) -> State:
+        """The state behind a run of plain lines."""
+        if last <= first:
+            return state
+        absolute = state.modes.get("distance", "absolute") == "absolute"
+        moving = state.modes.get("motion") in _MOTION and not state.ended
+        if not (moving and absolute and self.flow.is_straight) or last - first <= _SHORT_RUN:
+            for line in range(first, last):
+                state = self.interpreter.advance(state, self.program.block(line)).after
+            return state
+        return self._jump(state, first, last)
+
+    def _jump(self, state: State, first: int, last: int) -> State:
+        """Take the last word of each letter in a run."""
+        shapes = self.program.shapes
+        ids = self.program.plain[first:last]
+        used = np.unique(ids)
+        control = self.settings.control
+        motion_at = _last_of(ids, [i for i in used if shapes[i].motion is not None])
+        if motion_at >= 0:
+            state = state.with_modes({"motion": _MOTION[shapes[ids[motion_at]].motion or 0]})
+        position = {}
+        for letter in "XYZF":
+            at = _last_of(ids, [i for i in used if letter in shapes[i].letters])
+            if at < 0:
+                continue
+            word = self.program.block(first + at).word(letter)
+            assert word is not None
+            if letter == "F":
+                state = replace(
+                    state, feed=Setting(feed_value(word, state, control), word.value_text, first + at)
+                )
+                continue
+            value = length_mm(word, state, control)
+            if letter == "X" and is_diameter(state, control):
+                value /= 2.0
+            position[letter.lower()] = value
+        return replace(state, position=state.position._replace(**position))
+
+
+def _last_of(ids: np.ndarray[tuple[int], np.dtype[np.int32]], wanted: list[np.int32]) -> int:
+    """Index of the last element that is one of ``wanted``, -1 for none."""
+    if not wanted:
+        return -1
+    chunk = 1024
+    for stop in range(len(ids), 0, -chunk):
+        start = max(0, stop - chunk)
+        found = np.flatnonzero(np.isin(ids[start:stop], wanted))
+        if len(found):
+            return start + int(found[-1])
+    return -1
+
+
+def interpret(program: Program, settings: Settings) -> Trace:
+    """Interpret a program from its first to its last line."""
+    flow = read_flow(program, settings.dialect)
+    interpreter = Interpreter(settings, flow)
+    trace = Trace(program, settings, flow, interpreter)
+    state = initial_state(settings)
+    line = program.source.body.start
+    trace.lines.append(line)
+    trace.states.append(state)
+    for event in program.events.tolist():
+        state = trace.skip(state, line, event)
+        step = interpreter.advance(state, program.block(event))
+        line = event + 1
+        if step.after is not state or not step.block.is_empty:
+            state = step.after
+            trace.events.append(step)
+            if event > trace.lines[-1]:
+                trace.lines.append(event)
+                trace.states.append(step.before)
+            trace.lines.append(line)
+            trace.states.append(state)
+    return trace

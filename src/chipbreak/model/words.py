@@ -1,0 +1,50 @@
+"""What the words of a block are worth: units, decimal points, diameters, constants."""
+
+from __future__ import annotations
+
+from chipbreak.model.evaluate import constant
+from chipbreak.model.modal import UNKNOWN, State
+from chipbreak.settings.sections import Control
+from chipbreak.syntax.nodes import Word
+from chipbreak.units import MM_PER_INCH
+
+NO_POINT = "a number without a decimal point; this control may read it as increments"
+
+
+def plain_value(word: Word) -> float:
+    """The number itself, NaN where it is not a constant."""
+    if word.number is not None:
+        return word.number
+    value = constant(word.expression) if word.expression is not None else None
+    return UNKNOWN if value is None else value
+
+
+def length_mm(word: Word, state: State, control: Control) -> float:
+    """A length in mm under the control's decimal-point rule; NaN when it cannot be known."""
+    value = plain_value(word)
+    scale = MM_PER_INCH if state.is_inch else 1.0
+    if word.number is None or word.has_point or value == 0.0:
+        return value * scale
+    if control.decimal_point == "calculator":
+        return value * scale
+    if control.decimal_point == "increment":
+        # The least increment of an inch program is a tenth as many inches as that of a metric one is mm.
+        return value * control.increment_mm * (MM_PER_INCH / 10.0 if state.is_inch else 1.0)
+    return UNKNOWN
+
+
+def feed_value(word: Word, state: State, control: Control) -> float:
+    """F in program units; NaN where the control may read it in increments.
+
+    Feed per minute is a whole number on most controls, so only feed per revolution needs its point.
+    """
+    value = plain_value(word)
+    if word.number is None or word.has_point or control.decimal_point == "calculator":
+        return value
+    return UNKNOWN if state.modes["feed_mode"] == "rev" and value != 0.0 else value
+
+
+def is_diameter(state: State, control: Control) -> bool:
+    """True while X words are diameters."""
+    mode = state.modes.get("diameter")
+    return control.x_diameter if mode is None else mode == "diameter"

@@ -1,0 +1,136 @@
+"""The sections of a machine profile.  A field's metadata says what values are possible."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from chipbreak.dialects import Dialect
+
+
+def _one_of(default: str, *others: str) -> Any:
+    return field(default=default, metadata={"choices": (default, *others)})
+
+
+def _above(default: float | None, limit: float = 0.0) -> Any:
+    return field(default=default, metadata={"above": limit})
+
+
+def _at_least(default: float | None, limit: float = 0.0) -> Any:
+    return field(default=default, metadata={"at_least": limit})
+
+
+@dataclass(frozen=True)
+class Control:
+    """How the control reads and prints blocks."""
+
+    dialect: str = ""
+    lathe_system: str = _one_of("A", "B", "C")
+    increment_mm: float = _above(0.001)
+    decimal_point: str = _one_of("required", "calculator", "increment")
+    x_diameter: bool = False
+    max_line_chars: int = _at_least(80, 60)
+
+
+@dataclass(frozen=True)
+class Command:
+    """The periods in which the control can command a vibration."""
+
+    base_period_ms: float = _above(4.0)
+    min_multiple: int = _at_least(4, 2)
+    max_multiple: int | None = _at_least(None, 2)
+    multiples: tuple[int, ...] | None = _at_least(None, 2)
+    periods_ms: tuple[float, ...] | None = _above(None)
+
+
+@dataclass(frozen=True)
+class Vibration:
+    """Defaults for what a program does not say about its vibrated cuts."""
+
+    n: float | None = _above(None)
+    e: float | None = _above(None)
+    f_hz: float | None = _above(None)
+    q: float | None = _above(None)
+    a_mm: float | None = _above(None)
+    margin: float = _at_least(1.2, 1.0)
+    waveform: str = _one_of("triangle", "sine")
+    alpha: float = field(default=0.5, metadata={"above": 0.0, "below": 1.0})
+    phase: float | str = field(default="auto", metadata={"choices": ("auto",), "above": 0.0, "below": 1.0})
+    pn: float | None = _at_least(None)
+    mn: float | None = _at_least(None)
+    rounding: str = _one_of("nearest-half", "claim-7")
+    correct: str = _one_of("spindle", "count")
+    ramp_vibrations: float = _at_least(3.0)
+    ramp_s: float | None = _at_least(None)
+    ramp_exponent: float = _above(1.0)
+    end_revolutions: float = _at_least(1.0)
+    edges: int = _at_least(1, 1)
+
+
+@dataclass(frozen=True)
+class Output:
+    """How an expanded cut is written."""
+
+    feed_mode: str = _one_of("rev", "inverse", "minute")
+    segments: str = _one_of("auto", "tick", "stroke")
+    decimals: int = _at_least(3, 0)
+    feed_decimals: int = _at_least(5, 0)
+
+
+@dataclass(frozen=True)
+class Spindle:
+    """What the spindle can do."""
+
+    min_rpm: float = _at_least(0.0)
+    max_rpm: float | None = _above(None)
+    resolution_rpm: float = _above(1.0)
+
+
+@dataclass(frozen=True)
+class Checks:
+    """Tool checks: whether, which calls, which limits."""
+
+    enabled: bool = False
+    calls: str = "builtin"
+    w_rough_mm: float = _above(0.05)
+    w_finish_mm: float = _above(0.02)
+    w_mm: Mapping[str, float] = field(default_factory=dict, metadata={"above": 0.0, "table": True})
+    last_use: float | str = field(
+        default="next-part", metadata={"choices": ("next-part", "none"), "above": 0.0}
+    )
+    only: tuple[int, ...] = ()
+    ignore: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Everything a run needs to know about the machine.  ``origins`` maps ``section.key`` to its source."""
+
+    name: str
+    control: Control
+    command: Command
+    vibration: Vibration
+    output: Output
+    spindle: Spindle
+    checks: Checks
+    call_sets: Mapping[str, Mapping[str, tuple[str, ...]]]
+    operations: Mapping[str, tuple[str, ...]]
+    dialect: Dialect
+    origins: Mapping[str, str]
+
+    def origin(self, key: str) -> str:
+        """Where the value of ``section.key`` came from, for messages."""
+        return self.origins.get(key, "default")
+
+
+SECTIONS: Mapping[str, type[Any]] = {
+    "control": Control,
+    "command": Command,
+    "vibration": Vibration,
+    "output": Output,
+    "spindle": Spindle,
+    "checks": Checks,
+}
+# Tables whose keys the user chooses: operation kinds with regular expressions, and named sets of calls.
+OPEN_SECTIONS = ("operations", "calls")
