@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from chipbreak.span import Place
 
 LF, CR = 10, 13
-_BLANKS = b" \t\0\xef\xbb\xbf"
+# What controls read past: the bytes of BLANK in grammar/nc.lark.
+BLANKS = b" \t\0\x0b\x0c\x1a\x7f\xef\xbb\xbf"
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,21 +73,24 @@ def _line_starts(data: bytes) -> NDArray[np.int64]:
 
 
 def _usual_end(data: bytes, starts: NDArray[np.int64]) -> bytes:
-    """The line end new blocks take: the most frequent one among the first lines."""
+    """The line end new blocks take: the most frequent one among the first lines.
+
+    A lone CR is taken only where nothing else is found: controls that read LF do not see it (CR CR LF).
+    """
     ends: Counter[bytes] = Counter()
     for line in range(min(len(starts) - 1, 1000)):
         raw = data[max(starts[line], starts[line + 1] - 2) : starts[line + 1]]
-        ends[raw[len(raw.rstrip(b"\r\n")) :][-2:]] += 1
-    ends.pop(b"", None)
-    best = ends.most_common(1)
-    end = best[0][0] if best else b"\n"
-    return end if end in (b"\n", b"\r\n", b"\r") else b"\r\n" if end.endswith(b"\r\n") else b"\n"
+        ends[raw[len(raw.rstrip(b"\r\n")) :]] += 1
+    if not ends[b"\n"] and not ends[b"\r\n"]:
+        return b"\r" if ends[b"\r"] else b"\n"
+    return b"\r\n" if ends[b"\r\n"] > ends[b"\n"] else b"\n"
 
 
 def _body(data: bytes, starts: NDArray[np.int64]) -> range:
     """Lines between the first and the last ``%``.
 
-    With one ``%`` only, it starts the program when nothing but blanks stands before it and ends it otherwise.
+    With one ``%`` only, it starts the program when nothing but blanks stands before it, and ends it when
+    nothing but blanks stands behind it.  With text on both sides nobody can say, and all lines are read.
     """
     count = len(starts) - 1
     marks = _mark_lines(data, starts)
@@ -94,9 +98,10 @@ def _body(data: bytes, starts: NDArray[np.int64]) -> range:
         return range(count)
     if len(marks) == 1:
         only = marks[0]
-        if data[: starts[only]].strip(_BLANKS + b"\r\n"):
-            return range(only + 1)
-        return range(only, count)
+        blanks = BLANKS + b"\r\n"
+        if not data[: starts[only]].strip(blanks):
+            return range(only, count)
+        return range(count) if data[starts[only + 1] :].strip(blanks) else range(only + 1)
     return range(marks[0], marks[-1] + 1)
 
 
@@ -106,7 +111,7 @@ def _mark_lines(data: bytes, starts: NDArray[np.int64]) -> list[int]:
     at = data.find(b"%")
     while at >= 0:
         line = int(np.searchsorted(starts, at, "right")) - 1
-        if not data[starts[line] : at].strip(_BLANKS):
+        if not data[starts[line] : at].strip(BLANKS):
             marks.append(line)
         at = data.find(b"%", int(starts[line + 1]))
     return marks

@@ -104,7 +104,7 @@ FALSE_FRIENDS: Final = re.compile(
             r"|POSITION|PARTS?(?!\s*OFF)|LINE|PROG\w*|JOB|SPEC|RA|RMS)",
             r"(?:SURFACE|MILL|PROGRAM|JOB)\s+FINISH",
             r"(?:LEAV\w*|STOCK|ALLOWANCE|AUFMA\S+)\W.{0,40}?\b(?:FOR|TO|ZUM|F[UÜ]R)\s+(?:THE\s+)?(?:FIN|SCHLICHT)\w*",
-            r"(?:BEFORE|AFTER|UNTIL|NO|NOT|WITHOUT)\s+(?:THE\s+)?(?:SEMI-?)?(?:ROUGH|FINISH|DRILL|TAP|BOR|REAM)\w*",
+            r"(?:BEFORE|AFTER|UNTIL|NO|NOT|WITHOUT|SAME\s+AS)\s+(?:THE\s+)?(?:SEMI-?)?(?:ROUGH|FINISH|DRILL|TAP|BOR|REAM)\w*",
             r"SCHLICHT\w*(?:AUFMA|ZUGABE)\w*",
             r"FIN\s+(?:DE|DEL|DU|PROG\w*)",  # French and Spanish: the end
             r"(?:COOLING|HEAT\s?SINK)\s+FINS?",
@@ -190,7 +190,7 @@ _NOTE: Final = (
     r"USING|STOCK|BLOCK|MATERIAL|DATE|TIME|PROG\w*|REV|RAPID|RETRACT|MOVES?|MOTION|OFFSETS?|PARAMETERS?"
     r"|VARIABLES?|NUMBER|FEED(?:RATE)?|RPM|SFM|RATE|COOLANT|SPINDLE|FIXTURE|VISE|JAWS?|NOTES?|CHECK|FAIL(?:ED|S)?"
     r"|FAILURE|DONE|MODE|TEST|ERROR|EXITING|RESULTS?|START|MACRO|SUB|DIRECTION|TOOL|BEGIN|SPEED"
-    r"|COMP|CLAMPED|DEG\.? TIP"
+    r"|COMP|CLAMPED|INSERTS?|HOLDER|CUTTER|DEG\.? TIP"
 )
 # What a title never holds: words of notes, a value ("DEPTH: 1.5"), a measure right after the feature.
 NOT_A_TITLE: Final = re.compile(
@@ -232,7 +232,7 @@ TOOL_WORDS: Final = re.compile(
 )
 FUSION_TOOL: Final = re.compile(
     rf"^T(?P<n>\d+)\s+D=(?P<d>{_DECIMAL})(?:\s+CR=(?P<cr>{_DECIMAL}))?(?:\s+TAPER=(?P<taper>{_DECIMAL})\s*DEG)?"
-    r"(?:\s+-\s+ZMIN=\S+)?(?:\s+-\s+(?P<type>\S.*))?$",
+    r"(?:\s+-\s+ZMIN=\S+)?(?:\s+-\s+(?P<type>\S.*?)(?:\s+-\s.*)?)?$",
     re.IGNORECASE,
 )
 MASTERCAM_TOOL: Final = re.compile(r"^T\s*(?P<n>\d+)\s*\|\s*(?P<name>[^|]*)(?:\||$)", re.IGNORECASE)

@@ -178,7 +178,7 @@ def _is_prose_or_code(reading: str) -> bool:
 @lru_cache(maxsize=_CACHE)
 def operation_title(text: str) -> OperationMark | None:
     """The operation a comment starts or ends, or ``None`` when it is no title."""
-    reading = _readings(text)[0]
+    reading = _readings(text)[0].strip(" -*")
     if labelled := words.LABELLED.match(reading):
         label = next(value for value in labelled.groups() if value is not None)
         return OperationMark(labelled.lastgroup != "finish", label.strip())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from chipbreak.syntax.nodes import (
@@ -20,6 +21,8 @@ from chipbreak.syntax.nodes import (
 if TYPE_CHECKING:
     from lark import Token, Tree
 
+DEEPEST = 200
+LONGEST_VARIABLE_NUMBER = 15
 _O_WORD_SYNONYMS = {"CALLSUB": "CALL"}
 _MACRO_KEYWORDS = {
     "condition": "IF",
@@ -31,6 +34,14 @@ _MACRO_KEYWORDS = {
 }
 
 
+class UnreadableError(Exception):
+    """The grammar reads the line, but what stands at ``column`` is more than can be held."""
+
+    def __init__(self, why: str, column: int) -> None:
+        super().__init__(why)
+        self.why, self.column = why, column
+
+
 def _rule(tree: Tree[Token]) -> str:
     """The rule's own name: lark puts the name of the importing file in front."""
     return str(tree.data).rsplit("__", 1)[-1]
@@ -38,6 +49,13 @@ def _rule(tree: Tree[Token]) -> str:
 
 def _is_token(node: Any) -> bool:
     return isinstance(node, str)
+
+
+def _float(text: str, column: int) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise UnreadableError("a number has too many digits", column)
+    return value
 
 
 class BlockBuilder:
@@ -66,7 +84,7 @@ class BlockBuilder:
         if number:
             value = number[1:].strip()
             end = start + len(number.rstrip(" \t"))
-            self.sequence = Word(number[0], value, float(value), None, start, end)
+            self.sequence = Word(number[0], value, _float(value, start), None, start, end)
 
     def add_word(self, word: Word) -> None:
         """A word; a leading N is the sequence number, always."""
@@ -119,9 +137,9 @@ def _add_rule(builder: BlockBuilder, tree: Tree[Token], text: str) -> None:
     rule = _rule(tree)
     children: list[Any] = tree.children
     if rule == "word":
-        value_start = int(children[0].end_pos)
-        value_text = text[value_start:end].strip()
-        number = float(value_text) if _rule(children[1]) == "number" else None
+        value_start = children[1].meta.start_pos  # blanks may stand between the letter and its value
+        value_text = text[value_start:end]
+        number = _float(value_text, value_start) if _rule(children[1]) == "number" else None
         expression = None if number is not None else _expression(children[1])
         builder.add_word(Word(str(children[0]), value_text, number, expression, start, end))
     elif rule == "assignment":
@@ -144,22 +162,35 @@ def _add_rule(builder: BlockBuilder, tree: Tree[Token], text: str) -> None:
         builder.controls.append(Control(rule.upper().replace("_", "-"), text[start:end], (), start, end))
 
 
-def _expression(node: Any) -> Expression:
-    """An expression node; brackets group and leave no trace."""
+def _expression(node: Any, depth: int = 0) -> Expression:
+    """An expression node; brackets group and leave no trace.
+
+    The depth is bounded so that whoever walks the expression can do it by recursion.
+    """
     rule = _rule(node)
-    children = node.children
-    if rule in ("expression", "bracket"):
-        return _expression(children[0])
+    while rule in ("expression", "bracket"):
+        node = node.children[0]
+        rule = _rule(node)
+    if depth > DEEPEST:
+        raise UnreadableError("it is nested too deeply", node.meta.start_pos)
+    children, inner = node.children, depth + 1
     if rule == "number":
-        return Number(float(children[0]))
+        return Number(_float(children[0], node.meta.start_pos))
     if rule == "signed":
-        value = _expression(children[1])
+        value = _expression(children[1], inner)
         return value if children[0] == "+" else Operation("-", Number(0.0), value)
     if rule == "variable":
         key = children[0]
         if not _is_token(key):
-            return Variable(_expression(key))
-        return Variable(int(key) if key.isdigit() else key.strip("<>").replace(" ", "").lower())
+            return Variable(_expression(key, inner))
+        if key.startswith("<"):
+            return Variable(key[1:-1].replace(" ", "").replace("\t", "").lower())
+        if len(key) > LONGEST_VARIABLE_NUMBER:
+            raise UnreadableError("a variable number has too many digits", node.meta.start_pos)
+        return Variable(int(key))
+    if rule == "arc_tangent":
+        return Operation("/", Call("ATAN", (_expression(children[1], inner),)), _expression(children[2], inner))
     if rule == "call":
-        return Call(str(children[0]).upper(), tuple(_expression(c) for c in children[1:]))
-    return Operation(str(children[1]).upper(), _expression(children[0]), _expression(children[2]))
+        return Call(str(children[0]).upper(), tuple(_expression(c, inner) for c in children[1:]))
+    left, operator, right = children
+    return Operation(str(operator).upper(), _expression(left, inner), _expression(right, inner))

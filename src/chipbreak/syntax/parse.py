@@ -16,13 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.diagnostics import Diagnostic, Severity
-from chipbreak.source import Source
-from chipbreak.syntax.build import BlockBuilder, build_block, opaque
+from chipbreak.source import BLANKS, Source
+from chipbreak.syntax.build import BlockBuilder, UnreadableError, build_block, opaque
 from chipbreak.syntax.grammar import block_parser, terminals
 from chipbreak.syntax.nodes import Block, Word
-from chipbreak.syntax.shapes import Shape, classify
+from chipbreak.syntax.shapes import LONGEST_PLAIN, Shape, classify
 
 UNREADABLE = "SYN001"
+# No control reads blocks of this length; without a bound one line could fill the memory.
+LONGEST_LINE = 1 << 16
+_BLANK_CHARACTERS = BLANKS.decode("latin-1")
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,16 +55,31 @@ class Program:
         """Every block of the body that is more than a plain motion."""
         return (self.block(int(line)) for line in self.events)
 
+    def diagnose(
+        self,
+        line: int,
+        code: str,
+        message: str,
+        help: str = "",
+        *,
+        at: tuple[int, int] | None = None,
+        severity: Severity = Severity.ERROR,
+    ) -> Diagnostic:
+        """A diagnostic at characters ``at`` of a line, or at its first word."""
+        text = self.source.text(line)
+        start, end = at or (len(text) - len(text.lstrip()), len(text.rstrip()))
+        return Diagnostic(code, severity, message, help, self.source.place(line, start, end), text)
+
     def unreadable(self) -> list[Diagnostic]:
         """A warning for every line that could not be read."""
         return [
-            Diagnostic(
+            self.diagnose(
+                block.line,
                 UNREADABLE,
-                Severity.WARNING,
                 f"this line cannot be read ({block.opaque}); it is passed through as it is",
                 "nothing is changed here; vibration and checks refuse to cross it",
-                self.source.place(block.line, block.opaque_column, block.opaque_column + 1),
-                block.text,
+                at=(block.opaque_column, block.opaque_column + 1),
+                severity=Severity.WARNING,
             )
             for block in self.event_blocks()
             if block.opaque
@@ -83,8 +101,10 @@ def emit(program: Program) -> bytes:
 
 def read_block(line: int, text: str) -> Block:
     """One block by the fast road where it is plain, by the grammar where it is not."""
-    if text.lstrip(" \t\0\xef\xbb\xbf").startswith("%"):
+    if text.lstrip(_BLANK_CHARACTERS).startswith("%"):
         return Block(line, text, mark=True)
+    if len(text) > LONGEST_LINE:
+        return opaque(line, text, f"it is longer than {LONGEST_LINE} characters", LONGEST_LINE)
     block = read_plain(line, text)
     return block if block is not None else read_by_grammar(line, text)
 
@@ -106,6 +126,8 @@ def _head() -> re.Pattern[str]:
 
 def read_plain(line: int, text: str) -> Block | None:
     """Words with literal numbers, comments and block delete; None when there is anything else."""
+    if len(text) > LONGEST_PLAIN:
+        return None
     builder = BlockBuilder(line, text)
     at = 0
     head = _head().match(text)
@@ -132,14 +154,13 @@ def read_by_grammar(line: int, text: str) -> Block:
     from lark.exceptions import UnexpectedInput  # noqa: PLC0415 (lark is loaded when it is needed)
 
     try:
-        tree = block_parser().parse(text)
+        return build_block(block_parser().parse(text), line, text)
     except UnexpectedInput as error:
         column = error.pos_in_stream if error.pos_in_stream is not None else len(text)
         column = min(max(column, 0), max(len(text) - 1, 0))
         return opaque(line, text, _why(text, column), column)
-    except RecursionError:
-        return opaque(line, text, "brackets nested too deeply", 0)
-    return build_block(tree, line, text)
+    except UnreadableError as error:
+        return opaque(line, text, error.why, error.column)
 
 
 def _why(text: str, column: int) -> str:

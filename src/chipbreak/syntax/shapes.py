@@ -19,6 +19,8 @@ from chipbreak.source import Source
 from chipbreak.syntax.grammar import terminals
 
 PLAIN_LETTERS = "XYZABCIJKRF"
+# A longer line gets a closer look; in a shorter one every number is finite.
+LONGEST_PLAIN = 255
 _DIGITS = b"0123456789"
 _CHUNK_BYTES = 1 << 20
 # Digits become NUL; a real NUL becomes SOH, which no plain block has.
@@ -46,6 +48,8 @@ def _shape_patterns() -> tuple[re.Pattern[bytes], re.Pattern[bytes]]:
 
 def read_shape(shape: bytes) -> Shape | None:
     """The plain block that a shape stands for, or None when the line needs a closer look."""
+    if len(shape) > LONGEST_PLAIN:
+        return None
     whole, letter = _shape_patterns()
     match = whole.fullmatch(shape)
     if match is None:
@@ -107,4 +111,6 @@ def classify(source: Source) -> tuple[NDArray[np.int32], list[Shape]]:
     """For every line the index of its plain shape, or -1; and the shapes."""
     table = ShapeTable()
     parts = [np.array(list(map(table.__getitem__, chunk)), np.int32) for chunk in line_shapes(source)]
-    return (np.concatenate(parts) if parts else np.empty(0, np.int32)), table.shapes
+    plain = np.concatenate(parts) if parts else np.empty(0, np.int32)
+    plain[np.diff(source.starts) > LONGEST_PLAIN] = -1
+    return plain, table.shapes

@@ -28,12 +28,13 @@ _FUZZ = 1e-9  # shares of a vibration or of a stroke that differ by less are equ
 
 @dataclass(frozen=True)
 class Cut:
-    """One vibrated cut of ``length_mm``; a vibration lasts ``period_s`` and consists of ``ticks`` base periods.
+    """One vibrated cut; a vibration lasts ``period_s``, which is ``ticks`` base periods.
 
     ``forward_ticks`` of them go forward (triangle), see :func:`forward_ticks`.  ``stroke_mm`` is peak to peak
-    about the mean feed.  The stroke grows over ``ramp_in_s`` as x ** ``ramp_exponent`` (claim 9), shrinks the
-    same way, and the last ``end_revolutions`` at least are plain feed.  ``form`` "tick" gives one knot per base
-    period, "stroke" one per end of a forward or return stroke.  Errors: VIB010 for values that cannot be.
+    about the mean feed.  It grows over ``ramp_in_s`` as x ** ``ramp_exponent`` (claim 9), shrinks the same
+    way, and at least the last ``end_revolutions`` are plain feed.  ``form`` "tick" gives one knot per base
+    period, "stroke" one per end of a forward or return stroke.  Errors: VIB010 for values that cannot be,
+    VIB011 for a sine in "stroke" form.
     """
 
     length_mm: float
@@ -54,7 +55,8 @@ class Cut:
             _require(0.0 < getattr(self, name) < math.inf, name, getattr(self, name), "above zero")
         for name in ("ramp_in_s", "end_revolutions"):
             _require(0.0 <= getattr(self, name) < math.inf, name, getattr(self, name), "zero or more")
-        _require(0 < self.forward_ticks < self.ticks, "forward_ticks", self.forward_ticks, "between 0 and ticks")
+        inside = 0 < self.forward_ticks < self.ticks
+        _require(inside, "forward_ticks", self.forward_ticks, f"between 0 and {self.ticks} ticks")
         if self.waveform == "sine" and self.form == "stroke":
             raise RefusalError(
                 "VIB011",
@@ -122,14 +124,15 @@ def largest_drop(
     knots, heights = np.arange(1, ticks + 1) / ticks, wave("sine", ticks, 1)
     # The difference of two polygons is largest at a corner of one of them.
     corners = np.concatenate([knots, knots + delta])
-    drops = np.interp(corners - delta, knots, heights, period=1.0) - np.interp(corners, knots, heights, period=1.0)
-    return float(drops.max())
+    before = np.interp(corners - delta, knots, heights, period=1.0)
+    return float((before - np.interp(corners, knots, heights, period=1.0)).max())
 
 
 def least_stroke_mm(
     waveform: Waveform,
     per_rev: float,
     feed_mm_rev: float,
+    *,
     alpha_share: float = 0.5,
     edges: int = 1,
     margin: float = 1.2,
@@ -179,13 +182,16 @@ def full_window(cut: Cut) -> tuple[float, float]:
 
 
 def _vibrating_part(cut: Cut) -> tuple[Floats, Floats, Floats]:
-    """Time, w and y at the knots of the whole vibrations, without the one at 0: three arrays of shape (n,)."""
+    """Time, w and y at the knots of the whole vibrations but the one at 0: three arrays of shape (n,)."""
     knots = np.arange(1, cut.ticks + 1) if cut.form == "tick" else np.array([cut.forward_ticks, cut.ticks])
     heights = wave(cut.waveform, cut.ticks, cut.forward_ticks)[knots - 1]
     tick = (np.arange(cut.vibrations)[:, np.newaxis] * cut.ticks + knots).ravel()
     time_s = tick * (cut.period_s / cut.ticks)
-    # y: the room ahead of the mean feed, and the ramp on the way in and, mirrored, on the way out.
-    scale = np.clip((cut.length_mm - cut.speed_mm_s * time_s) / cut.stroke_mm, 0.0, 1.0)
+    # y is what the room before the end of the cut allows, the same throughout a vibration so that its shape
+    # stays, and the ramp on the way in and, mirrored, on the way out.
+    room_mm = (cut.length_mm - cut.speed_mm_s * time_s).reshape(-1, knots.size)[:, :-1]
+    room_share = (room_mm / (cut.stroke_mm * heights[:-1])).min(axis=1)
+    scale = np.repeat(np.clip(room_share, 0.0, 1.0), knots.size)
     if cut.ramp_in_s > 0.0 and time_s.size:
         nearest_end_s = np.minimum(time_s, time_s[-1] - time_s)
         np.minimum(scale, np.minimum(nearest_end_s / cut.ramp_in_s, 1.0) ** cut.ramp_exponent, out=scale)
@@ -199,12 +205,12 @@ def _full_vibrations(cut: Cut, scale: Floats) -> tuple[int, int]:
         full = np.flatnonzero(inner.min(axis=1) >= 1.0 - _FUZZ)
         if full.size:
             return int(full[0]), int(full[-1]) + 1
+    have = f"{shown(cut.length_mm)} mm at F {shown(cut.feed_mm_rev)} mm/rev takes {shown(cut.duration_s)} s"
+    plain = f"the plain end {shown(cut.end_revolutions)} rev of {shown(S_PER_MIN / cut.speed_rpm)} s"
+    one = f"one vibration of {shown(cut.stroke_mm)} mm {shown(cut.period_s)} s"
     raise RefusalError(
         "VIB013",
-        f"the cut is too short to vibrate: {shown(cut.length_mm)} mm at F {shown(cut.feed_mm_rev)} mm/rev takes "
-        f"{shown(cut.duration_s)} s; the ramps take 2 x {shown(cut.ramp_in_s)} s, one vibration of "
-        f"{shown(cut.stroke_mm)} mm {shown(cut.period_s)} s, the plain end {shown(cut.end_revolutions)} rev of "
-        f"{shown(S_PER_MIN / cut.speed_rpm)} s",
+        f"too short to vibrate: {have}; two ramps take {shown(cut.ramp_in_s)} s each, {one}, {plain}",
         "shorten the ramp, raise f, or cut this block without vibration",
     )
 

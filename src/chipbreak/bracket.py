@@ -1,0 +1,56 @@
+"""The comments around every change: what was there, and a checksum of what is there now.
+
+::
+
+    (CHIPBREAK BEGIN VIB N1.5 F62.5 S2500)
+    (CHIPBREAK WAS G1 Z-30. F0.05 N1.5)
+    ...the new blocks...
+    (CHIPBREAK END 1F0A33C2)
+
+A line that would not survive inside a comment (parentheses, lower case, other bytes, a foreign line end) is
+written as ``(CHIPBREAK HEX ...)``, its bytes in hexadecimal with their line end.
+"""
+
+from __future__ import annotations
+
+import re
+import zlib
+from collections.abc import Iterator
+
+BEGIN, WAS, HEX, END = "BEGIN", "WAS", "HEX", "END"
+MARK = b"(CHIPBREAK BEGIN"
+LINE = re.compile(rb"[ \t]*(?:N[0-9.]+[ \t]*)?\(CHIPBREAK (BEGIN|WAS|HEX|END) ?([^()]*)\)[ \t]*")
+_HEX_BYTES_PER_LINE = 30
+# What every control takes inside a comment; LinuxCNC also takes lower case and more signs.
+_SAFE = re.compile(rb"[A-Z0-9 .,=_+/-]*")
+_SAFE_WITH_LOWER_CASE = re.compile(rb"[A-Za-z0-9 .,=_+/#*\[\]<>:-]*")
+
+
+def comment(kind: str, text: str) -> str:
+    """One bracket line without its end."""
+    return f"(CHIPBREAK {kind} {text})"
+
+
+def title_text(title: str, max_chars: int) -> str:
+    """A title made fit for a comment: upper case, no parentheses, not too long."""
+    fit = re.sub(r"[^A-Z0-9 .,=_+/-]", " ", title.upper())
+    return fit[: max_chars - len(comment(BEGIN, "")) - len("N99999 ")].rstrip()
+
+
+def was_lines(lines: list[bytes], line_end: bytes, max_chars: int, *, lower_case: bool) -> Iterator[str]:
+    """The bracket lines that keep the original lines (with their ends)."""
+    safe = _SAFE_WITH_LOWER_CASE if lower_case else _SAFE
+    for raw in lines:
+        text = raw.removesuffix(line_end)
+        fits = len(text) <= max_chars - len(comment(WAS, ""))
+        if raw.endswith(line_end) and fits and safe.fullmatch(text):
+            yield comment(WAS, text.decode("ascii"))
+            continue
+        for at in range(0, len(raw), _HEX_BYTES_PER_LINE):
+            yield comment(HEX, raw[at : at + _HEX_BYTES_PER_LINE].hex().upper())
+
+
+def checksum(content: bytes) -> str:
+    """CRC-32 of the lines between BEGIN and END, blind to how lines end (transmission may change that)."""
+    lines = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    return f"{zlib.crc32(lines):08X}"

@@ -1,0 +1,61 @@
+"""What a pass may do: replace some lines by others, with a reason.  One function applies all edits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class MoveTable:
+    """Many moves as columns of numbers, one row a block.
+
+    ``letters[i]`` is printed before ``columns[i]`` (shape (n,), program units) with ``decimals[i]`` places.
+    """
+
+    letters: tuple[str, ...]
+    columns: tuple[NDArray[np.float64], ...]
+    decimals: tuple[int, ...]
+
+    def __len__(self) -> int:
+        return len(self.columns[0])
+
+
+@dataclass(frozen=True, eq=False)
+class Edit:
+    """Lines ``first`` to ``last`` (exclusive) of the original become ``content``; first == last inserts.
+
+    ``title`` names the change in the program itself, ``reason`` explains it to the user.
+    """
+
+    first: int
+    last: int
+    content: tuple[str | MoveTable, ...]
+    title: str
+    reason: str
+    pass_name: str
+
+
+class OverlapError(Exception):
+    """Two passes want to change the same lines: a fault of this program, not of the user's."""
+
+    def __init__(self, one: Edit, other: Edit) -> None:
+        super().__init__(
+            f"{one.pass_name} (lines {one.first + 1} to {one.last}) and {other.pass_name} "
+            f"(lines {other.first + 1} to {other.last}) change the same lines"
+        )
+
+
+def in_order(edits: Sequence[Edit]) -> list[Edit]:
+    """Edits by place; insertions stand before a replacement at the same line, in the order given.
+
+    Raises OverlapError.
+    """
+    ordered = sorted(edits, key=lambda e: (e.first, e.last > e.first))
+    for one, other in zip(ordered, ordered[1:], strict=False):
+        if other.first < one.last:
+            raise OverlapError(one, other)
+    return ordered

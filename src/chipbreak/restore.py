@@ -1,0 +1,129 @@
+"""The way back: a filtered program to the original bytes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chipbreak import bracket
+from chipbreak.diagnostics import Diagnostic, ProgramRejectedError, Severity
+from chipbreak.source import Source, read
+
+EDITED, BROKEN = "RES001", "RES002"
+
+
+@dataclass(frozen=True)
+class Region:
+    """One bracketed change in a filtered program.
+
+    Lines ``first`` (BEGIN) to ``last`` (exclusive, behind END); ``body`` is the first line behind the WAS
+    and HEX lines; ``original`` the bytes that were there.
+    """
+
+    first: int
+    body: int
+    last: int
+    title: str
+    original: bytes
+
+
+def regions(source: Source) -> list[Region]:
+    """The changes in a filtered program.
+
+    Raises ProgramRejectedError: RES001 when a bracketed part was edited, RES002 when a bracket is broken.
+    """
+    found: list[Region] = []
+    at = source.data.find(bracket.MARK)
+    while at >= 0:
+        line = int(np.searchsorted(source.starts, at, "right")) - 1
+        match = bracket.LINE.fullmatch(source.raw(line).rstrip(b"\r\n"))
+        if match and match[1].decode() == bracket.BEGIN:
+            region = _region(source, line, match[2].decode("latin-1"))
+            found.append(region)
+            at = source.data.find(bracket.MARK, int(source.starts[region.last]))
+        else:
+            at = source.data.find(bracket.MARK, at + 1)
+    return found
+
+
+def _region(source: Source, first: int, title: str) -> Region:
+    original = bytearray()
+    line = first + 1
+    while line < source.line_count:
+        raw = source.raw(line)
+        match = bracket.LINE.fullmatch(raw.rstrip(b"\r\n"))
+        kind = match[1].decode() if match else ""
+        if match and kind == bracket.WAS:
+            original += match[2] + source.line_end
+        elif match and kind == bracket.HEX:
+            original += _from_hex(source, line, match[2])
+        else:
+            break
+        line += 1
+    body = line
+    last = _end_line(source, first)
+    content = source.data[source.starts[first + 1] : source.starts[last - 1]]
+    end = bracket.LINE.fullmatch(source.raw(last - 1).rstrip(b"\r\n"))
+    assert end is not None
+    if end[2].decode("latin-1").strip() != bracket.checksum(content):
+        raise _rejected(
+            source,
+            first,
+            EDITED,
+            "this part was changed after chipbreak wrote it; restoring it would lose the change",
+            "make the change in the original program, or delete the CHIPBREAK comments to keep the part as it is",
+        )
+    return Region(first, body, last, title.strip(), bytes(original))
+
+
+def _end_line(source: Source, first: int) -> int:
+    """The line behind the END that closes a BEGIN."""
+    start = int(source.starts[first + 1])
+    at = source.data.find(b"(CHIPBREAK END", start)
+    inner = source.data.find(bracket.MARK, start)
+    if at < 0 or 0 <= inner < at:
+        raise _broken(source, first, "the END comment of this part is missing")
+    line = int(np.searchsorted(source.starts, at, "right")) - 1
+    if bracket.LINE.fullmatch(source.raw(line).rstrip(b"\r\n")) is None:
+        raise _broken(source, line, "this END comment cannot be read")
+    return line + 1
+
+
+def _from_hex(source: Source, line: int, text: bytes) -> bytes:
+    try:
+        return bytes.fromhex(text.decode("ascii"))
+    except ValueError:
+        raise _broken(source, line, "this HEX comment cannot be read") from None
+
+
+def _broken(source: Source, line: int, message: str) -> ProgramRejectedError:
+    return _rejected(source, line, BROKEN, message, "take the program from before the damage and filter it again")
+
+
+def _rejected(source: Source, line: int, code: str, message: str, help_text: str) -> ProgramRejectedError:
+    text = source.text(line)
+    return ProgramRejectedError([Diagnostic(code, Severity.ERROR, message, help_text, source.place(line), text)])
+
+
+def restore(source: Source) -> Source:
+    """The original program.  Messages about it still name the lines of the file it came from.
+
+    Raises ProgramRejectedError as :func:`regions` does.
+    """
+    found = regions(source)
+    if not found:
+        return source
+    pieces: list[bytes] = []
+    numbers: list[NDArray[np.int64]] = []
+    line = 0
+    for region in found:
+        pieces += [source.data[source.starts[line] : source.starts[region.first]], region.original]
+        numbers.append(np.arange(line, region.first) + 1)
+        count = read(region.original).line_count if region.original else 0
+        numbers.append(np.full(count, region.first + 1))
+        line = region.last
+    pieces.append(source.data[source.starts[line] :])
+    numbers.append(np.arange(line, source.line_count) + 1)
+    return read(b"".join(pieces), source.name, np.concatenate(numbers))

@@ -1,0 +1,77 @@
+"""The comment that asks for vibration: ``(VIB N1.5 Q1.4)``, modal until ``(VIB OFF)`` or the next tool."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from dataclasses import dataclass, field
+
+from chipbreak.diagnostics import RefusalError
+from chipbreak.vibration.solve import Given
+
+# What each key means, for messages and the manual.
+KEYS = {
+    "S": "spindle speed [rpm]",
+    "N": "vibrations per revolution",
+    "E": "revolutions per vibration",
+    "F": "frequency [Hz]",
+    "Q": "stroke / feed per revolution",
+    "A": "stroke [mm]",
+    "K": "ramp exponent",
+    "ALPHA": "forward share",
+    "RAMP": "ramp length [vibrations]",
+    "EDGES": "cutting edges",
+    "WAVE": "TRIANGLE or SINE",
+}
+WAVES = ("TRIANGLE", "SINE")
+_DIRECTIVE = re.compile(r"\s*VIB(?:[\s,]+(.*?))?\s*$", re.IGNORECASE | re.DOTALL)
+_ITEM = re.compile(r"\s*([A-Z]+?)\s*(?:=\s*)?(TRIANGLE|SINE|[-+]?(?:\d+\.?\d*|\.\d+))(?=[\s,A-Z]|$)[\s,]*")
+
+
+@dataclass(frozen=True)
+class Directive:
+    """What one directive says; ``on`` is False for ``(VIB OFF)``."""
+
+    on: bool
+    values: dict[str, Given] = field(default_factory=dict)
+    waveform: str = ""
+
+
+def read_directive(text: str, line_number: int) -> Directive | None:
+    """Read a comment's text; None when it is no directive.
+
+    ``(VIB)`` and ``(VIB ON)`` ask for vibration with the profile's values.  Errors: VIB014 for a key or a
+    value that cannot be read.
+    """
+    match = _DIRECTIVE.match(text)
+    if match is None:
+        return None
+    rest = (match[1] or "").upper()
+    if rest in ("", "ON"):
+        return Directive(True)
+    if rest == "OFF":
+        return Directive(False)
+    values: dict[str, Given] = {}
+    waveform = ""
+    at = 0
+    while at < len(rest):
+        item = _ITEM.match(rest, at)
+        key = item[1] if item else ""
+        if item is None or key not in KEYS or (key == "WAVE") != (item[2] in WAVES):
+            raise _unreadable(rest[at:].split()[0] if rest[at:].split() else rest, key)
+        if key in values or (key == "WAVE" and waveform):
+            raise RefusalError("VIB014", f"the directive gives {key} twice", "give each key once")
+        if key == "WAVE":
+            waveform = item[2].lower()
+        else:
+            values[key] = Given(float(item[2]), f"directive, line {line_number}")
+        at = item.end()
+    return Directive(True, values, waveform)
+
+
+def _unreadable(found: str, key: str) -> RefusalError:
+    near = difflib.get_close_matches(key or found, KEYS, 1)
+    hint = f"did you mean {near[0]}? " if near and near[0] != key else ""
+    known = "; ".join(f"{name} {meaning}" for name, meaning in KEYS.items())
+    message = f"the directive says {found!r}, which cannot be read"
+    return RefusalError("VIB014", message, f"{hint}keys: {known}; or (VIB OFF)")

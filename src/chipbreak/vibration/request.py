@@ -1,0 +1,231 @@
+"""Which cuts are asked to vibrate, and with which values: block over directive over profile."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+
+from chipbreak.diagnostics import Diagnostic, RefusalError
+from chipbreak.model.modal import State
+from chipbreak.model.steps import Step
+from chipbreak.model.trace import Trace
+from chipbreak.settings.sections import Settings
+from chipbreak.vibration.directive import KEYS, Directive, read_directive
+from chipbreak.vibration.solve import Given
+
+_FROM_PROFILE = {
+    "N": "n",
+    "E": "e",
+    "F": "f_hz",
+    "Q": "q",
+    "A": "a_mm",
+    "K": "ramp_exponent",
+    "ALPHA": "alpha",
+    "RAMP": "ramp_vibrations",
+    "EDGES": "edges",
+}
+_INSTEAD = {"N": "E", "E": "N", "Q": "A", "A": "Q"}
+_LIMITS = {"ALPHA": (0.0, 1.0)}
+# An axis word with, behind it, an N or with F also an f: a request even where the line cannot be read.
+_LOOKS_ASKING = re.compile(r"[XYZUVW]\s*[-+.\d].*?(?:N\s*[-+]?[.\d]|F\s*[.\d].*f\s*[-+]?[.\d])")
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """A block that is asked to vibrate.
+
+    ``values`` holds what was said, by the keys of directives; ``speed`` is an S of the block or directive.
+    ``by_word`` is True when the block's own words ask.
+    """
+
+    step: Step
+    values: dict[str, Given]
+    waveform: str
+    by_word: bool
+
+    def same_wish(self, other: Request) -> bool:
+        """True when both ask for the same vibration, so that they can be one chain."""
+        mine = {k: v.value for k, v in self.values.items()}
+        return self.waveform == other.waveform and mine == {k: v.value for k, v in other.values.items()}
+
+
+class RequestReader:
+    """Walks through the program once and collects requests and complaints."""
+
+    def __init__(self, trace: Trace) -> None:
+        self.trace, self.program, self.settings = trace, trace.program, trace.settings
+        self.default = profile_directive(trace.settings)
+        self.directive = self.default
+        self.requests: list[Request] = []
+        self.diagnostics: list[Diagnostic] = []
+        self.stray: list[tuple[int, tuple[int, int]]] = []
+
+    def read(self) -> None:
+        """Fill ``requests`` and ``diagnostics``."""
+        line = self.program.source.body.start
+        events = {step.block.line: step for step in self.trace.events}
+        for event in self.program.events.tolist():
+            self._run(line, event)
+            line = event + 1
+            block = self.program.block(event)
+            self._comments(event)
+            step = events.get(event)
+            if step is not None:
+                self._event(step)
+            elif block.opaque:
+                self._opaque(event)
+        self._run(line, self.program.source.body.stop)
+        if self.requests:
+            self._complain_of_stray()
+
+    def _run(self, first: int, last: int) -> None:
+        if self.directive.on and last > first:
+            for step in self.trace.steps(first, last):
+                self._cut(step)
+
+    def _event(self, step: Step) -> None:
+        if step.block.opaque:
+            self._opaque(step.block.line)
+            return
+        if step.after.tool != step.before.tool or _is_tool_change(step):
+            self.directive = self.default
+        if step.vibration:
+            self._asked_by_words(step)
+        elif self.directive.on:
+            self._cut(step)
+        if not step.vibration:
+            for word in step.block.words:
+                if word.letter == "f" and step.move is not None and step.move.is_cut:
+                    self.stray.append((step.block.line, (word.start, word.end)))
+
+    def _cut(self, step: Step) -> None:
+        if step.move is not None and step.move.is_cut and not step.in_contour:
+            self.requests.append(self._request(step, {}, by_word=False))
+
+    def _comments(self, line: int) -> None:
+        for comment in self.program.block(line).comments:
+            try:
+                found = read_directive(comment.text, int(self.program.source.place(line).line))
+            except RefusalError as error:
+                self._error(line, error, (comment.start, comment.end))
+                continue
+            if found is not None:
+                self.directive = found
+                self._check_values(line, found.values, (comment.start, comment.end))
+
+    def _asked_by_words(self, step: Step) -> None:
+        values: dict[str, Given] = {}
+        line_number = self.program.source.place(step.block.line).line
+        for word in step.vibration:
+            key = "F" if word.letter == "f" else word.letter
+            at = (word.start, word.end)
+            if word.number is None:
+                message = f"{word.letter} is a variable; its value is known only on the machine"
+                error = RefusalError("VIB015", message, "write the number itself")
+                self._error(step.block.line, error, at)
+                return
+            if key in values:
+                error = RefusalError("VIB016", f"{word.letter} stands twice in this block", "give it once")
+                self._error(step.block.line, error, at)
+                return
+            values[key] = Given(word.number, f"{word.letter} word, line {line_number}")
+            if not self._check_values(step.block.line, {key: values[key]}, at):
+                return
+        speed = step.block.word("S")
+        if speed is not None and speed.number is not None:
+            values["S"] = Given(speed.number, f"S word, line {line_number}")
+        self.requests.append(self._request(step, values, by_word=True))
+
+    def _request(self, step: Step, words: dict[str, Given], *, by_word: bool) -> Request:
+        """Merge block over directive over profile; N and E, Q and A stand for each other."""
+        said = self.directive if self.directive.on else Directive(True)
+        merged: dict[str, Given] = {}
+        for source in (words, said.values):
+            for key, given in source.items():
+                if key not in merged and _INSTEAD.get(key) not in merged:
+                    merged[key] = given
+        merged = _fill_from_profile(merged, self.settings)
+        waveform = said.waveform or self.settings.vibration.waveform
+        return Request(step, merged, waveform, by_word)
+
+    def _check_values(self, line: int, values: dict[str, Given], at: tuple[int, int]) -> bool:
+        for key, given in values.items():
+            low, high = _LIMITS.get(key, (0.0, float("inf")))
+            zero_is_fine = key == "RAMP"
+            fits = low < given.value < high or (zero_is_fine and given.value == 0.0)
+            if not fits or (key == "EDGES" and given.value != int(given.value)):
+                letter = "f" if key == "F" else key
+                message = f"{letter} {given.value:g} is not possible: {KEYS[key]}"
+                way_out = "between 0 and 1" if key in _LIMITS else "a number above zero"
+                self._error(line, RefusalError("VIB017", message, way_out), at)
+                return False
+        return True
+
+    def _opaque(self, line: int) -> None:
+        block = self.program.block(line)
+        if self.directive.on or _LOOKS_ASKING.search(block.text):
+            message = f"this line cannot be read ({block.opaque}) and stands where cuts are asked to vibrate"
+            help_text = "correct the line, or write (VIB OFF) before it"
+            at = (block.opaque_column, block.opaque_column + 1)
+            self.diagnostics.append(self.program.diagnose(line, "VIB018", message, help_text, at=at))
+
+    def _complain_of_stray(self) -> None:
+        """In a program that vibrates, a lone lower-case f is a feed to the control: say so, do not guess."""
+        for line, at in self.stray:
+            if not any(c.isupper() for c in self.program.source.text(line)):
+                continue
+            message = "this f is a feed to the control, but the program asks for vibration elsewhere"
+            help_text = "write F for a feed; for a frequency give F and f in one block"
+            self.diagnostics.append(self.program.diagnose(line, "VIB019", message, help_text, at=at))
+
+    def _error(self, line: int, error: RefusalError, at: tuple[int, int]) -> None:
+        self.diagnostics.append(self.program.diagnose(line, error.code, error.message, error.help, at=at))
+
+
+def profile_directive(settings: Settings) -> Directive:
+    """A profile that fixes N, E or f asks for vibration in every cut; a program then need only give S."""
+    vibration = settings.vibration
+    return Directive(any(v is not None for v in (vibration.n, vibration.e, vibration.f_hz)))
+
+
+def _fill_from_profile(values: dict[str, Given], settings: Settings) -> dict[str, Given]:
+    """Add what was not said.  Of S, N and f the profile adds no third."""
+    filled = dict(values)
+    for key, name in _FROM_PROFILE.items():
+        value = getattr(settings.vibration, name)
+        if value is None or key in filled or _INSTEAD.get(key) in filled:
+            continue
+        if key in "NEF" and sum(k in filled for k in "SNEF") >= 2:
+            continue
+        filled[key] = Given(float(value), f"profile vibration.{name}, {settings.origin(f'vibration.{name}')}")
+    if settings.vibration.ramp_s is not None and "RAMP" not in values:
+        del filled["RAMP"]
+    return filled
+
+
+def _is_tool_change(step: Step) -> bool:
+    return any(w.address == "M" and w.number == 6 for w in step.block.words)
+
+
+def solver_inputs(request: Request, state: State) -> tuple[Given | None, Given | None, Given | None]:
+    """S, N and f as given for a cut; E is turned into N.
+
+    The modal S counts only when N and f are not both given.
+    """
+    values = request.values
+    per_rev = values.get("N")
+    if per_rev is None and "E" in values:
+        per_rev = replace(values["E"], value=1.0 / values["E"].value)
+    frequency, speed = values.get("F"), values.get("S")
+    if speed is None and not (per_rev and frequency) and state.speed is not None:
+        speed = Given(state.speed.value, f"active S, line {state.speed.line + 1}")
+    return speed, per_rev, frequency
+
+
+def requests_of(trace: Trace) -> tuple[list[Request], list[Diagnostic]]:
+    """All requests of a program in order, and what is wrong with them."""
+    reader = RequestReader(trace)
+    reader.read()
+    return reader.requests, reader.diagnostics
+
+

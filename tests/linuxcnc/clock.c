@@ -1,0 +1,50 @@
+/* Makes the realtime threads of a simulated LinuxCNC wait CLOCK_SPEED_UP times less than they ask for.
+ *
+ * Preloaded into every program of one test run; it touches only rtapi_app, whose threads sleep until absolute
+ * points of time, one servo period apart.  Each thread keeps the last point it asked for and the moment it was
+ * let go; the next wait is the difference of the two points, divided.  A thread that comes late is let go at
+ * once and starts counting anew, so that lost wall time is never made up by a burst.
+ */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+typedef int (*sleeper)(clockid_t, int, const struct timespec *, struct timespec *);
+
+static sleeper real_sleep;
+static double speed_up = 1.0;
+static __thread long long asked_ns, released_ns;
+
+static long long in_ns(const struct timespec *t) { return t->tv_sec * 1000000000LL + t->tv_nsec; }
+
+__attribute__((constructor)) static void prepare(void)
+{
+    const char *text = getenv("CLOCK_SPEED_UP");
+    real_sleep = (sleeper)dlsym(RTLD_NEXT, "clock_nanosleep");
+    if (text && strcmp(program_invocation_short_name, "rtapi_app") == 0)
+        speed_up = atof(text);
+}
+
+int clock_nanosleep(clockid_t clock, int flags, const struct timespec *until, struct timespec *left)
+{
+    if (speed_up <= 1.0 || !(flags & TIMER_ABSTIME))
+        return real_sleep(clock, flags, until, left);
+
+    long long point = in_ns(until);
+    struct timespec now;
+    clock_gettime(clock, &now);
+    long long wake = in_ns(&now);
+    if (asked_ns && point > asked_ns) {
+        long long due = released_ns + (long long)((point - asked_ns) / speed_up);
+        if (due > wake)
+            wake = due;
+    }
+    struct timespec release = {wake / 1000000000LL, wake % 1000000000LL};
+    int result = real_sleep(clock, flags, &release, left);
+    asked_ns = point;
+    released_ns = wake;
+    return result;
+}
