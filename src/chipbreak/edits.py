@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,7 +56,7 @@ def in_order(edits: Sequence[Edit]) -> list[Edit]:
     Raises OverlapError.
     """
     ordered = sorted(edits, key=lambda e: (e.first, e.last > e.first))
-    for one, other in zip(ordered, ordered[1:], strict=False):
+    for one, other in pairwise(ordered):
         if other.first < one.last:
             raise OverlapError(one, other)
     return ordered

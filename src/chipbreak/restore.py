@@ -73,7 +73,7 @@ def _region(source: Source, first: int, title: str) -> Region:
             first,
             EDITED,
             "this part was changed after chipbreak wrote it; restoring it would lose the change",
-            "make the change in the original program, or delete the CHIPBREAK comments to keep the part as it is",
+            "change the original program instead, or delete the CHIPBREAK comments to keep the part as it is",
         )
     return Region(first, body, last, title.strip(), bytes(original))
 
@@ -99,12 +99,14 @@ def _from_hex(source: Source, line: int, text: bytes) -> bytes:
 
 
 def _broken(source: Source, line: int, message: str) -> ProgramRejectedError:
-    return _rejected(source, line, BROKEN, message, "take the program from before the damage and filter it again")
+    help_text = "take the program from before the damage and filter it again"
+    return _rejected(source, line, BROKEN, message, help_text)
 
 
 def _rejected(source: Source, line: int, code: str, message: str, help_text: str) -> ProgramRejectedError:
     text = source.text(line)
-    return ProgramRejectedError([Diagnostic(code, Severity.ERROR, message, help_text, source.place(line), text)])
+    place = source.place(line)
+    return ProgramRejectedError([Diagnostic(code, Severity.ERROR, message, help_text, place, text)])
 
 
 def restore(source: Source) -> Source:

@@ -11,10 +11,12 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
+from chipbreak.diagnostics import RefusalError
 from chipbreak.dialects.base import ONCE
 from chipbreak.model.flow import Flow
 from chipbreak.model.modal import Position, Setting, State
 from chipbreak.model.motion import AXES, move_of
+from chipbreak.model.peripheral import peripheral_of
 from chipbreak.model.requests import vibration_words
 from chipbreak.model.steps import CUTTING, Move, Step
 from chipbreak.model.words import feed_value, plain_value
@@ -58,6 +60,7 @@ _LOSES = {
 }
 _COORDINATE_GROUPS = ("work_offset", "rotation", "polar", "scaling", "mirror", "interpolation")
 _LOSES_NAMED_AXES = ("home", "machine", "skip")
+_AXES_WITHOUT_V = frozenset("XYZUWABCH")
 _PLAIN_LETTERS = frozenset("GMTSFODHABC")
 _ARC_LETTERS = frozenset("IJKR")
 
@@ -84,13 +87,27 @@ class Interpreter:
         if block.opaque:
             return Step(block, state, state.forgotten(f"line {block.line + 1} cannot be read"))
         if block.is_empty:
-            return Step(block, state, state)
+            step = Step(block, state, state)
+            return self._with_peripheral(step) if block.comments else step
         if self.flow.in_contour(block.line):
             return Step(block, state, state, in_contour=True)
-        step = self._execute(state, block)
+        step = self._with_peripheral(self._execute(state, block))
         if block.skip:
             step = replace(step, after=_maybe(state, step.after, block.line))
         return step
+
+    def _with_peripheral(self, step: Step) -> Step:
+        """V and D set the speed; a fault in them is the speeds pass's to report."""
+        try:
+            asked = peripheral_of(step.block, step.after)
+        except RefusalError:
+            return step
+        if asked is None:
+            return step
+        text = asked.speed_text(self.settings.spindle.resolution_rpm)
+        after = replace(step.after, speed=Setting(float(text), text, step.block.line))
+        unread = tuple(w for w in step.unread if w not in asked.words)
+        return replace(step, after=after, unread=unread, peripheral=asked)
 
     def _execute(self, state: State, block: Block) -> Step:
         changes, once, unknown = self._codes(block)
@@ -191,6 +208,8 @@ class Interpreter:
     ) -> tuple[State, Move | None]:
         """(8) non-modal codes, (9) motion."""
         axis_words = [w for w in block.words if w.letter.upper() in self.axis_letters]
+        if not any(w.address in _AXES_WITHOUT_V for w in block.words) and block.word("D") is not None:
+            axis_words = []  # V beside D is a peripheral speed
         limits_only = "set-position" in once and not axis_words
         for name in sorted(once):
             if name in _LOSES and not limits_only:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from chipbreak.model.modal import Position, State
+from chipbreak.model.peripheral import Peripheral
 from chipbreak.syntax.nodes import Block, Word
 
 CUTTING = ("line", "cw", "ccw")
@@ -42,6 +43,7 @@ class Step:
     ``vibration``   the words that ask for vibration, in the block's order
     ``unread``      words nothing reads here
     ``in_contour``  True for a line that is only the shape of a cycle
+    ``peripheral``  a spindle speed asked by V and D
     """
 
     block: Block
@@ -52,3 +54,4 @@ class Step:
     vibration: tuple[Word, ...] = ()
     unread: tuple[Word, ...] = ()
     in_contour: bool = False
+    peripheral: Peripheral | None = None

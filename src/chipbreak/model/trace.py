@@ -80,6 +80,7 @@ class Trace:
         shapes = self.program.shapes
         ids = self.program.plain[first:last]
         used = np.unique(ids)
+        used = used[used >= 0]  # the others are blank lines and comments
         control = self.settings.control
         motion_at = _last_of(ids, [i for i in used if shapes[i].motion is not None])
         if motion_at >= 0:

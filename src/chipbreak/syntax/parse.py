@@ -103,7 +103,7 @@ def read_block(line: int, text: str) -> Block:
     """One block by the fast road where it is plain, by the grammar where it is not."""
     if text.lstrip(_BLANK_CHARACTERS).startswith("%"):
         return Block(line, text, mark=True)
-    if len(text) > LONGEST_LINE:
+    if len(text) > LONGEST_LINE and len(text.strip(_BLANK_CHARACTERS)) > LONGEST_LINE:
         return opaque(line, text, f"it is longer than {LONGEST_LINE} characters", LONGEST_LINE)
     block = read_plain(line, text)
     return block if block is not None else read_by_grammar(line, text)
@@ -151,21 +151,20 @@ def read_plain(line: int, text: str) -> Block | None:
 
 def read_by_grammar(line: int, text: str) -> Block:
     """The law: the grammar's reading of any block."""
-    from lark.exceptions import UnexpectedInput  # noqa: PLC0415 (lark is loaded when it is needed)
+    from lark.exceptions import UnexpectedInput, UnexpectedToken  # noqa: PLC0415 (loaded when it is needed)
 
     try:
         return build_block(block_parser().parse(text), line, text)
     except UnexpectedInput as error:
-        column = error.pos_in_stream if error.pos_in_stream is not None else len(text)
-        column = min(max(column, 0), max(len(text) - 1, 0))
-        return opaque(line, text, _why(text, column), column)
+        ended = isinstance(error, UnexpectedToken) and error.token.type == "$END"
+        column = len(text.rstrip(_BLANK_CHARACTERS)) - 1 if ended else int(error.pos_in_stream or 0)
+        return opaque(line, text, _why(text, column, ended=ended), column)
     except UnreadableError as error:
         return opaque(line, text, error.why, error.column)
 
 
-def _why(text: str, column: int) -> str:
-    rest = text[column:].strip()
-    if not rest or (column >= len(text) - 1 and text[column].isalpha()):
+def _why(text: str, column: int, *, ended: bool) -> str:
+    if ended:
         return "it ends in the middle of a word or an expression"
     shown = text[column] if text[column].isprintable() else f"byte 0x{ord(text[column]):02X}"
     return f"{shown!r} is not expected here"

@@ -17,14 +17,15 @@ import numpy.typing as npt
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.units import S_PER_MIN
-from chipbreak.vibration.waveform import Waveform
+from chipbreak.vibration.waveform import Waveform, speed_band_rpm
 
 Floats = npt.NDArray[np.float64]
+Gaps = tuple[tuple[Floats, Floats], ...]  # pairs of times and g_1 at those times
 
-_TOUCH = 1e-9  # a gap of less than this share of the feed is a touch, and a touch ends the chip
+_TOUCH = 1e-9  # a gap below this share of the feed is a touch, and a touch ends the chip
 _FULL = 0.98  # return strokes of at least this share of the longest belong to the steady part
-_SAMPLE_VIBRATIONS = 200  # how much of the steady part is worked out in full
-_SAMPLE_POINTS = 60_000  # unless it has too many corners
+_SAMPLE_UNITS, _SAMPLE_POINTS = 200, 60_000  # vibrations or revolutions worked out in full; corners in them
+_ROUGHNESS_PASSES, _ROUGHNESS_ANGLES = 60, 1025
 
 
 @dataclass(frozen=True)
@@ -32,12 +33,11 @@ class Verdict:
     """What the chips of one cut will be.  "Steady" is the part of full stroke, "one edge" each of z.
 
     ``margin``: stroke / least stroke that breaks, for the weakest vibration of the steady part; precisely
-    1 - (least gap g_1 of that vibration) / (feed / z), so ``breaks`` is the same as margin >= 1.
-    ``per_rev`` and ``stroke_mm`` are as reached.  ``chips_per_rev`` and the chip lengths are of one edge, the
-    longest one in the steady part (the whole cut when it does not break), the first one from the start of the
-    cut to its first gap.  Lengths in mm are on the circumference, None without a diameter; the metal chip is
-    shorter.  ``peak_thickness`` is in units of feed / z.  ``roughness_factor``: theoretical Rt against the
-    same cut without vibration.  ``speed_band_rpm``: see :func:`speed_band_rpm`.
+    1 - (least gap g_1 of that vibration) / (feed / z as reached), so ``breaks`` is the same as margin >= 1.
+    ``per_rev`` and ``stroke_mm`` are as reached (N is 0 when the tool never turns back, which cannot break).
+    Chips are those of one edge: the longest in the steady part (the whole cut when it does not break), the
+    first from the start of the cut to its first gap; in mm on the circumference, None without a diameter.
+    ``peak_thickness`` is in feed / z; ``roughness_factor`` is Rt against the same cut without vibration.
     """
 
     breaks: bool
@@ -58,7 +58,7 @@ class Verdict:
 
 @dataclass(frozen=True)
 class _Motion:
-    """Knots, and g_1 at the corners of both its curves: at the knots, and one pass after them."""
+    """The knots of s(t), the time between two passes, and the gap that counts as a touch."""
 
     time_s: Floats
     distance_mm: Floats
@@ -68,11 +68,24 @@ class _Motion:
     def at(self, time_s: Floats) -> Floats:
         return np.interp(time_s, self.time_s, self.distance_mm)
 
-    def corner_gaps(self) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
+    def corner_gaps(self) -> Gaps:
+        """g_1 where it can turn: at the knots, and one pass after them."""
         gap_mm = self.distance_mm - self.at(self.time_s - self.pass_s)
         later_s = self.time_s + self.pass_s
         later_s = later_s[: np.searchsorted(later_s, self.time_s[-1], side="right")]
         return (self.time_s, gap_mm), (later_s, self.at(later_s) - self.distance_mm[: later_s.size])
+
+
+@dataclass(frozen=True)
+class _Steady:
+    """The part of full stroke: crests (indices of knots), ends, begin of judging, mean feed as reached."""
+
+    crest: npt.NDArray[np.intp]
+    start_s: float
+    begin_s: float
+    end_s: float
+    period_s: float
+    speed_mm_s: float
 
 
 def judge(
@@ -91,38 +104,24 @@ def judge(
 
     ``steady_s`` is the part of full stroke [s]; without it, it runs from the first to the last crest whose
     return stroke has at least 98 % of the longest.  Breaking is checked in every vibration of it, in O(n).
-    Shares, lengths, thickness and roughness come from its last 200 vibrations (fewer when they have very many
-    knots), worked out exactly: the steady part repeats.  ``waveform`` and ``alpha_share`` serve only the speed
-    band.  Errors: VIB020 for arrays or values that cannot be.
+    The rest comes from its last 200 vibrations or revolutions (fewer when they have very many knots), worked
+    out exactly: it repeats.  ``waveform`` and ``alpha_share`` serve only the speed band.  Errors: VIB020.
     """
     _check(time_s, distance_mm, speed_rpm, feed_mm_rev, edges)
-    rev_s = S_PER_MIN / speed_rpm
-    feed_mm = feed_mm_rev / edges
+    rev_s, feed_mm = S_PER_MIN / speed_rpm, feed_mm_rev / edges
     motion = _Motion(time_s, distance_mm, rev_s / edges, _TOUCH * feed_mm)
-    crest, start_s, end_s = _steady_part(motion, steady_s)
-    crest_s = time_s[crest]
-    period_s = float(np.median(np.diff(crest_s))) if crest.size > 1 else math.inf
-    gaps = motion.corner_gaps()
-    # Once round, every pass of full stroke follows one of full stroke; a shorter steady part is taken whole.
-    round_s = start_s + motion.pass_s
-    begin_s = round_s if end_s - round_s >= min(period_s, motion.pass_s) else start_s
-    margin = _margin(gaps, crest_s[crest_s >= begin_s], period_s, (begin_s, end_s), feed_mm)
+    steady, gaps = _steady_part(motion, steady_s, feed_mm_rev / rev_s), motion.corner_gaps()
+    margin = _margin(gaps, steady, time_s[steady.crest], motion.pass_s)
     breaks = margin >= 1.0 - _TOUCH
-
-    stroke_mm = _stroke(motion, crest, start_s, end_s, feed_mm_rev / rev_s)
+    stroke_mm = _stroke(motion, steady)
     passes = math.floor(stroke_mm / feed_mm) + 1  # an older pass lies wholly behind the tool
-    part = _sampled_part(motion, begin_s, end_s, period_s, passes)
-    chips_per_s, cut_share, longest_s, peak_mm = _chips(motion, part, passes)
-    whole_rev = float(time_s[-1] - time_s[0]) / rev_s
-    longest_rev = longest_s / rev_s if breaks and longest_s else whole_rev
+    chips_per_s, cut_share, longest_s, peak_mm = _chips(motion, _sampled_part(motion, steady, passes), passes)
+    longest_rev = (longest_s if breaks else float(time_s[-1] - time_s[0])) / rev_s
     first_rev = _first_chip(motion, gaps) / rev_s
-    circumference_mm = None if diameter_mm is None else math.pi * diameter_mm
-    per_rev = rev_s / period_s
-    band = None
+    around_mm = None if diameter_mm is None else math.pi * diameter_mm
+    per_rev, ratio, band = rev_s / steady.period_s, stroke_mm / (steady.speed_mm_s * rev_s), None
     if waveform is not None and per_rev > 0.0:
-        band = speed_band_rpm(
-            waveform, per_rev, 1.0 / period_s, stroke_mm / feed_mm_rev, alpha_share=alpha_share, edges=edges
-        )
+        band = speed_band_rpm(waveform, speed_rpm, per_rev, ratio, alpha_share=alpha_share, edges=edges)
     return Verdict(
         breaks=breaks,
         margin=margin,
@@ -130,112 +129,81 @@ def judge(
         stroke_mm=stroke_mm,
         chips_per_rev=chips_per_s * rev_s,
         longest_chip_rev=longest_rev,
-        longest_chip_mm=None if circumference_mm is None else circumference_mm * longest_rev,
+        longest_chip_mm=around_mm and around_mm * longest_rev,
         first_chip_rev=first_rev,
-        first_chip_mm=None if circumference_mm is None else circumference_mm * first_rev,
+        first_chip_mm=around_mm and around_mm * first_rev,
         cut_share=cut_share,
         peak_thickness=peak_mm / feed_mm,
-        roughness_factor=(_widest_gap(motion, part) / feed_mm) ** 2,
+        # No ridge is higher than the thickest chip, which stands in where the part is too short to tell.
+        roughness_factor=((_widest_gap(motion, steady, passes) or peak_mm) / feed_mm) ** 2,
         peak_speed_mm_s=float(np.abs(np.diff(distance_mm) / np.diff(time_s)).max()),
         speed_band_rpm=band,
     )
 
 
-def speed_band_rpm(
-    waveform: Waveform,
-    per_rev: float,
-    frequency_hz: float,
-    stroke_ratio: float,
-    *,
-    alpha_share: float = 0.5,
-    edges: int = 1,
-) -> tuple[float, float] | None:
-    """Lowest and highest spindle speed that still break at this frequency, with the same whole part of N / z.
-
-    With rho = edges * ``stroke_ratio`` (stroke / feed per revolution) the fraction of N / z may lie in
-    [(1 - alpha) / rho, 1 - alpha / rho] for the triangle, 0.5 +- arccos(1 / rho) / pi for the sine, and
-    S = 60 f / N.  None when the stroke is too small at any speed (rho < 1).
-    """
-    rho = stroke_ratio * edges
-    if rho < 1.0:
-        return None
-    if waveform == "sine":
-        half = math.acos(1.0 / rho) / math.pi
-        low, high = 0.5 - half, 0.5 + half
-    else:
-        low, high = (1.0 - alpha_share) / rho, 1.0 - alpha_share / rho
-    whole = math.floor(per_rev / edges)
-    most = S_PER_MIN * frequency_hz / edges
-    return most / (whole + high), most / (whole + low)
-
-
-def _steady_part(
-    motion: _Motion, steady_s: tuple[float, float] | None
-) -> tuple[npt.NDArray[np.intp], float, float]:
-    """Indices of the crests (where the tool turns back) of the steady part, and its start and end [s]."""
+def _steady_part(motion: _Motion, steady_s: tuple[float, float] | None, speed_mm_s: float) -> _Steady:
     steps = np.diff(motion.distance_mm)
-    moving = np.flatnonzero(steps)
+    moving = np.flatnonzero(np.abs(steps) > motion.touch_mm)  # a stop is no turn
     forward = steps[moving] > 0.0
     crest = moving[np.flatnonzero(forward[:-1] & ~forward[1:])] + 1
     trough = moving[np.flatnonzero(~forward[:-1] & forward[1:])] + 1
-    first_s, last_s = float(motion.time_s[0]), float(motion.time_s[-1])
-    if steady_s is not None:
-        first_s, last_s = steady_s
-    elif crest.size:
+    start_s, end_s = steady_s or (float(motion.time_s[0]), float(motion.time_s[-1]))
+    if steady_s is None and crest.size:
         low = np.append(trough[trough > crest[0]], motion.time_s.size - 1)[: crest.size]
         back_mm = motion.distance_mm[crest] - motion.distance_mm[low]
         full = np.flatnonzero(back_mm >= _FULL * back_mm.max())
-        first_s, last_s = float(motion.time_s[crest[full[0]]]), float(motion.time_s[crest[full[-1]]])
-    inside = (motion.time_s[crest] >= first_s) & (motion.time_s[crest] <= last_s)
-    return crest[inside], first_s, last_s
+        start_s, end_s = (float(t) for t in motion.time_s[crest[full[[0, -1]]]])
+    crest = crest[(motion.time_s[crest] >= start_s) & (motion.time_s[crest] <= end_s)]
+    period_s = math.inf
+    if crest.size > 1:
+        period_s = float(np.median(np.diff(motion.time_s[crest])))
+        speed_mm_s = float(np.ptp(motion.distance_mm[crest[[0, -1]]]) / np.ptp(motion.time_s[crest[[0, -1]]]))
+    # After one pass, every pass of full stroke follows one of full stroke; a shorter part is taken whole.
+    begin_s = start_s + motion.pass_s
+    if end_s - begin_s < min(period_s, motion.pass_s):
+        begin_s = start_s
+    return _Steady(crest, start_s, begin_s, end_s, period_s, speed_mm_s)
 
 
-def _margin(
-    gaps: tuple[tuple[Floats, Floats], ...],
-    crest_s: Floats,
-    period_s: float,
-    window_s: tuple[float, float],
-    feed_mm: float,
-) -> float:
-    """1 - g / feed with g the least gap of the vibration, from crest to crest, that comes least near to air."""
-    bounds = crest_s if crest_s.size > 1 else np.array(window_s)
+def _margin(gaps: Gaps, steady: _Steady, crest_s: Floats, pass_s: float) -> float:
+    """1 - g / feed, g the least gap of that vibration (crest to crest) which comes least near to air."""
+    window_s = np.array([steady.begin_s, steady.end_s])
+    crest_s = crest_s[crest_s >= steady.begin_s]
+    bounds = crest_s if crest_s.size > 1 else window_s
     least = np.full(bounds.size - 1, np.inf)
     for corner_s, gap_mm in gaps:
         low, high = np.searchsorted(corner_s, bounds[0]), np.searchsorted(corner_s, bounds[-1], side="right")
         cells = np.searchsorted(corner_s[low:high], bounds[:-1])
         np.minimum(least, np.minimum.reduceat(np.append(gap_mm[low:high], np.inf), cells), out=least)
-    margin = 1.0 - float(least.max()) / feed_mm
+    margin = 1.0 - float(least.max()) / (steady.speed_mm_s * pass_s)
     # A stretch without a crest is a missing vibration; the touch that ends it elsewhere does not excuse it.
-    stretches = np.diff(np.concatenate([window_s[:1], crest_s, window_s[1:]]))
-    missing = crest_s.size == 0 or stretches.max() > 1.5 * period_s
+    stretch_s = np.diff(np.insert(window_s, 1, crest_s)).max()
+    missing = crest_s.size == 0 or stretch_s > 1.5 * steady.period_s
     return 0.0 if missing and margin >= 1.0 - _TOUCH else margin
 
 
-def _stroke(
-    motion: _Motion, crest: npt.NDArray[np.intp], start_s: float, end_s: float, speed_mm_s: float
-) -> float:
-    """Peak to peak distance [mm] from the mean feed in the steady part; the crests tell the mean feed."""
-    if crest.size > 1:
-        rise = motion.distance_mm[crest[-1]] - motion.distance_mm[crest[0]]
-        speed_mm_s = float(rise / (motion.time_s[crest[-1]] - motion.time_s[crest[0]]))
-    inside = slice(*np.searchsorted(motion.time_s, [start_s, end_s]))
-    ahead_mm = motion.distance_mm[inside] - speed_mm_s * motion.time_s[inside]
-    return float(np.ptp(ahead_mm)) if ahead_mm.size else 0.0
+def _stroke(motion: _Motion, steady: _Steady) -> float:
+    """Peak to peak distance [mm] from the mean feed in the steady part."""
+    low, high = np.searchsorted(motion.time_s, [steady.start_s, steady.end_s])
+    ahead_mm = motion.distance_mm[low : high + 1] - steady.speed_mm_s * motion.time_s[low : high + 1]
+    return float(np.ptp(ahead_mm))
 
 
-def _sampled_part(
-    motion: _Motion, begin_s: float, end_s: float, period_s: float, passes: int
-) -> tuple[float, float]:
+def _sampled_part(motion: _Motion, steady: _Steady, passes: int) -> tuple[float, float]:
     """The end of the steady part that is worked out in full: its start and end [s]."""
-    unit_s = motion.pass_s if math.isinf(period_s) else max(period_s, motion.pass_s)
-    knots = int(np.diff(np.searchsorted(motion.time_s, [begin_s, end_s]))[0]) + 1
-    affordable_s = (end_s - begin_s) * _SAMPLE_POINTS / (knots * (passes + 1) ** 2)
-    length_s = max(4.0 * unit_s, min(_SAMPLE_VIBRATIONS * unit_s, affordable_s))
+    begin_s, end_s = steady.begin_s, steady.end_s
+    unit_s = max(motion.pass_s, steady.period_s if steady.crest.size > 1 else 0.0)
+    settled_s = begin_s + (passes - 1) * motion.pass_s
+    if end_s - settled_s > 3.0 * unit_s:  # room enough to wait until all older passes were full too
+        begin_s = settled_s
+    low, high = np.searchsorted(motion.time_s, [begin_s, end_s])
+    affordable_s = (end_s - begin_s) * _SAMPLE_POINTS / float((high - low + 1) * (passes + 1) ** 2)
+    length_s = max(4.0 * unit_s, min(_SAMPLE_UNITS * unit_s, affordable_s))
     return max(begin_s, end_s - length_s), end_s
 
 
 def _chips(motion: _Motion, part: tuple[float, float], passes: int) -> tuple[float, float, float, float]:
-    """Chips per second, share of time in the cut, longest chip [s] and greatest thickness [mm] in ``part``."""
+    """Chips per second, share of time in the cut, longest chip [s] and greatest thickness [mm]."""
     low, high = np.searchsorted(motion.time_s, [part[0] - passes * motion.pass_s, part[1]])
     shifts = motion.pass_s * np.arange(passes + 1)[:, np.newaxis]
     corners = (motion.time_s[low:high] + shifts).ravel()
@@ -255,13 +223,11 @@ def _chips(motion: _Motion, part: tuple[float, float], passes: int) -> tuple[flo
     stops = np.flatnonzero(cuts & ~np.append(goes_on, False))
     start_s = corners[starts] + enter[starts] * step_s[starts]
     chip_s = corners[stops] + leave[stops] * step_s[stops] - start_s
-    if starts.size < 3:  # hardly a chip ended: it is one long one
-        in_cut_s = float(chip_s.sum())
-        return 0.0, in_cut_s / (part[1] - part[0]), 0.0, peak_mm
-    # The first chip began before the part and the last one ends after it: neither counts.
-    span_s = float(start_s[-1] - start_s[1])
-    whole_s = chip_s[1:-1]
-    return whole_s.size / span_s, float(whole_s.sum()) / span_s, float(whole_s.max()), peak_mm
+    if starts.size < 3:  # too few to tell whole chips from those that the ends of the part cut off
+        ended, span_s = int((start_s + chip_s < part[1]).sum()), part[1] - part[0]
+    else:
+        ended, span_s, chip_s = starts.size - 2, float(start_s[-1] - start_s[1]), chip_s[1:-1]
+    return ended / span_s, float(chip_s.sum()) / span_s, float(chip_s.max(initial=0.0)), peak_mm
 
 
 def _highest_minimum(left: Floats, right: Floats) -> float:
@@ -279,61 +245,55 @@ def _highest_minimum(left: Floats, right: Floats) -> float:
     return best
 
 
-def _first_chip(motion: _Motion, gaps: tuple[tuple[Floats, Floats], ...]) -> float:
+def _first_chip(motion: _Motion, gaps: Gaps) -> float:
     """Time [s] from the first knot to the first gap; the whole motion when there is none.
 
     Only the last pass is asked, so while the stroke still grows the answer is never too short.
     """
     begun_mm = motion.distance_mm[0] + motion.touch_mm
-    before = (float(motion.time_s[0]), math.inf)
-    hits = []
+    start_s, hit_s = float(motion.time_s[0]), math.inf
     for corner_s, gap_mm in gaps:
         air = np.flatnonzero((gap_mm <= motion.touch_mm) & (motion.at(corner_s) > begun_mm))
-        if air.size:
-            hits.append((float(corner_s[air[0]]), float(gap_mm[air[0]])))
-    if not hits:
-        return float(motion.time_s[-1] - motion.time_s[0])
-    hit_s, hit_mm = min(hits)
-    for corner_s, gap_mm in gaps:
-        index = int(np.searchsorted(corner_s, hit_s)) - 1
-        if index >= 0:
-            before = max(before, (float(corner_s[index]), float(gap_mm[index])))
-    before_s, before_mm = before
-    drop_mm = before_mm - hit_mm
-    share = (before_mm - motion.touch_mm) / drop_mm if 0.0 < drop_mm < math.inf else 1.0
-    return before_s + min(max(share, 0.0), 1.0) * (hit_s - before_s) - float(motion.time_s[0])
+        hit_s = min(hit_s, *corner_s[air[:1]].tolist(), math.inf)
+    if math.isinf(hit_s):
+        return float(motion.time_s[-1]) - start_s
+    # The gap closes on the straight piece between the corner found and the one before it.
+    before_s = max(float(c[i - 1]) for c, _ in gaps if (i := int(np.searchsorted(c, hit_s))) > 0)
+    ends_s = np.array([before_s, hit_s])
+    before_mm, hit_mm = motion.at(ends_s) - motion.at(ends_s - motion.pass_s) - motion.touch_mm
+    closes_s = hit_s if before_mm <= 0.0 else before_s + before_mm / (before_mm - hit_mm) * (hit_s - before_s)
+    return float(closes_s) - start_s
 
 
-def _widest_gap(motion: _Motion, part: tuple[float, float]) -> float:
+def _widest_gap(motion: _Motion, steady: _Steady, passes: int) -> float:
     """Largest distance [mm] between neighbouring tool positions at one angle, over all angles.
 
-    Rt = gap ** 2 / (8 nose radius).  Positions near the ends of ``part`` lack neighbours and are left out.
+    Rt = gap ** 2 / (8 nose radius).  Positions that a pass before or after those looked at may come between
+    are left out; 0 when that leaves none.
     """
-    passes = max(2, math.floor((part[1] - part[0]) / motion.pass_s))
-    turn_s = part[0] + motion.pass_s * np.arange(passes)[:, np.newaxis]
-    edge = np.searchsorted(motion.time_s, [part[0] + motion.pass_s, part[1] - motion.pass_s])
-    floor_mm = motion.distance_mm[: edge[0]].max(initial=-np.inf)
-    ceiling_mm = motion.distance_mm[edge[1] :].min(initial=np.inf)
+    most = math.floor((steady.end_s - steady.begin_s) / motion.pass_s)
+    count = max(2, min(_ROUGHNESS_PASSES + 2 * passes, most))
+    turn_s = steady.end_s - motion.pass_s * np.arange(count, 0, -1)[:, np.newaxis]
+    turns_s = [turn_s[0, 0], turn_s[0, 0] + motion.pass_s, turn_s[-1, 0], steady.end_s]
+    low, after, until, high = np.searchsorted(motion.time_s, turns_s)
+    floor_mm = motion.distance_mm[low:after].max(initial=-np.inf)
+    ceiling_mm = motion.distance_mm[until:high].min(initial=np.inf)
 
     def widest(angle_s: Floats) -> tuple[float, float]:
         place = np.sort(motion.at(turn_s + angle_s), axis=0)
-        gap = np.diff(place, axis=0)
         known = (place[:-1] >= floor_mm) & (place[1:] <= ceiling_mm)
-        column = np.where(known, gap, 0.0).max(axis=0) if known.any() else gap.max(axis=0)
+        column = np.where(known, np.diff(place, axis=0), 0.0).max(axis=0)
         best = int(column.argmax())
         return float(column[best]), float(angle_s[best])
 
-    grid_s = np.linspace(0.0, motion.pass_s, 1025)
+    grid_s = np.linspace(0.0, motion.pass_s, _ROUGHNESS_ANGLES)
     coarse_mm, angle_s = widest(grid_s)
     return max(coarse_mm, widest(angle_s + np.linspace(-grid_s[1], grid_s[1], 129))[0])
 
 
-def _check(
-    time_s: Floats, distance_mm: Floats, speed_rpm: float, feed_mm_rev: float, edges: int
-) -> None:
-    ok = time_s.ndim == 1 and time_s.shape == distance_mm.shape and time_s.size >= 2
-    ok = ok and bool(np.isfinite(time_s).all() and np.isfinite(distance_mm).all() and (np.diff(time_s) > 0.0).all())
-    if not ok:
-        raise RefusalError("VIB020", "the motion needs two knots or more, each later than the last", "report this")
+def _check(time_s: Floats, distance_mm: Floats, speed_rpm: float, feed_mm_rev: float, edges: int) -> None:
+    rises = time_s.ndim == 1 and time_s.size >= 2 and bool((np.diff(time_s) > 0.0).all())
+    if not (rises and time_s.shape == distance_mm.shape and np.isfinite(distance_mm.sum() + time_s[-1])):
+        raise RefusalError("VIB020", "a motion needs two knots or more, in rising time", "check the times")
     if not (0.0 < speed_rpm < math.inf and 0.0 < feed_mm_rev < math.inf and edges >= 1):
         raise RefusalError("VIB020", "speed, feed and edges must be above zero", "give S, F and EDGES")

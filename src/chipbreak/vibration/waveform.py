@@ -155,6 +155,34 @@ def least_stroke_mm(
     return margin * feed_mm_rev / edges / largest_drop(waveform, per_rev, alpha_share, edges, ticks)
 
 
+def speed_band_rpm(
+    waveform: Waveform,
+    speed_rpm: float,
+    per_rev: float,
+    stroke_ratio: float,
+    *,
+    alpha_share: float = 0.5,
+    edges: int = 1,
+) -> tuple[float, float] | None:
+    """Lowest and highest spindle speed that still break while the frequency N S / 60 stays.
+
+    With rho = edges * ``stroke_ratio`` (stroke / feed per revolution) the fraction of N / z may lie in
+    [(1 - alpha) / rho, 1 - alpha / rho] for the triangle, 0.5 +- arccos(1 / rho) / pi for the sine;
+    its whole part is kept.  None when the stroke is too small at any speed (rho < 1).
+    """
+    rho = stroke_ratio * edges
+    if rho < 1.0 - _FUZZ:
+        return None
+    if waveform == "sine":
+        half = math.acos(min(1.0, 1.0 / rho)) / math.pi
+        low, high = 0.5 - half, 0.5 + half
+    else:
+        low, high = (1.0 - alpha_share) / rho, 1.0 - alpha_share / rho
+    whole = math.floor(per_rev / edges)
+    passes_rpm = speed_rpm * per_rev / edges
+    return passes_rpm / (whole + high), passes_rpm / (whole + low)
+
+
 def sample(cut: Cut) -> tuple[Floats, Floats]:
     """The knots ``(time_s, distance_mm)`` of the cut, each of shape (n,), from (0, 0) to (duration, length).
 

@@ -1,0 +1,1 @@
+"""The passes: each reads the original program and plans edits; none sees another's work."""

@@ -1,0 +1,61 @@
+"""Peripheral speed and diameter become S.
+
+::
+
+    G97 V120. D20. M3     ->     G97 S1910 M3
+    (SPEED V120 D20)      ->     (SPEED V120 D20)
+                                 S1910
+"""
+
+from __future__ import annotations
+
+from chipbreak.diagnostics import Diagnostic, RefusalError
+from chipbreak.edits import Edit
+from chipbreak.model.peripheral import Peripheral, peripheral_of
+from chipbreak.model.steps import Step
+from chipbreak.model.trace import Trace
+from chipbreak.settings.sections import Settings
+
+NAME = "speeds"
+
+
+def plan(trace: Trace, settings: Settings) -> tuple[list[Edit], list[Diagnostic]]:
+    """An edit for every V and D, and what is wrong with the others."""
+    edits: list[Edit] = []
+    diagnostics: list[Diagnostic] = []
+    for line in trace.program.events.tolist():
+        block = trace.program.block(line)
+        has_words = any(w.address in "VD" for w in block.words)
+        if not (has_words or any("SPEED" in c.text.upper() for c in block.comments)):
+            continue
+        step = trace.step(line)
+        try:
+            asked = peripheral_of(block, step.after)
+        except RefusalError as error:
+            diagnostics.append(trace.program.diagnose(line, error.code, error.message, error.help))
+            continue
+        if asked is None:
+            continue
+        speed = f"S{asked.speed_text(settings.spindle.resolution_rpm)}"
+        limits = (settings.spindle.max_rpm, step.after.speed_limit.value if step.after.speed_limit else None)
+        limit = min((x for x in limits if x is not None), default=None)
+        if limit is not None and float(speed[1:]) > limit:
+            message = f"V{asked.v_m_min:g} at D{asked.d_mm:g} needs {speed}, above the limit of {limit:g} rpm"
+            diagnostics.append(trace.program.diagnose(line, "VIB072", message, "lower V", at=asked.at))
+            continue
+        edits.append(_edit(step, asked, speed))
+    return edits, diagnostics
+
+
+def _edit(step: Step, asked: Peripheral, speed: str) -> Edit:
+    line, text = step.block.line, step.block.text
+    title = f"SPEED {speed}"
+    reason = f"V {asked.v_m_min:g} m/min at D {asked.d_mm:g} mm: S = 1000 V / (pi D)"
+    if not asked.words:
+        # The comment stays.  Beside other words its speed must be there before they act.
+        at = line + 1 if step.block.is_empty else line
+        return Edit(at, at, (speed,), title, reason, NAME)
+    first, second = asked.words
+    rest = text[second.end :]
+    between = text[first.end : second.start].rstrip()
+    return Edit(line, line + 1, (text[: first.start] + speed + between + rest,), title, reason, NAME)

@@ -1,0 +1,150 @@
+"""Expand the cuts that are asked to vibrate.
+
+::
+
+    G97 S3000 M3                 G97 S3000 M3
+    G0 X20. Z2.           ->     G0 X20. Z2.
+    G1 Z-30. F0.05 N1.5          S2500
+    M30                          G1 Z1.92 F0.55
+                                 Z1.967 F0.305 ...
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from chipbreak.diagnostics import Diagnostic, RefusalError
+from chipbreak.edits import Edit, MoveTable
+from chipbreak.model.trace import Trace
+from chipbreak.settings.sections import Settings
+from chipbreak.syntax.numbers import print_number
+from chipbreak.vibration.blocks import Expansion, moves_of
+from chipbreak.vibration.chain import Chain, chains_of
+from chipbreak.vibration.plan import VibratedCut, plan_cut
+from chipbreak.vibration.request import requests_of
+from chipbreak.vibration.speeds import SpeedChange, speed_changes
+
+NAME = "vibrate"
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedCut:
+    """A vibrated cut, its blocks, and the edit that puts them into the program."""
+
+    cut: VibratedCut
+    expansion: Expansion
+    edit: Edit
+
+
+@dataclass(frozen=True, eq=False)
+class VibrationPlan:
+    """The vibrated cuts of a program, all edits of this pass, and what was found on the way."""
+
+    cuts: tuple[PlannedCut, ...]
+    edits: tuple[Edit, ...]
+    diagnostics: tuple[Diagnostic, ...]
+
+
+def plan(trace: Trace, settings: Settings) -> VibrationPlan:
+    """Plan every vibrated cut.  Errors are diagnostics; with one, the edits must not be used."""
+    requests, diagnostics = requests_of(trace)
+    chains, refusals = chains_of(trace, requests)
+    diagnostics += refusals
+    cuts: list[VibratedCut] = []
+    expansions: list[Expansion] = []
+    for chain in chains:
+        try:
+            cut = plan_cut(chain, settings)
+            _check_motion_mode(trace, chain)
+            expansions.append(moves_of(cut, settings))
+        except RefusalError as error:
+            diagnostics.append(_at_chain(trace, chain, error))
+            continue
+        cuts.append(cut)
+    if diagnostics:
+        # A refused cut leaves the speeds around it open: nothing more can be said honestly.
+        return VibrationPlan((), (), tuple(sorted(diagnostics, key=_by_line)))
+    changes = speed_changes(trace, cuts, settings)
+    own = {change.line: change.text for change in changes if change.for_cut is not None}
+    edits = [
+        _expansion(cut, made.content, own.get(cut.chain.first, ""), trace, settings)
+        for cut, made in zip(cuts, expansions, strict=True)
+    ]
+    back = [_speed_back(change) for change in changes if change.for_cut is None]
+    planned = tuple(map(PlannedCut, cuts, expansions, edits))
+    return VibrationPlan(planned, tuple(edits + back), ())
+
+
+def _by_line(diagnostic: Diagnostic) -> int:
+    return diagnostic.place.line if diagnostic.place else 0
+
+
+def _at_chain(trace: Trace, chain: Chain, error: RefusalError) -> Diagnostic:
+    step = chain.requests[0].step
+    at = (step.vibration[0].start, step.vibration[-1].end) if step.vibration else None
+    return trace.program.diagnose(chain.first, error.code, error.message, error.help, at=at)
+
+
+def _expansion(
+    cut: VibratedCut,
+    moves: tuple[str | MoveTable, ...],
+    speed: str,
+    trace: Trace,
+    settings: Settings,
+) -> Edit:
+    """The edit of one cut: comments kept, words that act first, speed, feed mode, moves, modes given back."""
+    chain = cut.chain
+    comments = [
+        trace.program.block(line).text
+        for line in range(chain.first, chain.last)
+        if trace.program.block(line).is_empty and trace.program.block(line).comments
+    ]
+    mode = settings.output.feed_mode
+    was = chain.before.modes["feed_mode"]
+    head = [*comments, chain.preamble(), speed]
+    if mode != was:
+        head.append(settings.dialect.code("feed_mode", mode))
+    tail = [] if mode == was and cut.cut.end_revolutions > 0.0 else [_feed_back(cut, settings)]
+    solution = cut.solution
+    title = (
+        f"VIB N{print_number(solution.per_rev, 4, point=False)}"
+        f" F{print_number(solution.frequency_hz, 3, point=False)}"
+        f" S{print_number(solution.speed_rpm, 3, point=False)}"
+        f" STROKE {print_number(cut.cut.stroke_mm, 4)}"
+    )
+    reason = "; ".join(cut.reasons) or "nothing to correct"
+    content = (*(text for text in head if text), *moves, *tail)
+    return Edit(chain.first, chain.last, content, title, reason, NAME)
+
+
+def _feed_back(cut: VibratedCut, settings: Settings) -> str:
+    """Feed mode and feed as programmed."""
+    state = cut.chain.after
+    assert state.feed is not None
+    feed = f"F{state.feed.text}"
+    if state.modes["feed_mode"] == settings.output.feed_mode:
+        return feed
+    return f"{settings.dialect.code('feed_mode', state.modes['feed_mode'])} {feed}"
+
+
+def _speed_back(change: SpeedChange) -> Edit:
+    reason = "the programmed spindle speed comes back before the block that needs it"
+    return Edit(change.line, change.line, (change.text,), "SPEED AS PROGRAMMED", reason, NAME)
+
+
+def _check_motion_mode(trace: Trace, chain: Chain) -> None:
+    """The expansion ends in G1; behind a chain that ends in an arc the next move must say its own code."""
+    last_kind = chain.requests[-1].step.after.modes["motion"]
+    if last_kind == "line":
+        return
+    for step in trace.steps(chain.last, trace.program.source.body.stop):
+        if step.move is None:
+            continue
+        says = any(w.address == "G" and w.number in (0.0, 1.0, 2.0, 3.0) for w in step.block.words)
+        if not says:
+            line = step.block.line + 1
+            message = f"line {line} goes on as an arc without saying G2 or G3, but this cut will end in G1"
+            raise RefusalError("VIB056", message, f"write the motion code in line {line}")
+        return
+
+

@@ -1,0 +1,156 @@
+"""The whole way of a program, once, in order: read, interpret, plan, apply, verify."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from chipbreak.checks.plan import PlannedCheck
+from chipbreak.diagnostics import Diagnostic, ProgramRejectedError, Severity, has_errors
+from chipbreak.edits import Edit
+from chipbreak.emit import render
+from chipbreak.model.kinds import Kind, KindRules
+from chipbreak.model.operations import Operation, operations_of
+from chipbreak.model.trace import Trace, interpret
+from chipbreak.passes import check_tools, speeds, vibrate
+from chipbreak.restore import restore
+from chipbreak.settings.sections import Settings
+from chipbreak.source import Source, read
+from chipbreak.syntax.parse import parse
+from chipbreak.verify import CheckedCut, verify
+
+UNBROKEN, FINISHING, UNREAD_WORD = "VIB060", "VIB061", "MOD001"
+_MOST_ALIKE = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What became of a program.
+
+    ``output`` holds the pieces of the new program; joined they are its bytes.  ``changed`` says whether they
+    differ from what came in.
+    """
+
+    source: Source
+    output: tuple[bytes, ...]
+    changed: bool
+    diagnostics: tuple[Diagnostic, ...]
+    cuts: tuple[CheckedCut, ...]
+    operations: tuple[Operation, ...]
+    checks: tuple[PlannedCheck, ...]
+    edits: tuple[Edit, ...]
+
+    @property
+    def data(self) -> bytes:
+        """The new program."""
+        return b"".join(self.output)
+
+
+def rewrite(
+    data: bytes, settings: Settings, name: str = "<stdin>", *, allow_unbroken: bool = False
+) -> Result:
+    """Filter a program.
+
+    A program that was filtered before is put back first, so a second run with the same profile changes
+    nothing.  Raises ProgramRejectedError when it has an error in it, and SelfCheckError when the result does
+    not do what was promised; then nothing may be written.
+    """
+    given = read(data, name)
+    source = restore(given)
+    trace = interpret(parse(source), settings)
+    diagnostics = trace.program.unreadable() + unread_words(trace)
+    operations = operations_of(trace, KindRules.from_profile(settings.operations))
+    speed_edits, found = speeds.plan(trace, settings)
+    diagnostics += found
+    vibration = vibrate.plan(trace, settings)
+    diagnostics += vibration.diagnostics
+    tool_checks = check_tools.plan(trace, operations, settings)
+    diagnostics += tool_checks.diagnostics
+    if has_errors(diagnostics):
+        raise ProgramRejectedError(in_place_order(diagnostics))
+    edits = [*speed_edits, *vibration.edits, *tool_checks.edits]
+    output = tuple(render(trace.program, edits, settings)) if edits else (source.data,)
+    cuts = verify(trace, b"".join(output), edits, vibration.cuts) if edits else []
+    diagnostics += _chip_diagnostics(trace, cuts, operations, allow_unbroken=allow_unbroken)
+    if has_errors(diagnostics):
+        raise ProgramRejectedError(in_place_order(diagnostics))
+    return Result(
+        source=source,
+        output=output,
+        changed=b"".join(output) != data if edits or source is not given else False,
+        diagnostics=in_place_order(diagnostics),
+        cuts=tuple(cuts),
+        operations=tuple(operations),
+        checks=tuple(tool_checks.checks),
+        edits=tuple(edits),
+    )
+
+
+def in_place_order(diagnostics: list[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """By line; of many alike warnings the first few stand for all."""
+    ordered = sorted(diagnostics, key=lambda d: d.place.line if d.place else 0)
+    seen: dict[str, int] = {}
+    kept: list[Diagnostic] = []
+    for diagnostic in ordered:
+        seen[diagnostic.code] = seen.get(diagnostic.code, 0) + 1
+        if diagnostic.severity is Severity.ERROR or seen[diagnostic.code] <= _MOST_ALIKE:
+            kept.append(diagnostic)
+    for index, diagnostic in enumerate(kept):
+        more = seen[diagnostic.code] - _MOST_ALIKE
+        if more > 0 and diagnostic.severity is not Severity.ERROR:
+            is_last = all(d.code != diagnostic.code for d in kept[index + 1 :])
+            if is_last:
+                message = f"{diagnostic.message} (and {more} more like this)"
+                kept[index] = replace(diagnostic, message=message)
+    return tuple(kept)
+
+
+def unread_words(trace: Trace) -> list[Diagnostic]:
+    """Words in plain moves that nothing reads: passed through, but said."""
+    found = []
+    for step in trace.events:
+        for word in step.unread:
+            shown = step.block.text[word.start : word.end]
+            found.append(
+                trace.program.diagnose(
+                    step.block.line,
+                    UNREAD_WORD,
+                    f"{shown} has no meaning here that this profile knows",
+                    "it is passed through as it is; check the letter",
+                    at=(word.start, word.end),
+                    severity=Severity.WARNING,
+                )
+            )
+    return found
+
+
+def _chip_diagnostics(
+    trace: Trace, cuts: list[CheckedCut], operations: list[Operation], *, allow_unbroken: bool
+) -> list[Diagnostic]:
+    """Cuts that were asked to break chips and do not, and vibration on a finishing operation."""
+    found = []
+    for checked in cuts:
+        cut, verdict = checked.planned.cut, checked.verdict
+        line = cut.chain.first
+        if not verdict.breaks:
+            least_mm = cut.cut.stroke_mm / verdict.margin if verdict.margin > 0.0 else float("inf")
+            message = (
+                f"this cut would not break chips: stroke {cut.cut.stroke_mm:.4f} mm at N"
+                f" {verdict.per_rev:.3f}, at least {least_mm:.4f} mm is needed"
+            )
+            help_text = (
+                f"give Q {least_mm / cut.cut.feed_mm_rev * 1.05:.2f} or more, another N,"
+                " or leave Q and A out; --allow-unbroken lets it pass"
+            )
+            severity = Severity.WARNING if allow_unbroken else Severity.ERROR
+            found.append(trace.program.diagnose(line, UNBROKEN, message, help_text, severity=severity))
+        kind = next((o.kind for o in operations if o.first_line <= line < o.last_line), Kind.UNKNOWN)
+        if kind in (Kind.FINISH, Kind.SEMI_FINISH):
+            message = (
+                f"vibration on a finishing operation: peak chip {verdict.peak_thickness:.2f} times the feed,"
+                f" theoretical roughness {verdict.roughness_factor:.1f} times as high"
+            )
+            help_text = "write (VIB OFF) before the finishing cut, or lower its feed"
+            found.append(
+                trace.program.diagnose(line, FINISHING, message, help_text, severity=Severity.WARNING)
+            )
+    return found

@@ -1,0 +1,121 @@
+"""What a run did, as text and as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from chipbreak.pipeline import Result
+from chipbreak.units import MS_PER_S
+from chipbreak.verify import CheckedCut
+
+
+def explain_text(result: Result, profile: str) -> Iterator[str]:
+    """Every vibrated cut, operation and check, with the reasons."""
+    yield f"{result.source.name}, profile {profile}"
+    yield ""
+    yield f"Vibrated cuts: {len(result.cuts) or 'none'}"
+    for cut in result.cuts:
+        yield from _cut_text(result, cut)
+    yield ""
+    yield f"Operations: {len(result.operations) or 'none'}"
+    for index, operation in enumerate(result.operations, 1):
+        tool = f"T{operation.tool}" if operation.tool is not None else "no tool"
+        first, last = operation.first_line + 1, operation.last_line
+        label = f" {operation.label!r}" if operation.label else ""
+        yield f"  {index}. {tool}, {operation.kind.value}{label}, lines {first} to {last}: {operation.reason}"
+    yield ""
+    yield f"Tool checks: {len(result.checks) or 'none'}"
+    for check in result.checks:
+        yield f"  before line {check.line + 1}: {check.title}: {check.reason}"
+
+
+def _cut_text(result: Result, checked: CheckedCut) -> Iterator[str]:
+    cut, verdict, solution = checked.planned.cut, checked.verdict, checked.planned.cut.solution
+    block = cut.chain.requests[0].step.block.text.strip()
+    yield f"  {_lines(result, checked)}: {block}"
+    asked = ", ".join(f"{'f' if k == 'F' else k} {g.value:g} ({g.origin})" for k, g in cut.given.items())
+    yield f"    asked    {asked}"
+    for reason in cut.reasons:
+        yield f"    because  {reason}"
+    yield (
+        f"    runs     S {solution.speed_rpm:g} rpm, N {solution.per_rev:.4g}, f {solution.frequency_hz:.5g} Hz"
+        f" ({solution.period.period_s * MS_PER_S:g} ms)"
+    )
+    ratio = cut.cut.stroke_mm / cut.cut.feed_mm_rev
+    yield (
+        f"    stroke   {cut.cut.stroke_mm:.4g} mm = {ratio:.3g} x feed {cut.cut.feed_mm_rev:.4g} mm/rev,"
+        f" {cut.cut.waveform}, forward share {cut.cut.alpha_share:.3g}"
+    )
+    chips = "chips break" if verdict.breaks else "CHIPS DO NOT BREAK"
+    longest, first = _chip(verdict.longest_chip_rev, verdict.longest_chip_mm), ""
+    first = _chip(verdict.first_chip_rev, verdict.first_chip_mm)
+    yield (
+        f"    verdict  {chips}, margin {verdict.margin:.2f}, {verdict.chips_per_rev:.3g} per revolution,"
+        f" longest {longest}, first {first}"
+    )
+    yield (
+        f"    load     {verdict.cut_share:.0%} of the time in the cut, peak chip {verdict.peak_thickness:.2f}"
+        f" x feed, theoretical roughness x {verdict.roughness_factor:.1f}"
+    )
+    if verdict.speed_band_rpm:
+        low, high = verdict.speed_band_rpm
+        yield f"    band     breaks from {low:.0f} to {high:.0f} rpm at this frequency"
+    yield (
+        f"    output   {checked.move_count} moves, {checked.duration_s:.2f} s,"
+        f" axis up to {verdict.peak_speed_mm_s * 60.0:.0f} mm/min"
+    )
+
+
+def _chip(revolutions: float, length_mm: float | None) -> str:
+    return f"{revolutions:.2f} rev" + ("" if length_mm is None else f" ({length_mm:.0f} mm)")
+
+
+def _lines(result: Result, checked: CheckedCut) -> str:
+    chain = checked.planned.cut.chain
+    first = result.source.place(chain.first).line
+    last = result.source.place(chain.last - 1).line
+    return f"line {first}" if first == last else f"lines {first} to {last}"
+
+
+def explain_json(result: Result, profile: str) -> dict[str, Any]:
+    """The same facts for a program to read; lengths in mm, speeds in rpm and mm/s, times in s."""
+    return {
+        "file": result.source.name,
+        "profile": profile,
+        "changed": result.changed,
+        "cuts": [_cut_json(result, cut) for cut in result.cuts],
+        "operations": [
+            {
+                "tool": o.tool,
+                "kind": o.kind.value,
+                "label": o.label,
+                "reason": o.reason,
+                "first_line": o.first_line + 1,
+                "last_line": o.last_line,
+            }
+            for o in result.operations
+        ],
+        "checks": [{"line": c.line + 1, "title": c.title, "reason": c.reason} for c in result.checks],
+        "diagnostics": [d.as_json() for d in result.diagnostics],
+    }
+
+
+def _cut_json(result: Result, checked: CheckedCut) -> dict[str, Any]:
+    cut, verdict, solution = checked.planned.cut, checked.verdict, checked.planned.cut.solution
+    return {
+        "first_line": result.source.place(cut.chain.first).line,
+        "last_line": result.source.place(cut.chain.last - 1).line,
+        "given": {k: {"value": g.value, "origin": g.origin} for k, g in cut.given.items()},
+        "reasons": list(cut.reasons),
+        "speed_rpm": solution.speed_rpm,
+        "per_rev": solution.per_rev,
+        "frequency_hz": solution.frequency_hz,
+        "feed_mm_rev": cut.cut.feed_mm_rev,
+        "stroke_mm": cut.cut.stroke_mm,
+        "waveform": cut.cut.waveform,
+        "alpha_share": cut.cut.alpha_share,
+        "moves": checked.move_count,
+        "duration_s": checked.duration_s,
+        "verdict": {name: getattr(verdict, name) for name in verdict.__dataclass_fields__},
+    }

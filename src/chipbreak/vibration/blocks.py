@@ -1,0 +1,161 @@
+"""A vibrated cut as blocks: rounded positions, and the feed that carries the time.
+
+Positions are rounded as absolutes, so no error adds up; incremental words are differences of the rounded
+positions.  The feed of each block follows from the rounded points and the time between them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chipbreak.diagnostics import RefusalError
+from chipbreak.edits import MoveTable
+from chipbreak.model.modal import Setting, State
+from chipbreak.model.motion import AXES
+from chipbreak.model.words import is_diameter
+from chipbreak.settings.sections import Settings
+from chipbreak.syntax.numbers import print_number
+from chipbreak.units import MM_PER_INCH, S_PER_MIN
+from chipbreak.vibration.path import split_at
+from chipbreak.vibration.plan import VibratedCut
+
+Floats = NDArray[np.float64]
+CHORD_MM = 0.001
+
+
+@dataclass(frozen=True, eq=False)
+class _Words:
+    """Axis words of every knot, in program units, rounded; (n, axes)."""
+
+    letters: tuple[str, ...]
+    absolute: Floats
+    points_mm: Floats
+    decimals: int
+    incremental: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Expansion:
+    """The moves of a cut: a first block with G1, a table, and a last block that ends exactly at the end.
+
+    ``distance_mm`` is where on the path each block ends, shape (blocks,).
+    """
+
+    content: tuple[str | MoveTable, ...]
+    distance_mm: Floats
+
+
+def moves_of(cut: VibratedCut, settings: Settings) -> Expansion:
+    """Turn the knots of a cut into blocks.  Errors: VIB023 when the whole cut rounds to nothing."""
+    chain = cut.chain
+    time_s, distance_mm = split_at(cut.time_s, cut.distance_mm, cut.path.breakpoints(CHORD_MM))
+    words = _axis_words(cut, distance_mm, settings)
+    keep = np.append(True, np.any(np.diff(words.absolute, axis=0) != 0.0, axis=1))
+    # The last knot carries the end of the time, even where the knot before it rounds to the same point.
+    last_kept = int(np.flatnonzero(keep)[-1])
+    times = time_s[keep]
+    if last_kept == 0:
+        message = f"the cut rounds to nothing at {words.decimals} decimals"
+        raise RefusalError("VIB023", message, "a vibrated cut needs a distance to travel")
+    times[-1] = time_s[-1]
+    absolute, points = words.absolute[keep], words.points_mm[keep]
+    feeds = _feeds(cut, times, points, settings)
+    _plain_tail(cut, times, feeds, settings)
+    values = np.diff(absolute, axis=0) if words.incremental else absolute[1:]
+    decimals = (words.decimals,) * len(words.letters) + (feed_decimals(settings),)
+    table = MoveTable((*words.letters, "F"), (*values.T, feeds), decimals)
+    ends = distance_mm[keep][1:]
+    ends[-1] = cut.path.length_mm
+    return Expansion(_as_blocks(table, chain.after, _tail_is_programmed(cut, settings)), ends)
+
+
+def _axis_words(cut: VibratedCut, distance_mm: Floats, settings: Settings) -> _Words:
+    chain, state = cut.chain, cut.chain.before
+    points = cut.path.points(distance_mm)
+    decimals = settings.output.decimals + (1 if state.is_inch else 0)
+    scale = np.ones(3) / (MM_PER_INCH if state.is_inch else 1.0)
+    if is_diameter(state, settings.control):
+        scale[0] *= 2.0
+    axes = [AXES.index(axis) for axis in _moving_axes(cut)]
+    # The start is a position the program gave; it keeps its own digits.
+    rounded = np.round(points * scale, decimals)
+    absolute_mode = state.modes.get("distance") == "absolute"
+    incremental = all(move.incremental for move in chain.moves)
+    letters = AXES
+    if incremental and absolute_mode:
+        by_axis = {axis: letter for letter, axis in settings.dialect.incremental.items()}
+        letters = "".join(by_axis[axis] for axis in AXES)
+    return _Words(
+        tuple(letters[a] for a in axes), rounded[:, axes], rounded / scale, decimals, incremental
+    )
+
+
+def _moving_axes(cut: VibratedCut) -> str:
+    """The axes whose position changes anywhere in the chain."""
+    legs = cut.path.legs
+    moved = {axis for i, axis in enumerate(AXES) if any(leg.start[i] != leg.end[i] for leg in legs)}
+    moved |= {AXES[i] for arc in cut.path.arcs if arc is not None for i in arc.axes}
+    return "".join(axis for axis in AXES if axis in moved)
+
+
+def feed_decimals(settings: Settings) -> int:
+    """Decimals of F: fine for feed per revolution, three fewer for the larger numbers of the other modes."""
+    fine = settings.output.feed_decimals
+    return fine if settings.output.feed_mode == "rev" else max(1, fine - 3)
+
+
+def _feeds(cut: VibratedCut, times: Floats, points: Floats, settings: Settings) -> Floats:
+    """F of every block, (n - 1,), from the rounded points and the time between them."""
+    lengths = np.sqrt((np.diff(points, axis=0) ** 2).sum(axis=1))
+    spans = np.diff(times)
+    unit = MM_PER_INCH if cut.chain.before.is_inch else 1.0
+    mode = settings.output.feed_mode
+    if mode == "inverse":
+        feeds = S_PER_MIN / spans
+    elif mode == "minute":
+        feeds = lengths / unit / spans * S_PER_MIN
+    else:
+        feeds = lengths / unit / (spans * cut.solution.speed_rpm / S_PER_MIN)
+    least: Floats = np.maximum(feeds, 10.0 ** -feed_decimals(settings))
+    return least
+
+
+def _plain_tail(cut: VibratedCut, times: Floats, feeds: Floats, settings: Settings) -> None:
+    """The plain revolutions at the end run at the programmed feed itself, not at a feed with rounding in it."""
+    if not _tail_is_programmed(cut, settings):
+        return
+    feed = cut.chain.before.feed
+    assert feed is not None
+    plain_from_s = cut.time_s[-2]
+    feeds[times[:-1] >= plain_from_s - 1e-12] = feed.value
+
+
+def _tail_is_programmed(cut: VibratedCut, settings: Settings) -> bool:
+    """True when the cut ends plainly and the output's feed mode is the program's own."""
+    same_mode = cut.chain.before.modes["feed_mode"] == settings.output.feed_mode
+    return same_mode and settings.output.feed_mode != "inverse" and cut.cut.end_revolutions > 0.0
+
+
+def _as_blocks(table: MoveTable, after: State, plain_end: bool) -> tuple[str | MoveTable, ...]:
+    """First and last block as text, the rest as a table."""
+    first = "G1 " + _row(table, 0, None)
+    count = len(table)
+    if count == 1:
+        return (first,)
+    middle = MoveTable(table.letters, tuple(c[1 : count - 1] for c in table.columns), table.decimals)
+    last = _row(table, count - 1, after.feed if plain_end else None)
+    return (first, middle, last) if len(middle) else (first, last)
+
+
+def _row(table: MoveTable, row: int, feed: Setting | None) -> str:
+    """One block; with ``feed`` its F is the program's own text."""
+    words = [
+        letter + print_number(float(column[row]), decimals)
+        for letter, column, decimals in zip(table.letters, table.columns, table.decimals, strict=True)
+    ]
+    if feed is not None:
+        words[-1] = f"F{feed.text}"
+    return " ".join(words)

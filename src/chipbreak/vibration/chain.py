@@ -1,0 +1,222 @@
+"""Requests in a row become one chain; what must not vibrate is refused, with the reason and the way out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from chipbreak.diagnostics import Diagnostic, RefusalError
+from chipbreak.model.modal import NOWHERE, Position, State
+from chipbreak.model.motion import AXES
+from chipbreak.model.steps import Move, Step
+from chipbreak.model.trace import Trace
+from chipbreak.syntax.nodes import Word
+from chipbreak.vibration.path import PLANE_AXES, Leg
+from chipbreak.vibration.request import Request
+
+_OFF_OR_PLAN = "turn it off before the cut, or write (VIB OFF) before it"
+# Modal groups that must be at rest, with what the user knows them as.
+_AT_REST = {
+    "compensation": ("off", "VIB040", "tool nose or cutter compensation (G41, G42) is active", "G40"),
+    "rotation": ("off", "VIB041", "the coordinate system is rotated (G68)", "G69"),
+    "polar": ("off", "VIB041", "polar interpolation or polar input is active", "the code that ends it"),
+    "interpolation": ("off", "VIB041", "polar interpolation is active", "G13.1"),
+    "cylinder": ("off", "VIB041", "cylindrical interpolation was switched", "no vibration behind G7.1"),
+    "polygon": ("off", "VIB041", "polygon turning is active", "G50.2"),
+    "scaling": ("off", "VIB041", "scaling (G51) is active", "G50"),
+    "mirror": ("off", "VIB041", "mirror image (G51.1) is active", "G50.1"),
+    "modal_macro": ("off", "VIB042", "a modal macro call (G66) is active", "G67"),
+}
+_SPEAKS_BEFORE = frozenset({3, 4, 7, 8})  # M codes that act before the block moves
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """Cutting blocks in a row that vibrate as one; ``first`` to ``last`` (exclusive) are their lines."""
+
+    requests: tuple[Request, ...]
+
+    @property
+    def first(self) -> int:
+        """The first line."""
+        return self.requests[0].step.block.line
+
+    @property
+    def last(self) -> int:
+        """The line behind the last."""
+        return self.requests[-1].step.block.line + 1
+
+    @property
+    def before(self) -> State:
+        """The state when the tool starts to move: modal words of the first block have acted."""
+        step = self.requests[0].step
+        return State(
+            modes=step.after.modes,
+            position=step.before.position,
+            unknown_why=step.before.unknown_why,
+            feed=step.after.feed,
+            speed=step.after.speed,
+            speed_limit=step.after.speed_limit,
+            spindle=step.after.spindle,
+            coolant=step.after.coolant,
+            tool=step.after.tool,
+        )
+
+    @property
+    def after(self) -> State:
+        """The state behind the last block, as programmed."""
+        return self.requests[-1].step.after
+
+    @property
+    def moves(self) -> Iterator[Move]:
+        """The moves, in order."""
+        for request in self.requests:
+            assert request.step.move is not None
+            yield request.step.move
+
+    @property
+    def axes(self) -> str:
+        """The axes that the chain moves, in the order X, Y, Z."""
+        named = {axis for move in self.moves for axis in move.axes}
+        return "".join(axis for axis in AXES if axis in named)
+
+    def preamble(self) -> str:
+        """Words of the first block that act before its move and are neither S nor part of the move."""
+        block = self.requests[0].step.block
+        kept = [w for w in block.words if _is_preamble(w)]
+        return " ".join(block.text[w.start : w.end] for w in kept)
+
+
+def _is_preamble(word: Word) -> bool:
+    if word.address == "M":
+        return True
+    return word.address == "G" and word.number not in (0.0, 1.0, 2.0, 3.0)
+
+
+def chains_of(trace: Trace, requests: Sequence[Request]) -> tuple[list[Chain], list[Diagnostic]]:
+    """Group requests into chains, and say which of them must not vibrate."""
+    diagnostics: list[Diagnostic] = []
+    groups: list[list[Request]] = []
+    for request in requests:
+        refusal = refusal_of(request)
+        if refusal is not None:
+            error, at = refusal
+            line = request.step.block.line
+            diagnostics.append(trace.program.diagnose(line, error.code, error.message, error.help, at=at))
+        elif groups and _joins(trace, groups[-1][-1], request):
+            groups[-1].append(request)
+        else:
+            groups.append([request])
+    return [Chain(tuple(group)) for group in groups], diagnostics
+
+
+def _joins(trace: Trace, one: Request, other: Request) -> bool:
+    """True when a cut goes on in the next block: nothing between them, nothing changed, the same wish."""
+    between = range(one.step.block.line + 1, other.step.block.line)
+    if not all(trace.program.block(line).is_empty for line in between):
+        return False
+    if other.step.block.line in trace.flow.targets or any(_is_preamble(w) for w in other.step.block.words):
+        return False
+    a, b = one.step.after, other.step.after
+    same_feed = a.feed is not None and b.feed is not None and a.feed.value == b.feed.value
+    return same_feed and a.speed == b.speed and one.same_wish(other)
+
+
+def refusal_of(request: Request) -> tuple[RefusalError, tuple[int, int] | None] | None:
+    """Why a block must not vibrate, with the place in the block, or None."""
+    step = request.step
+    move, state = step.move, step.after
+    at = (step.vibration[0].start, step.vibration[-1].end) if step.vibration else None
+    if step.in_contour:
+        message = "this block is the shape of a cycle (G70 to G73); the control cuts it in its own way"
+        help_text = "write the passes as G1, or leave this cycle without vibration"
+        return RefusalError("VIB043", message, help_text), at
+    if move is None or not move.is_cut:
+        return _not_a_cut(move), at
+    if step.block.skip:
+        message = "a block with block delete (/) cannot vibrate: the cut would start elsewhere without it"
+        return RefusalError("VIB045", message, "take the / away, or write (VIB OFF) before it"), (0, 1)
+    for group, (rest, code, what, end) in _AT_REST.items():
+        if state.modes.get(group, rest) != rest:
+            return RefusalError(code, f"{what}; a cut cannot vibrate in it", f"{end}, or {_OFF_OR_PLAN}"), at
+    if not state.turns:
+        message = "the spindle is not turning (no M3 or M4 before this block)"
+        return RefusalError("VIB046", message, "start the spindle before the cut"), at
+    return _words_refusal(step) or _feed_refusal(state) or _position_refusal(step, move)
+
+
+def _not_a_cut(move: Move | None) -> RefusalError:
+    if move is not None and move.kind == "rapid":
+        help_text = "give N, f, E or Q on a G1, G2 or G3 block"
+        return RefusalError("VIB044", "vibration on a rapid (G0)", help_text)
+    message = "this block is a thread, a cycle or another move that the control controls itself"
+    return RefusalError("VIB043", message, "only G1, G2 and G3 can vibrate; write the cut as G1")
+
+
+def _words_refusal(step: Step) -> tuple[RefusalError, tuple[int, int]] | None:
+    """Words that the expansion could not carry over."""
+    for word in step.block.words:
+        at = (word.start, word.end)
+        shown = step.block.text[word.start : word.end]
+        if word.expression is not None:
+            message = f"{shown} is computed on the machine; the cut cannot be planned"
+            return RefusalError("VIB047", message, "write the number itself"), at
+        late_m = word.address == "M" and word.number not in _SPEAKS_BEFORE
+        foreign = word in step.unread or word.address in "TABCDHVOP" or word.letter.startswith(",")
+        if late_m or foreign or (word.address == "G" and step.once):
+            message = f"{shown} cannot stand in a block that vibrates"
+            return RefusalError("VIB048", message, "put it into a block of its own"), at
+    return None
+
+
+def _feed_refusal(state: State) -> tuple[RefusalError, None] | None:
+    if state.modes["feed_mode"] == "inverse":
+        message = "inverse-time feed (G93) gives each block its own time; it cannot be vibrated"
+        return RefusalError("VIB049", message, "program the cut in G95 or G94"), None
+    if state.feed is None:
+        message = "the feed is missing: no F since the feed mode was set"
+        return RefusalError("VIB050", message, "give F on this block or before it"), None
+    if not state.feed.value > 0.0:
+        why = "is zero or negative" if state.feed.value <= 0.0 else "has no decimal point or is a variable"
+        message = f"the feed F{state.feed.text} (line {state.feed.line + 1}) {why}"
+        return RefusalError("VIB050", message, "give F with a decimal point, above zero"), None
+    return None
+
+
+def _position_refusal(step: Step, move: Move) -> tuple[RefusalError, None] | None:
+    wanted = set(move.axes)
+    if move.kind in ("cw", "ccw"):
+        wanted |= {AXES[a] for a in PLANE_AXES[step.after.modes["plane"]]}
+    for axis in sorted(wanted):
+        at = AXES.index(axis)
+        if math.isnan(move.start[at]):
+            message = f"where {axis} stands before this cut cannot be known: {step.before.unknown_why}"
+            help_text = f"move {axis} to an absolute position with G0 before the cut"
+            return RefusalError("VIB051", message, help_text), None
+        if math.isnan(move.end[at]):
+            message = f"where {axis} ends cannot be known: its number has no decimal point"
+            help_text = 'write the point, or set control.decimal_point to "calculator" or "increment"'
+            return RefusalError("VIB052", message, help_text), None
+    return None
+
+
+def legs_of(chain: Chain) -> list[Leg]:
+    """The chain's moves as pure geometry; axes that it does not move count as 0."""
+    turns = {"line": 0, "cw": -1, "ccw": 1}
+    modes = chain.before.modes
+    legs = []
+    for move in chain.moves:
+        start = _numbers(move.start)
+        end = _numbers(move.end)
+        offsets = move.offsets or NOWHERE
+        if modes.get("arc_distance") == "absolute":
+            offsets = Position(*(o - s for o, s in zip(offsets, start, strict=True)))
+        turn, plane = turns[move.kind], modes["plane"]
+        legs.append(Leg(start, end, turn, plane, offsets, move.radius_mm))
+    return legs
+
+
+def _numbers(values: Sequence[float]) -> tuple[float, float, float]:
+    x, y, z = (0.0 if math.isnan(v) else v for v in values)
+    return x, y, z

@@ -1,0 +1,165 @@
+"""How long a stretch of blocks that go the same way takes, from rest to rest: declared law and LinuxCNC's.
+
+Blocks are given as lengths [mm] and speeds [mm/s], all above zero; acceleration in mm/s², times in s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from itertools import pairwise
+from math import inf, sqrt
+
+Numbers = tuple[float, ...]
+
+_NOTHING = 1e-12  # mm and s that count as none
+_STANDING = 1e-8  # mm/s
+_LEAST_PERIODS = 1.02  # a block that LinuxCNC runs into takes at least this many periods
+
+
+def trapezoid(lengths: Sequence[float], speeds: Sequence[float], acceleration: float) -> Numbers:
+    """Time of each block when the axis runs through the joints as fast as speeds and braking allow.
+
+    One block alone takes d/v + v/a, or 2·sqrt(d/a) when it is too short to reach v.
+    """
+    ends = _joint_speeds(lengths, [min(pair) for pair in pairwise(speeds)], acceleration)
+    times, start = [], 0.0
+    for length, speed, end in zip(lengths, speeds, ends, strict=True):
+        end_speed = min(end, sqrt(start * start + 2.0 * acceleration * length))
+        top = min(speed, sqrt(acceleration * length + (start * start + end_speed * end_speed) / 2.0))
+        ramps = (2.0 * top - start - end_speed) / acceleration
+        way = (2.0 * top * top - start * start - end_speed * end_speed) / (2.0 * acceleration)
+        times.append(ramps + max(length - way, 0.0) / top)
+        start = end_speed
+    return tuple(times)
+
+
+def _joint_speeds(lengths: Sequence[float], limits: Sequence[float], acceleration: float) -> list[float]:
+    """The highest speed at the end of each block from which all later ones can still brake to rest."""
+    ends = [*limits, 0.0]
+    for index in range(len(lengths) - 1, 0, -1):
+        ends[index - 1] = min(ends[index - 1], sqrt(ends[index] ** 2 + 2.0 * acceleration * lengths[index]))
+    return ends
+
+
+@lru_cache(maxsize=4096)
+def linuxcnc(
+    lengths: Numbers, speeds: Numbers, acceleration: float, period: float, ramp: float
+) -> tuple[Numbers, Numbers]:
+    """Time of each block as LinuxCNC 2.9 runs it, and the distance covered after each servo period.
+
+    ``ramp`` [s]: a block run through in less is one even change of speed (1 / ARC_BLEND_RAMP_FREQ).
+    """
+    stretch = _Stretch(lengths, speeds, acceleration, period, ramp)
+    while not stretch.finished:
+        stretch.advance()
+    return tuple(stretch.times), tuple(stretch.places)
+
+
+class _Stretch:
+    """The state of LinuxCNC's planner on one stretch, advanced by one servo period at a time.
+
+    A block ends within a period only where the next one is run into; the rest of that period is the next
+    block's first, shorter step.
+    """
+
+    def __init__(
+        self, lengths: Numbers, speeds: Numbers, acceleration: float, period: float, ramp: float
+    ) -> None:
+        self.lengths, self.acceleration, self.period, self.ramp = lengths, acceleration, period, ramp
+        once = [min(pair) for pair in zip(speeds, (way / period for way in lengths), strict=True)]
+        slower = [min(v, way / (_LEAST_PERIODS * period)) for v, way in zip(once, lengths, strict=True)]
+        self.speeds = [once[0], *slower[1:]]
+        joints = [min(pair) for pair in pairwise(self.speeds)]
+        self.ends = _joint_speeds(lengths, joints, acceleration)
+        self.times, self.places = [0.0] * len(lengths), list[float]()
+        self.block, self.done, self.speed, self.before = 0, 0.0, 0.0, 0.0
+        self.leaving: tuple[float, float] | None = None  # time to the end of the block, and the speed there
+        self.finished = False
+        self._enter()
+
+    def advance(self) -> None:
+        """One servo period, or as many as pass at an even speed far from the end of the block."""
+        if self.leaving is None:
+            self._cruise()
+            self._step(self.period, even=self.even)
+        else:
+            rest, self.speed = self.leaving
+            self.times[self.block] += rest
+            self.before += self.lengths[self.block]
+            self.block, self.done = self.block + 1, 0.0
+            self._step(self.period - rest, even=False)
+            self._enter()
+        self.places.append(self.before + self.done)
+        self.leaving = self._end_in_sight()
+        self.finished = self.leaving is not None and self.block == len(self.lengths) - 1
+
+    def _enter(self) -> None:
+        """A block whose speed changes evenly in less than ``ramp`` is run so."""
+        left = self.lengths[self.block] - self.done
+        both = self.speed + self.ends[self.block]
+        self.even = self.block < len(self.lengths) - 1 and 2.0 * left < self.ramp * both
+
+    def _cruise(self) -> None:
+        speed, left = self.speed, self.lengths[self.block] - self.done
+        if self.even or speed != self.speeds[self.block]:
+            return
+        step = speed * self.period
+        count = int((left - speed * speed / self.acceleration) / step) - 2
+        if count > 0:
+            self.places += [self.before + self.done + step * i for i in range(1, count + 1)]
+            self.times[self.block] += count * self.period
+            self.done += count * step
+
+    def _step(self, time: float, *, even: bool) -> None:
+        """Move on by ``time``: towards the end speed, or as fast as feed and braking allow."""
+        speed, most, left = self.speed, self.acceleration, self.lengths[self.block] - self.done
+        end = self.ends[self.block]
+        if even and end > _STANDING:
+            change = (end - speed) * (speed + end) / (2.0 * max(left, _NOTHING))
+        else:
+            half = most * time / 2.0
+            # Braking from the next speed w has to fit behind the way that this period takes.
+            room = end * end + most * (2.0 * left - speed * time)
+            braked = sqrt(room + half * half) - half if room > 0.0 else -half
+            change = (min(braked, self.speeds[self.block]) - speed) / max(time, _NOTHING)
+        after = speed + max(-most, min(most, change)) * time
+        if after < 0.0:  # the last, incomplete period goes to the end
+            after, self.done = 0.0, self.done + (left if left < speed * time else 0.0)
+        else:
+            self.done += min(left, (speed + after) / 2.0 * time)
+        self.speed = after
+        self.times[self.block] += time
+
+    def _end_in_sight(self) -> tuple[float, float] | None:
+        """The time to the end of the block and the speed there, if it is reached within the next period."""
+        left = self.lengths[self.block] - self.done
+        if left <= _NOTHING:
+            return 0.0, self.speed
+        end, mean = self.ends[self.block], (self.speed + self.ends[self.block]) / 2.0
+        if self.block == len(self.lengths) - 1 or mean <= _STANDING:
+            return None
+        time = left / mean
+        change = (end - self.speed) / time
+        if abs(change) > self.acceleration:
+            change = self.acceleration if change > 0.0 else -self.acceleration
+            root = self.speed * self.speed + 2.0 * change * left
+            if root < 0.0:
+                return None
+            end = sqrt(root)
+            time = (end - self.speed) / change
+        return (time, end) if time < self.period else None
+
+
+def speed_for_time(length: float, time: float, acceleration: float) -> float:
+    """The speed of a trapezoid over ``length`` in ``time``: (a·t − sqrt(a²t² − 4·a·d))/2.
+
+    The peak of the triangle where the acceleration leaves no time at an even speed.
+
+    >>> round(speed_for_time(0.1, 0.0375, 2000.0), 3)
+    2.769
+    """
+    if acceleration == inf:
+        return length / time
+    rate = acceleration * time
+    return (rate - sqrt(max(rate * rate - 4.0 * acceleration * length, 0.0))) / 2.0

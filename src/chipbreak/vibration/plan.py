@@ -1,0 +1,201 @@
+"""From a chain to its vibration: which S, N and f, which stroke, and the knots of the motion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chipbreak.diagnostics import RefusalError
+from chipbreak.model.modal import State
+from chipbreak.settings.sections import Settings
+from chipbreak.units import MM_PER_INCH, MS_PER_S, spindle_speed_rpm
+from chipbreak.vibration.chain import Chain, legs_of
+from chipbreak.vibration.path import Path, path_of
+from chipbreak.vibration.request import solver_inputs
+from chipbreak.vibration.solve import CommandGroup, Given, Solution, SolverRules, solve
+from chipbreak.vibration.waveform import Cut, Waveform, forward_ticks, least_stroke_mm, sample
+
+_FEET_PER_M = 1000.0 / 304.8
+
+
+@dataclass(frozen=True, eq=False)
+class VibratedCut:
+    """A chain with everything decided.
+
+    ``given`` keeps what was asked, for the report; ``time_s`` and ``distance_mm`` are the knots of the
+    motion along ``path``, shape (n,).
+    """
+
+    chain: Chain
+    path: Path
+    solution: Solution
+    given: Mapping[str, Given]
+    cut: Cut
+    edges: int
+    time_s: NDArray[np.float64]
+    distance_mm: NDArray[np.float64]
+    reasons: tuple[str, ...]
+
+
+def command_group(settings: Settings) -> CommandGroup:
+    """The frequencies the control can command."""
+    command = settings.command
+    periods = command.periods_ms
+    return CommandGroup(
+        base_period_s=command.base_period_ms / MS_PER_S,
+        min_multiple=command.min_multiple,
+        max_multiple=command.max_multiple,
+        multiples=command.multiples,
+        periods_s=None if periods is None else tuple(p / MS_PER_S for p in periods),
+    )
+
+
+def plan_cut(chain: Chain, settings: Settings) -> VibratedCut:
+    """Decide speed, count, frequency and stroke of a chain and sample its motion.
+
+    Errors: RefusalError with the codes of the solver, the path and the waveform, and VIB053 for a spindle
+    speed that cannot be known.
+    """
+    request, state = chain.requests[0], chain.before
+    values = request.values
+    waveform = cast(Waveform, request.waveform)
+    edges = int(values["EDGES"].value)
+    speed, per_rev, frequency = solver_inputs(request, state)
+    reasons: list[str] = []
+    if "S" not in values and speed is not None:
+        speed = _active_speed(chain, state, speed, settings, reasons)
+    alpha = _forward_share(values["ALPHA"], waveform)
+    path = path_of(legs_of(chain))
+    group = command_group(settings)
+    rules = _rules(settings, state, alpha, edges)
+    solution = solve(speed=speed, per_rev=per_rev, frequency=frequency, group=group, rules=rules)
+    feed_mm_rev = _feed_mm_rev(state, solution.speed_rpm)
+    ticks = solution.period.ticks
+    forward = forward_ticks(ticks, alpha)
+    real_alpha = 0.5 if waveform == "sine" else forward / ticks
+    if not math.isclose(real_alpha, alpha, abs_tol=1e-9):
+        reasons.append(f"forward share {alpha:g} -> {real_alpha:g}, {forward} of {ticks} base periods")
+    form = settings.output.segments
+    if form == "auto":
+        form = "tick" if waveform == "sine" else "stroke"
+    stroke_mm = _stroke_mm(
+        values,
+        solution,
+        waveform=waveform,
+        feed_mm_rev=feed_mm_rev,
+        alpha=real_alpha,
+        edges=edges,
+        margin=settings.vibration.margin,
+    )
+    cut = Cut(
+        length_mm=path.length_mm,
+        feed_mm_rev=feed_mm_rev,
+        speed_rpm=solution.speed_rpm,
+        period_s=solution.period.period_s,
+        ticks=ticks,
+        forward_ticks=forward,
+        stroke_mm=stroke_mm,
+        waveform=waveform,
+        ramp_in_s=_ramp_s(values, solution, settings),
+        ramp_exponent=values["K"].value,
+        end_revolutions=settings.vibration.end_revolutions,
+        form=cast(Literal["tick", "stroke"], form),
+    )
+    time_s, distance_mm = sample(cut)
+    given = {k: g for k, g in (("S", speed), ("N", per_rev), ("F", frequency)) if g is not None}
+    all_reasons = (*reasons, *solution.reasons)
+    return VibratedCut(chain, path, solution, given, cut, edges, time_s, distance_mm, all_reasons)
+
+
+def _active_speed(
+    chain: Chain, state: State, speed: Given, settings: Settings, reasons: list[str]
+) -> Given:
+    """The modal S as rpm; under constant surface speed, the speed at the start of the cut."""
+    if not speed.value > 0.0:
+        message = f"the spindle speed ({speed.origin}) cannot be known or is zero"
+        raise RefusalError("VIB053", message, "give S as a number before the cut")
+    if state.modes["speed_mode"] != "surface":
+        return speed
+    diameter_mm = 2.0 * abs(next(chain.moves).start.x)
+    limit = _limit_rpm(state, settings)
+    surface_m_min = speed.value / (_FEET_PER_M if state.is_inch else 1.0)
+    rpm = spindle_speed_rpm(surface_m_min, diameter_mm) if diameter_mm > 0.0 else math.inf
+    if math.isnan(rpm) or (math.isinf(rpm) and limit is None):
+        message = "constant surface speed (G96) has no finite speed where this cut starts"
+        raise RefusalError("VIB054", message, "give G97 S, or limit the spindle (G50 S, G92 S, G96 D)")
+    if limit is not None and rpm > limit:
+        rpm = limit
+    reasons.append(f"G96 S{speed.value:g} -> G97 at the start diameter {diameter_mm:g} mm: {rpm:.0f} rpm")
+    return Given(rpm, f"G96 at diameter {diameter_mm:g} mm, {speed.origin}")
+
+
+def _limit_rpm(state: State, settings: Settings) -> float | None:
+    limits = [settings.spindle.max_rpm, state.speed_limit.value if state.speed_limit else None]
+    known = [limit for limit in limits if limit is not None and not math.isnan(limit)]
+    return min(known) if known else None
+
+
+def _rules(settings: Settings, state: State, alpha: float, edges: int) -> SolverRules:
+    vibration = settings.vibration
+    phase = 1.0 - alpha if isinstance(vibration.phase, str) else vibration.phase
+    return SolverRules(
+        rounding=cast(Literal["nearest-half", "claim-7"], vibration.rounding),
+        phase=phase,
+        pn=vibration.pn,
+        mn=vibration.mn,
+        correct=cast(Literal["spindle", "count"], vibration.correct),
+        resolution_rpm=settings.spindle.resolution_rpm,
+        edges=edges,
+        min_rpm=settings.spindle.min_rpm,
+        max_rpm=_limit_rpm(state, settings),
+    )
+
+
+def _forward_share(alpha: Given, waveform: Waveform) -> float:
+    if waveform == "sine" and alpha.value != 0.5:
+        message = f"a sine goes forward and back in equal times; ALPHA {alpha.value:g} ({alpha.origin})"
+        raise RefusalError("VIB055", message, "take WAVE TRIANGLE, or leave ALPHA at 0.5")
+    return alpha.value
+
+
+def _feed_mm_rev(state: State, speed_rpm: float) -> float:
+    assert state.feed is not None
+    feed_mm = state.feed.value * (MM_PER_INCH if state.is_inch else 1.0)
+    return feed_mm if state.modes["feed_mode"] == "rev" else feed_mm / speed_rpm
+
+
+def _stroke_mm(
+    values: Mapping[str, Given],
+    solution: Solution,
+    *,
+    waveform: Waveform,
+    feed_mm_rev: float,
+    alpha: float,
+    edges: int,
+    margin: float,
+) -> float:
+    """A, or Q times the feed, or the least stroke that breaks with the margin."""
+    if "A" in values:
+        return values["A"].value
+    if "Q" in values:
+        return values["Q"].value * feed_mm_rev
+    return least_stroke_mm(
+        waveform,
+        solution.per_rev,
+        feed_mm_rev,
+        alpha_share=alpha,
+        edges=edges,
+        margin=margin,
+        ticks=solution.period.ticks,
+    )
+
+
+def _ramp_s(values: Mapping[str, Given], solution: Solution, settings: Settings) -> float:
+    if "RAMP" in values:
+        return values["RAMP"].value * solution.period.period_s
+    return settings.vibration.ramp_s or 0.0

@@ -1,0 +1,118 @@
+"""The motion of an expanded cut, read back from the bytes that will be written.
+
+Nothing here trusts the plan for what the blocks say: positions and times come from the text.  The plan only
+tells which point of the path each block was meant to reach, so that the distance off the path and along it
+can be told apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chipbreak.model.modal import State
+from chipbreak.model.motion import AXES
+from chipbreak.model.trace import Trace
+from chipbreak.model.words import is_diameter
+from chipbreak.syntax.columns import read_columns
+from chipbreak.units import MM_PER_INCH, S_PER_MIN
+from chipbreak.vibration.path import Path
+
+Floats = NDArray[np.float64]
+_SHORT_RUN = 16
+
+
+@dataclass(frozen=True, eq=False)
+class ReadBack:
+    """Ends of the moves: ``points_mm`` (n, 3) and ``span_s`` (n,), and the state behind them."""
+
+    points_mm: Floats
+    span_s: Floats
+    after: State
+
+    def along(self, path: Path, meant_mm: Floats) -> tuple[Floats, Floats]:
+        """Distance along the path and off it [mm], (n,) each; ``meant_mm`` is where each block should end.
+
+        Exact on straight paths; on arcs to second order in the rounding error.
+        """
+        offset = self.points_mm - path.points(meant_mm)
+        ahead = (offset * path.tangents(meant_mm)).sum(axis=1)
+        away = offset - ahead[:, None] * path.tangents(meant_mm)
+        return meant_mm + ahead, np.sqrt((away**2).sum(axis=1))
+
+
+def read_moves(trace: Trace, first: int, last: int) -> ReadBack:
+    """All feed moves of lines ``first`` to ``last`` (exclusive), with the time each takes."""
+    state = trace.before(first)
+    points: list[Floats] = []
+    spans: list[Floats] = []
+    line = first
+    while line < last:
+        run = _plain_run(trace, line, last)
+        table = read_columns(trace.program, line, run) if run - line >= _SHORT_RUN else None
+        if table is not None:
+            new, span = _table_moves(trace, state, *table)
+            points.append(new)
+            spans.append(span)
+            state = trace.skip(state, line, run)
+            line = run
+            continue
+        step = trace.interpreter.advance(state, trace.program.block(line))
+        if step.move is not None and step.move.is_cut:
+            ends = _clean(np.array([step.move.start, step.move.end]))
+            points.append(ends[1:])
+            feed = np.array([step.after.feed.value if step.after.feed else np.nan])
+            spans.append(_spans(step.after, ends, feed))
+        state = step.after
+        line += 1
+    if not points:
+        return ReadBack(np.empty((0, 3)), np.empty(0), state)
+    return ReadBack(np.concatenate(points), np.concatenate(spans), state)
+
+
+def _plain_run(trace: Trace, line: int, last: int) -> int:
+    """The end of the run of plain lines that starts at ``line``."""
+    at = int(np.searchsorted(trace.program.events, line))
+    return min(last, int(trace.program.events[at])) if at < len(trace.program.events) else last
+
+
+def _table_moves(trace: Trace, state: State, letters: str, numbers: Floats) -> tuple[Floats, Floats]:
+    settings = trace.settings
+    unit = MM_PER_INCH if state.is_inch else 1.0
+    start = _clean(np.array([state.position]))
+    points = np.tile(start, (len(numbers), 1))
+    incremental = state.modes.get("distance") == "incremental"
+    for column, letter in enumerate(letters):
+        if letter not in AXES:
+            continue
+        values = numbers[:, column] * unit
+        if letter == "X" and is_diameter(state, settings.control):
+            values = values / 2.0
+        axis = AXES.index(letter)
+        points[:, axis] = start[0, axis] + np.cumsum(values) if incremental else values
+    if "F" in letters:
+        feeds = numbers[:, letters.index("F")]
+    else:
+        feeds = np.full(len(numbers), state.feed.value if state.feed else np.nan)
+    return points, _spans(state, np.concatenate((start, points)), feeds)
+
+
+def _clean(points: Floats) -> Floats:
+    """Axes that cannot be known and do not move count as 0."""
+    return np.nan_to_num(points, nan=0.0)
+
+
+def _spans(state: State, points: Floats, feeds: Floats) -> Floats:
+    """The time of each move [s] on a control without limits."""
+    mode = state.modes["feed_mode"]
+    if mode == "inverse":
+        return S_PER_MIN / feeds
+    unit = MM_PER_INCH if state.is_inch else 1.0
+    per_min = feeds * unit
+    if mode == "rev":
+        per_min = per_min * (state.speed.value if state.speed else np.nan)
+    lengths = np.sqrt((np.diff(points, axis=0) ** 2).sum(axis=1))
+    spans: Floats = lengths / per_min * S_PER_MIN
+    return spans

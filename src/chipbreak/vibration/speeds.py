@@ -1,0 +1,98 @@
+"""Which spindle speed is commanded where: once for a run of cuts that share it, and back when it is needed.
+
+The speed a vibrated cut needs is commanded before its first move.  The programmed speed comes back before
+the next block that depends on it: a cut that does not vibrate, a thread, a cycle, a call, a spindle start,
+the end of the program.  Between two vibrated cuts of one speed nothing is commanded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from chipbreak.model.modal import Setting, State
+from chipbreak.model.steps import Step
+from chipbreak.model.trace import Trace
+from chipbreak.settings.sections import Settings
+from chipbreak.syntax.numbers import print_number
+from chipbreak.vibration.plan import VibratedCut
+
+_CALLS = (97.0, 98.0, 198.0, 2.0, 30.0, 99.0, 3.0, 4.0)
+_FREE_ONCE = frozenset({"dwell", "home", "machine", "exact-stop", "set-position", "data-setting", "shift"})
+
+
+@dataclass(frozen=True)
+class SpeedChange:
+    """``text`` is to be commanded before line ``line``; ``for_cut`` where it belongs to a vibrated cut."""
+
+    line: int
+    text: str
+    for_cut: VibratedCut | None
+
+
+def speed_changes(trace: Trace, cuts: Sequence[VibratedCut], settings: Settings) -> list[SpeedChange]:
+    """All speed commands that the vibrated cuts need, in order."""
+    changes: list[SpeedChange] = []
+    commanded: tuple[str, float] | None = None  # mode and speed, None while the program's own is active
+    for index, cut in enumerate(cuts):
+        state = cut.chain.before
+        now = _programmed(state) if commanded is None else commanded
+        wanted = ("rpm", cut.solution.speed_rpm)
+        if now != wanted:
+            changes.append(SpeedChange(cut.chain.first, _speed_words(now, wanted, settings), cut))
+        commanded = None if wanted == _programmed(state) else wanted
+        if commanded is None:
+            continue
+        stop = cuts[index + 1].chain.first if index + 1 < len(cuts) else trace.program.source.body.stop
+        back = _needs_programmed(trace, cut.chain.last, stop)
+        if back is not None:
+            if back.text:
+                changes.append(back)
+            commanded = None
+    return changes
+
+
+def _programmed(state: State) -> tuple[str, float] | None:
+    if state.speed is None:
+        return None
+    return state.modes["speed_mode"], state.speed.value
+
+
+def _speed_words(
+    now: tuple[str, float] | None, wanted: tuple[str, float], settings: Settings
+) -> str:
+    decimals = 0 if settings.spindle.resolution_rpm >= 1.0 else 3
+    speed = f"S{print_number(wanted[1], decimals, point=False)}"
+    if now is not None and now[0] == wanted[0]:
+        return speed
+    return f"{settings.dialect.code('speed_mode', wanted[0])} {speed}"
+
+
+def _needs_programmed(trace: Trace, first: int, stop: int) -> SpeedChange | None:
+    """Where the programmed speed must be back; an empty text where the program commands a speed itself."""
+    for step in trace.steps(first, stop):
+        if step.after.speed != step.before.speed and step.after.speed is not None:
+            return SpeedChange(step.block.line, "", None)
+        if _depends_on_speed(step):
+            return SpeedChange(step.block.line, _own_words(step.before, trace.settings), None)
+    return None
+
+
+def _own_words(state: State, settings: Settings) -> str:
+    """The program's own speed, in its own digits."""
+    speed: Setting | None = state.speed
+    text = "" if speed is None else f"S{speed.text}"
+    if state.modes["speed_mode"] == "rpm":
+        return text
+    return f"{settings.dialect.code('speed_mode', state.modes['speed_mode'])} {text}".rstrip()
+
+
+def _depends_on_speed(step: Step) -> bool:
+    """True for a block whose effect depends on the spindle speed, or that hands the speed on."""
+    if step.block.is_empty or step.in_contour:
+        return False
+    if step.block.opaque or step.block.controls or step.once - _FREE_ONCE:
+        return True
+    if step.move is not None and step.move.kind != "rapid":
+        return True
+    return any(w.address == "M" and w.number in _CALLS for w in step.block.words)

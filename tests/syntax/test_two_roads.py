@@ -1,0 +1,269 @@
+"""The regular expression, the shapes and the grammar read the same: three roads to a block, one meaning."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from chipbreak.source import Source, read
+from chipbreak.syntax import shapes
+from chipbreak.syntax.columns import read_columns
+from chipbreak.syntax.nodes import Block
+from chipbreak.syntax.parse import parse, read_block, read_by_grammar, read_plain
+from chipbreak.syntax.shapes import PLAIN_LETTERS, Shape, classify
+
+from .fragments import good_lines, lines, programs
+
+TRICKY = [
+    "",
+    " ",
+    "G1.5",
+    "G1.",
+    "G001",
+    "G01",
+    "G 1",
+    "G1X1",
+    "G1 .5X1",
+    "G1-5",
+    "G1 2X1",
+    "G10X1",
+    "G13 X1",
+    "G4X1",
+    "G1G2X1",
+    "G1 G1 X1",
+    "X1G1",
+    "X1 2",
+    "X1.2.3",
+    "X1-2",
+    "X--1",
+    "X+-1",
+    "X- 1",
+    "X .5",
+    "X.",
+    "X-.",
+    "X",
+    "X1.Y",
+    "X1Y2X3",
+    "N10X1",
+    "N10N20X1",
+    "N10 N20",
+    "N1.5X1",
+    "N-5X1",
+    "N+5X1",
+    "N X1",
+    "NX1",
+    "X1N10",
+    "G1N10X1",
+    "n10 g1 x1",
+    "(A)N10X1",
+    "/X1",
+    "/2X1",
+    "/12X1",
+    "/0X1",
+    "/ X1",
+    "//X1",
+    " /X1",
+    "N10/X1",
+    "N10 /2 N20 X1",
+    "N10./X1",
+    "X1/2",
+    "x1",
+    "g1 X1",
+    "X1\tY2",
+    "X\t1",
+    "X\x001",
+    "X1\x1a",
+    "\x00X1",
+    "\x01X1",
+    "\xef\xbb\xbfX1",
+    "X\xef\xbb\xbf1",
+    "X1\xef",
+    "X\xb2",
+    "X1(A",
+    "X1(A)Y2",
+    "X(A)1",
+    "X1;Y2",
+    "X1,R5",
+    "X1,5",
+    ",X1",
+    "X1, R5",
+    "X1E5",
+    "X1e5",
+    "X1_0",
+    "X1D0",
+    "O1234",
+    "O1 X1",
+    "X" + "9" * 250,
+    "X" + "9" * 300,
+    "X" + " " * 300 + "1",
+    "N" + "9" * 400 + "/X1",
+]
+
+
+def compare_regular_expression_and_grammar(text: str) -> None:
+    plain = read_plain(0, text)
+    if plain is not None:
+        assert plain == read_by_grammar(0, text)
+
+
+def compare_shape_and_block(shape: Shape, block: Block) -> None:
+    """A shape says that the block is words only: a motion in front, then each letter once."""
+    words = list(block.words)
+    if shape.motion is not None:
+        motion = words.pop(0)
+        assert (motion.letter, motion.number) == ("G", shape.motion)
+    assert "".join(word.letter for word in words) == shape.letters
+    assert len(set(shape.letters)) == len(shape.letters) > 0
+    assert set(shape.letters) <= set(PLAIN_LETTERS)
+    assert all(word.number is not None for word in words)
+    assert block.sequence is None or block.sequence.number is not None
+    assert not (
+        block.comments or block.assignments or block.controls or block.skip or block.opaque or block.mark
+    )
+
+
+def compare_shapes(source: Source) -> None:
+    plain, found = classify(source)
+    assert len(plain) == source.line_count
+    for line, index in enumerate(plain.tolist()):
+        if index >= 0:
+            compare_shape_and_block(found[index], read_block(line, source.text(line)))
+
+
+@pytest.mark.parametrize("text", TRICKY)
+def test_tricky_lines_are_read_alike(text: str) -> None:
+    compare_regular_expression_and_grammar(text)
+    compare_shapes(read(text.encode("latin-1")))
+
+
+@given(st.one_of(good_lines, lines))
+@example("X\x001")
+@example("N10 /2 N20 X1")
+def test_regular_expression_and_grammar_agree(text: str) -> None:
+    compare_regular_expression_and_grammar(text)
+
+
+@given(st.text("GNXYFR0123456789.+- \t/,;()\0", max_size=14))
+def test_they_agree_on_every_order_of_the_signs_of_a_block(text: str) -> None:
+    compare_regular_expression_and_grammar(text)
+    compare_shapes(read(text.encode("latin-1")))
+
+
+def test_regular_expression_and_grammar_agree_on_the_corpus(corpus_lines: list[str]) -> None:
+    for text in corpus_lines:
+        compare_regular_expression_and_grammar(text)
+
+
+def test_most_of_the_corpus_needs_no_grammar(corpus_lines: list[str]) -> None:
+    read_fast = sum(read_plain(0, text) is not None for text in corpus_lines)
+    assert read_fast > len(corpus_lines) / 3
+
+
+@given(programs)
+def test_shapes_and_blocks_agree(data: bytes) -> None:
+    compare_shapes(read(data))
+
+
+def test_shapes_and_blocks_agree_on_the_corpus(corpus_file: Path) -> None:
+    compare_shapes(read(corpus_file.read_bytes()))
+
+
+@given(programs, st.integers(1, 40))
+@example(b"X1\r\nY2\r\n", 3)
+@example(b"X1\rY2\r", 1)
+@example(b"\n\nG1", 1)
+def test_shapes_do_not_depend_on_the_size_of_the_pieces(data: bytes, size: int) -> None:
+    source = read(data)
+    whole, found = classify(source)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(shapes, "_CHUNK_BYTES", size)
+        pieces, found_in_pieces = classify(source)
+    assert pieces.tolist() == whole.tolist()
+    assert found_in_pieces == found
+
+
+blank = st.sampled_from(["", "", " ", "\t", "  "])
+number = st.from_regex(r"[+-]?([0-9]{1,5}\.?[0-9]{0,5}|\.[0-9]{1,5})", fullmatch=True)
+
+
+@st.composite
+def plain_blocks(draw: st.DrawFn) -> tuple[str, Shape]:
+    """A plain motion block and the shape it must have."""
+    motion = draw(st.sampled_from([None, 0, 1, 2, 3]))
+    letters = draw(st.lists(st.sampled_from(PLAIN_LETTERS), min_size=1, max_size=11, unique=True))
+    text = draw(blank)
+    if draw(st.booleans()):
+        text += "N" + draw(blank) + draw(number) + draw(blank)
+    if motion is not None:
+        text += draw(st.sampled_from(["G", "G0"])) + str(motion) + draw(blank)
+    for letter in letters:
+        text += letter + draw(blank) + draw(number) + draw(blank)
+    return text, Shape("".join(letters), motion)
+
+
+@given(plain_blocks())
+def test_every_plain_block_is_found(case: tuple[str, Shape]) -> None:
+    text, shape = case
+    program = parse(read(text.encode("latin-1")))
+    assert [program.shapes[index] for index in program.plain] == [shape]
+    assert not len(program.events)
+    compare_shape_and_block(shape, read_by_grammar(0, text))
+
+
+@given(
+    st.lists(st.sampled_from(PLAIN_LETTERS), min_size=1, max_size=4, unique=True),
+    st.lists(st.lists(number, min_size=4, max_size=4), min_size=1, max_size=5),
+    st.sampled_from(["\n", "\r\n", "\r"]),
+)
+def test_columns_hold_the_numbers_of_the_blocks(letters: list[str], rows: list[list[str]], end: str) -> None:
+    text = [" ".join(map(str.__add__, letters, row)) for row in rows]
+    program = parse(read(end.join(text).encode()))
+    columns = read_columns(program, 0, len(rows))
+    assert columns is not None
+    assert columns[0] == "".join(letters)
+    words = [[word.number for word in program.block(line).words] for line in range(len(rows))]
+    assert columns[1].tolist() == words
+
+
+@pytest.mark.parametrize(
+    "text", ["X1\nY2", "X1\nX2Y2", "N1X1\nX2", "G1X1\nX2", "X1\nX2(A)", "X1\n\nX2", "X1\nX2 3"]
+)
+def test_columns_are_for_blocks_with_the_same_words_only(text: str) -> None:
+    program = parse(read(text.encode()))
+    assert read_columns(program, 0, program.source.line_count) is None
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "G1",
+        "N10",
+        "G1X1(A)",
+        "G1X1;",
+        "/G1X1",
+        "G1X1X2",
+        "G1X1S500",
+        "G1X1M8",
+        "G4X1",
+        "G1.X1",
+        "G1.1X1",
+        "G001X1",
+        "G11X1",
+        "G1G90X1",
+        "X1G1",
+        "g1x1",
+        "X#1",
+        "X[1]",
+        "X1N10",
+        "X1\x1a",
+        "X1f0.1",
+        "X1,R2",
+        "%X1",
+    ],
+)
+def test_a_block_with_more_in_it_is_not_plain(text: str) -> None:
+    program = parse(read(f"G1X1\n{text}\nX2\n".encode("latin-1")))
+    assert [line in program.events for line in range(3)] == [False, True, False]

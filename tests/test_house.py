@@ -1,0 +1,112 @@
+"""Rules of the house that no linter knows."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections import defaultdict
+from pathlib import Path
+
+import pytest
+
+CHECKOUT = Path(__file__).parents[1]
+SOURCES = sorted((CHECKOUT / "src").rglob("*.py"))
+MOST_LINES = 300
+MOST_LINES_OF_A_FUNCTION = 60
+
+# The repository speaks of machines and programs, not of the desk it was written on.  A pytest fixture may
+# live for a session, and nothing else does.
+NOT_HERE = re.compile(
+    r"shared/|/work/|/tmp/"
+    r"|\bissues?\b|\bworkplace\b|\bsub-?agents?\b|\btranscripts?\b|\bthe brief\b|\bchatbot\b|\blanguage model"
+    r"|(?<!scope=\")\bsessions?\b",
+    re.IGNORECASE,
+)
+TEXT_FILES = {
+    ".py",
+    ".md",
+    ".toml",
+    ".lark",
+    ".c",
+    ".h",
+    ".sh",
+    ".cfg",
+    ".ini",
+    ".yml",
+    ".yaml",
+    ".html",
+    ".tsv",
+    "",
+}
+NOT_OURS = {"LICENSE"}
+
+CODE = re.compile(r"[\"']([A-Z]{3}[0-9]{3})[\"']")
+# A code belongs to one module.  Those that two of them share, and the one thing each code says:
+SHARED_CODES = {
+    "VIB023": "the cut has no length, as it is written or as it is printed",
+}
+
+
+def _name(path: Path) -> str:
+    return str(path.relative_to(CHECKOUT))
+
+
+def our_text_files() -> list[Path]:
+    """Everything people read, without hidden folders, environments and build products."""
+    found = []
+    for top in CHECKOUT.iterdir():
+        if top.name in {"build", "dist"} or (top.name.startswith(".") and top.name != ".ci"):
+            continue
+        found += [top] if top.is_file() else top.rglob("*")
+    return sorted(
+        path
+        for path in found
+        if path.is_file()
+        and path.suffix in TEXT_FILES
+        and path.name not in NOT_OURS
+        and path != Path(__file__)
+        if "__pycache__" not in path.parts
+    )
+
+
+def test_there_is_something_to_look_at() -> None:
+    assert len(SOURCES) > 10
+    assert CHECKOUT / "pyproject.toml" in our_text_files()
+    assert CHECKOUT / "grammar" / "nc.lark" in our_text_files()
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=_name)
+def test_files_and_functions_are_short(path: Path) -> None:
+    text = path.read_text("utf-8")
+    assert len(text.splitlines()) <= MOST_LINES, f"{_name(path)} asks to be two files"
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            length = (node.end_lineno or 0) - node.lineno + 1
+            assert length <= MOST_LINES_OF_A_FUNCTION, (
+                f"{node.name} in {_name(path)} asks to be two functions"
+            )
+
+
+@pytest.mark.parametrize("path", our_text_files(), ids=_name)
+def test_no_file_speaks_of_the_desk_it_was_written_on(path: Path) -> None:
+    for number, line in enumerate(path.read_text("latin-1").splitlines(), 1):
+        found = NOT_HERE.search(line)
+        assert not found, f"{_name(path)}:{number} says {found[0]!r}: {line.strip()}"
+
+
+def modules_of_codes() -> dict[str, set[str]]:
+    """Every diagnostic code, with the modules that use it as a string."""
+    found: dict[str, set[str]] = defaultdict(set)
+    for path in SOURCES:
+        for code in CODE.findall(path.read_text("utf-8")):
+            found[code].add(_name(path))
+    return found
+
+
+def test_a_diagnostic_code_belongs_to_one_module() -> None:
+    codes = modules_of_codes()
+    assert "SYN001" in codes
+    several = {code: sorted(names) for code, names in codes.items() if len(names) > 1}
+    assert set(several) <= set(SHARED_CODES), (
+        f"one code, one meaning: {several}; take a free number, or import a constant from one module"
+    )
