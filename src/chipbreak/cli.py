@@ -1,4 +1,4 @@
-"""The command line: the only module that knows file names and streams.
+"""The command line.
 
 Everything heavy is imported inside the commands, so that help and completion answer at once.
 """
@@ -8,49 +8,31 @@ from __future__ import annotations
 import json
 import os
 import sys
-import tempfile
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from chipbreak.streams import Reporter, read_input, replace_file, write_stdout
+
 if TYPE_CHECKING:
-    from chipbreak.diagnostics import Diagnostic
     from chipbreak.pipeline import Result
     from chipbreak.settings import Settings
 
 DONE, DIFFERENT, USAGE, REJECTED, FAILED = 0, 1, 2, 3, 4
 _Command = TypeVar("_Command", bound=Callable[..., Any])
-_COLOURS = {"error": "red", "warning": "yellow", "note": "cyan"}
 
 
-class Reporter:
-    """Writes diagnostics to stderr, for people or for programs."""
-
-    def __init__(self, *, as_json: bool, quiet: bool, colour: bool) -> None:
-        self.as_json, self.quiet, self.colour = as_json, quiet, colour
-
-    def show(self, diagnostics: Iterable[Diagnostic]) -> None:
-        """Errors always; warnings unless quiet."""
-        chosen = [d for d in diagnostics if not self.quiet or d.severity.value == "error"]
-        if self.as_json:
-            click.echo(json.dumps([d.as_json() for d in chosen]), err=True)
-            return
-        for diagnostic in chosen:
-            text = diagnostic.render()
-            if self.colour:
-                mark = f"{diagnostic.severity.value} {diagnostic.code}"
-                styled = click.style(mark, fg=_COLOURS[diagnostic.severity.value], bold=True)
-                text = text.replace(mark, styled, 1)
-            click.echo(text, err=True, color=self.colour)
+_PROFILE = "Machine profile: a shipped name or a TOML file."
+_SET = "Change a value of the profile."
 
 
 def _options(command: _Command) -> _Command:
     """The options every command that reads programs has."""
     decorators = [
-        click.option("-p", "--profile", metavar="FILE|NAME", envvar="CHIPBREAK_PROFILE", help="Machine profile."),
-        click.option("--set", "sets", metavar="SECTION.KEY=VALUE", multiple=True, help="Change a profile value."),
+        click.option("-p", "--profile", metavar="FILE|NAME", envvar="CHIPBREAK_PROFILE", help=_PROFILE),
+        click.option("--set", "sets", metavar="SECTION.KEY=VALUE", multiple=True, help=_SET),
         click.option("--allow-unbroken", is_flag=True, help="Let cuts pass that do not break their chips."),
         *_REPORTING,
     ]
@@ -116,20 +98,20 @@ def filter_command(
         raise click.UsageError("-i replaces INPUT itself: name a file, and leave -o out")
     if backup is not None and (not in_place or not backup or "/" in backup):
         raise click.UsageError("--backup goes with -i and takes a suffix such as .bak")
-    data = _read(source)
+    data = read_input(source)
     result = _run(data, source, profile, sets, allow_unbroken, reporter)
     reporter.show(result.diagnostics)
     if check:
         sys.exit(DIFFERENT if result.changed else DONE)
     target = source if in_place else output
     if target is None or target == "-":
-        _write_stdout(result.output)
+        write_stdout(result.output)
         return
     if in_place and not result.changed:
         return
     if backup is not None:
-        _replace(Path(source + backup), [data])
-    _replace(Path(target), result.output)
+        replace_file(Path(source + backup), [data])
+    replace_file(Path(target), result.output)
 
 
 @cli.command()
@@ -150,7 +132,7 @@ def check(
     reporter = _reporter(as_json, quiet, color)
     failed = False
     for source in sources:
-        data = _read(source)
+        data = read_input(source)
         settings = _settings(profile, sets, source, reporter)
         try:
             diagnostics = _rewrite(data, settings, source, allow_unbroken).diagnostics
@@ -178,7 +160,7 @@ def explain(
 
     reporter = _reporter(as_json, quiet, color)
     settings = _settings(profile, sets, source, reporter)
-    result = _run(_read(source), source, profile, sets, allow_unbroken, reporter)
+    result = _run(read_input(source), source, profile, sets, allow_unbroken, reporter)
     if as_json:
         click.echo(json.dumps(explain_json(result, settings.name), indent=2))
         return
@@ -204,7 +186,7 @@ def diff(a: str, b: str, ignore_comments: bool, as_json: bool, quiet: bool, colo
 
     reporter = _reporter(as_json, quiet, color)
     try:
-        sides = [items_of(_read(name), name, ignore_comments=ignore_comments) for name in (a, b)]
+        sides = [items_of(read_input(name), name, ignore_comments=ignore_comments) for name in (a, b)]
     except ProgramRejectedError as error:
         reporter.show(error.diagnostics)
         sys.exit(USAGE)
@@ -212,7 +194,7 @@ def diff(a: str, b: str, ignore_comments: bool, as_json: bool, quiet: bool, colo
     if as_json:
         click.echo(json.dumps(hunks_json(hunks), indent=2))
     else:
-        _write_stdout([f"{line}\n".encode("latin-1", "replace") for line in unified(hunks, a, b)])
+        write_stdout([f"{line}\n".encode("latin-1", "replace") for line in unified(hunks, a, b)])
     sys.exit(DIFFERENT if differs(hunks) else DONE)
 
 
@@ -228,14 +210,14 @@ def restore(source: str, output: str | None, as_json: bool, quiet: bool, color: 
 
     reporter = _reporter(as_json, quiet, color)
     try:
-        original = put_back(read(_read(source), source)).data
+        original = put_back(read(read_input(source), source)).data
     except ProgramRejectedError as error:
         reporter.show(error.diagnostics)
         sys.exit(REJECTED)
     if output is None or output == "-":
-        _write_stdout([original])
+        write_stdout([original])
     else:
-        _replace(Path(output), [original])
+        replace_file(Path(output), [original])
 
 
 @cli.group()
@@ -254,12 +236,13 @@ def profile_list() -> None:
 
 @profile.command("show")
 @click.argument("name")
-@click.option("--set", "sets", metavar="SECTION.KEY=VALUE", multiple=True, help="Change a profile value.")
+@click.option("--set", "sets", metavar="SECTION.KEY=VALUE", multiple=True, help=_SET)
 def profile_show(name: str, sets: tuple[str, ...]) -> None:
     """Every value of a profile, and where it comes from."""
     from chipbreak.settings.show import show_profile
 
-    for line in show_profile(_settings(name, sets, "-", Reporter(as_json=False, quiet=False, colour=False))):
+    reporter = Reporter(as_json=False, quiet=False, colour=False)
+    for line in show_profile(_settings(name, sets, "-", reporter)):
         click.echo(line)
 
 
@@ -318,51 +301,6 @@ def _fail(message: str) -> Any:
     click.echo(message, err=True)
     click.echo("  help: nothing was written; please report this with the program", err=True)
     sys.exit(FAILED)
-
-
-def _read(source: str) -> bytes:
-    if source == "-":
-        return sys.stdin.buffer.read()
-    try:
-        return Path(source).read_bytes()
-    except OSError as error:
-        raise click.UsageError(f"cannot read {source}: {error.strerror}") from None
-
-
-def _write_stdout(pieces: Iterable[bytes]) -> None:
-    try:
-        sys.stdout.buffer.writelines(pieces)
-        sys.stdout.buffer.flush()
-    except BrokenPipeError:
-        # The reader has gone; keep Python from complaining when it closes stdout at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(DIFFERENT)
-
-
-def _replace(target: Path, pieces: Iterable[bytes]) -> None:
-    """Write a file so that it has either the old or the new content, never a part."""
-    real = target.resolve()
-    try:
-        handle, temporary = tempfile.mkstemp(dir=real.parent, prefix=f".{real.name}.")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.writelines(pieces)
-                file.flush()
-                os.fsync(file.fileno())
-            mode = real.stat().st_mode & 0o7777 if real.exists() else 0o666 & ~_umask()
-            Path(temporary).chmod(mode)
-            Path(temporary).replace(real)
-        except BaseException:
-            Path(temporary).unlink(missing_ok=True)
-            raise
-    except OSError as error:
-        raise click.UsageError(f"cannot write {target}: {error.strerror}") from None
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 def main() -> None:

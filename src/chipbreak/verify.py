@@ -80,7 +80,7 @@ def _check_length(result: Trace, region: Region) -> None:
 def _check_states(trace: Trace, result: Trace, edit: Edit, region: Region, arcs: set[int]) -> None:
     """The control is in the same state before and behind a change as it was in the original.
 
-    A chain that ends in an arc leaves G1 behind; the pass has seen to it that the next move says its own code.
+    A chain that ends in an arc leaves G1 behind; the pass made sure that the next move says its own code.
     """
     for where, line, new_line in (("before", edit.first, region.first), ("behind", edit.last, region.last)):
         was, now = trace.before(line), result.before(new_line)

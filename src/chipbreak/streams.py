@@ -1,0 +1,84 @@
+"""Streams and files: bytes in, bytes out, diagnostics to stderr, nothing half written."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+
+import click
+
+from chipbreak.diagnostics import Diagnostic
+
+_COLOURS = {"error": "red", "warning": "yellow", "note": "cyan"}
+
+
+class Reporter:
+    """Writes diagnostics to stderr, for people or for programs."""
+
+    def __init__(self, *, as_json: bool, quiet: bool, colour: bool) -> None:
+        self.as_json, self.quiet, self.colour = as_json, quiet, colour
+
+    def show(self, diagnostics: Iterable[Diagnostic]) -> None:
+        """Errors always; warnings unless quiet."""
+        chosen = [d for d in diagnostics if not self.quiet or d.severity.value == "error"]
+        if self.as_json:
+            click.echo(json.dumps([d.as_json() for d in chosen]), err=True)
+            return
+        for diagnostic in chosen:
+            text = diagnostic.render()
+            if self.colour:
+                mark = f"{diagnostic.severity.value} {diagnostic.code}"
+                styled = click.style(mark, fg=_COLOURS[diagnostic.severity.value], bold=True)
+                text = text.replace(mark, styled, 1)
+            click.echo(text, err=True, color=self.colour)
+
+
+def read_input(source: str) -> bytes:
+    """All bytes of a file, or of stdin for ``-``.  Raises click.UsageError (exit 2)."""
+    if source == "-":
+        return sys.stdin.buffer.read()
+    try:
+        return Path(source).read_bytes()
+    except OSError as error:
+        raise click.UsageError(f"cannot read {source}: {error.strerror}") from None
+
+
+def write_stdout(pieces: Iterable[bytes]) -> None:
+    """Bytes to stdout, as they are."""
+    try:
+        sys.stdout.buffer.writelines(pieces)
+        sys.stdout.buffer.flush()
+    except BrokenPipeError:
+        # The reader has gone; keep Python from complaining when it closes stdout at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+
+
+def replace_file(target: Path, pieces: Iterable[bytes]) -> None:
+    """Write a file so that it has either the old or the new content, never a part."""
+    real = target.resolve()
+    try:
+        handle, temporary = tempfile.mkstemp(dir=real.parent, prefix=f".{real.name}.")
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.writelines(pieces)
+                file.flush()
+                os.fsync(file.fileno())
+            mode = real.stat().st_mode & 0o7777 if real.exists() else 0o666 & ~_umask()
+            Path(temporary).chmod(mode)
+            Path(temporary).replace(real)
+        except BaseException:
+            Path(temporary).unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise click.UsageError(f"cannot write {target}: {error.strerror}") from None
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
