@@ -38,6 +38,7 @@ syntax.columns
 
 settings.sections
 settings.load
+settings.show
 settings
 
 model
@@ -89,9 +90,11 @@ pipeline
 report
 plot
 chipbreak
+streams
 hook
 batch
 cli
+__main__
 """
 LAYERS = ORDER.split()
 
@@ -178,7 +181,7 @@ def test_every_layer_is_named_once() -> None:
         ("source", "from chipbreak.syntax.parse import parse", "imports syntax.parse"),
         ("source", "import chipbreak.syntax.parse", "imports syntax.parse"),
         ("source", "from chipbreak.syntax import parse", "imports syntax.parse"),
-        ("source", "def f():\n    from chipbreak import cli", "imports chipbreak"),
+        ("source", "def f():\n    from chipbreak import cli", "imports cli"),
         ("source", "from chipbreak.source import read", "imports source"),
         ("source", "from chipbreak.nowhere import x", "nowhere is not in the list"),
         ("source", "import lark.exceptions", "lark is for"),

@@ -52,5 +52,6 @@ def was_lines(lines: list[bytes], line_end: bytes, max_chars: int, *, lower_case
 
 def checksum(content: bytes) -> str:
     """CRC-32 of the lines between BEGIN and END, blind to how lines end (transmission may change that)."""
-    lines = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    return f"{zlib.crc32(lines):08X}"
+    if b"\r" in content:
+        content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    return f"{zlib.crc32(content):08X}"

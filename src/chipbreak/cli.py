@@ -10,7 +10,7 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import click
 
@@ -297,7 +297,7 @@ def _rewrite(data: bytes, settings: Settings, source: str, allow_unbroken: bool)
         _fail(f"{name}: error SLF002: not enough memory for this program")
 
 
-def _fail(message: str) -> Any:
+def _fail(message: str) -> NoReturn:
     click.echo(message, err=True)
     click.echo("  help: nothing was written; please report this with the program", err=True)
     sys.exit(FAILED)

@@ -75,13 +75,13 @@ MAX_FORWARD_VELOCITY = 6000
 
 def _joint(number: int, limit: Limit) -> str:
     """One axis and its joint; it is at home wherever it stands, so homing moves nothing."""
-    shared = f"""MIN_LIMIT = -10000
+    both = f"""MIN_LIMIT = -10000
 MAX_LIMIT = 10000
 MAX_VELOCITY = {limit.velocity_mm_s!r}
 MAX_ACCELERATION = {limit.acceleration_mm_s2!r}
 """
     return f"""[AXIS_{limit.axis}]
-{shared}[JOINT_{number}]
+{both}[JOINT_{number}]
 TYPE = LINEAR
 HOME = 0
 HOME_OFFSET = 0
@@ -90,7 +90,7 @@ HOME_LATCH_VEL = 0
 HOME_SEQUENCE = 0
 FERROR = 100
 MIN_FERROR = 100
-{shared}"""
+{both}"""
 
 
 def hal(axes: str) -> str:

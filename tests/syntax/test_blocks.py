@@ -20,7 +20,7 @@ from chipbreak.syntax.nodes import (
     Variable,
     Word,
 )
-from chipbreak.syntax.parse import read_block, read_by_grammar
+from chipbreak.syntax.parse import read_block, read_by_grammar, read_plain
 
 
 def show(block: Block) -> str:
@@ -219,6 +219,7 @@ def test_words_and_comments(text: str, expected: str) -> None:
 def test_block_delete(text: str, expected: str) -> None:
     assert show(read_block(0, text)) == expected
     assert show(read_by_grammar(0, text)) == expected
+    assert (read_plain(0, text) is None) == ("GOTO" in text)
 
 
 @table(NAMES)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from chipbreak.source import Source, read
 from chipbreak.syntax import shapes
-from chipbreak.syntax.columns import read_columns
+from chipbreak.syntax.columns import read_columns, uniform_run
 from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.parse import parse, read_block, read_by_grammar, read_plain
 from chipbreak.syntax.shapes import PLAIN_LETTERS, Shape, classify
@@ -75,6 +75,9 @@ TRICKY = [
     "X1\tY2",
     "X\t1",
     "X\x001",
+    "X\x00",
+    "G1X1Y\x00",
+    "X1.\x00",
     "X1\x1a",
     "\x00X1",
     "\x01X1",
@@ -119,6 +122,7 @@ def compare_shape_and_block(shape: Shape, block: Block) -> None:
     assert len(set(shape.letters)) == len(shape.letters) > 0
     assert set(shape.letters) <= set(PLAIN_LETTERS)
     assert all(word.number is not None for word in words)
+    assert shape.has_points == all(word.has_point for word in words)
     assert block.sequence is None or block.sequence.number is not None
     assert not (
         block.comments or block.assignments or block.controls or block.skip or block.opaque or block.mark
@@ -193,15 +197,16 @@ number = st.from_regex(r"[+-]?([0-9]{1,5}\.?[0-9]{0,5}|\.[0-9]{1,5})", fullmatch
 def plain_blocks(draw: st.DrawFn) -> tuple[str, Shape]:
     """A plain motion block and the shape it must have."""
     motion = draw(st.sampled_from([None, 0, 1, 2, 3]))
-    letters = draw(st.lists(st.sampled_from(PLAIN_LETTERS), min_size=1, max_size=11, unique=True))
+    letters = draw(st.lists(st.sampled_from(PLAIN_LETTERS), min_size=1, unique=True))
+    numbers = [draw(number) for _ in letters]
     text = draw(blank)
     if draw(st.booleans()):
         text += "N" + draw(blank) + draw(number) + draw(blank)
     if motion is not None:
         text += draw(st.sampled_from(["G", "G0"])) + str(motion) + draw(blank)
-    for letter in letters:
-        text += letter + draw(blank) + draw(number) + draw(blank)
-    return text, Shape("".join(letters), motion)
+    for letter, value in zip(letters, numbers, strict=True):
+        text += letter + draw(blank) + value + draw(blank)
+    return text, Shape("".join(letters), motion, all("." in value for value in numbers))
 
 
 @given(plain_blocks())
@@ -234,6 +239,22 @@ def test_columns_hold_the_numbers_of_the_blocks(letters: list[str], rows: list[l
 def test_columns_are_for_blocks_with_the_same_words_only(text: str) -> None:
     program = parse(read(text.encode()))
     assert read_columns(program, 0, program.source.line_count) is None
+
+
+@given(
+    st.lists(st.tuples(st.sampled_from(["X1", "X2.", "N5X3", "G1X1", "X1Y2", "M5", ""]), st.integers(1, 150)))
+)
+def test_a_uniform_run_ends_where_the_words_change(parts: list[tuple[str, int]]) -> None:
+    program = parse(read("".join(f"{text}\n" * times for text, times in parts).encode()))
+    plain = program.plain.tolist()
+    words = [(program.shapes[i].letters, program.shapes[i].motion) if i >= 0 else None for i in plain]
+    for first in range(0, len(words), 37):
+        end = first + 1
+        while words[first] and end < len(words) and words[end] == words[first]:
+            end += 1
+        assert uniform_run(program, first, len(words)) == end
+        assert uniform_run(program, first, first + 1) == first + 1
+        assert uniform_run(program, first, first) == first
 
 
 @pytest.mark.parametrize(

@@ -12,14 +12,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from chipbreak.model.flow import Flow, read_flow
 from chipbreak.model.interpret import Interpreter, initial_state
-from chipbreak.model.modal import Setting, State
+from chipbreak.model.modal import Position, Setting, State
+from chipbreak.model.motion import AXES
 from chipbreak.model.steps import Step
 from chipbreak.model.words import feed_value, is_diameter, length_mm
 from chipbreak.settings.sections import Settings
+from chipbreak.syntax.columns import read_columns, uniform_run
 from chipbreak.syntax.parse import Program
+from chipbreak.units import MM_PER_INCH
 
 _MOTION = ("rapid", "line", "cw", "ccw")
 _SHORT_RUN = 8
@@ -67,13 +71,67 @@ class Trace:
         """The state behind a run of plain lines."""
         if last <= first:
             return state
-        absolute = state.modes.get("distance", "absolute") == "absolute"
         moving = state.modes.get("motion") in _MOTION and not state.ended
-        if not (moving and absolute and self.flow.is_straight) or last - first <= _SHORT_RUN:
-            for line in range(first, last):
-                state = self.interpreter.advance(state, self.program.block(line)).after
-            return state
-        return self._jump(state, first, last)
+        if moving and self.flow.is_straight and last - first > _SHORT_RUN:
+            if not self._has_distances(state, first, last):
+                return self._jump(state, first, last)
+            return self._add_up(state, first, last)
+        for line in range(first, last):
+            state = self.interpreter.advance(state, self.program.block(line)).after
+        return state
+
+    def _add_up(self, state: State, first: int, last: int) -> State:
+        """Skip a run with distances: many blocks of the same words at once, others one by one."""
+        line = first
+        while line < last:
+            stop = uniform_run(self.program, line, last)
+            long = stop - line > _SHORT_RUN and self._values_are_plain(line, stop)
+            table = read_columns(self.program, line, stop) if long else None
+            if table is not None:
+                state = self._sum(state, stop, *table)
+                line = stop
+                continue
+            stop = stop if long else min(stop, line + _SHORT_RUN)
+            for at in range(line, stop):
+                state = self.interpreter.advance(state, self.program.block(at)).after
+            line = stop
+        return state
+
+    def _has_distances(self, state: State, first: int, last: int) -> bool:
+        """True when a run gives distances, by G91 or by U and W."""
+        if state.modes.get("distance", "absolute") == "incremental":
+            return True
+        incremental = set(self.settings.dialect.incremental)
+        used = np.unique(self.program.plain[first:last])
+        return any(incremental.intersection(self.program.shapes[i].letters) for i in used if i >= 0)
+
+    def _values_are_plain(self, first: int, last: int) -> bool:
+        """True when every number of a run means what it says."""
+        if self.settings.control.decimal_point == "calculator":
+            return True
+        used = np.unique(self.program.plain[first:last])
+        return all(self.program.shapes[i].has_points for i in used if i >= 0)
+
+    def _sum(self, state: State, last: int, letters: str, numbers: NDArray[np.float64]) -> State:
+        """Add up the distances of a run whose blocks all have the same words."""
+        control = self.settings.control
+        word_of = {w.address: w for w in self.program.block(last - 1).words}
+        ends = state.position._asdict()
+        for column, letter in enumerate(letters):
+            axis = self.settings.dialect.incremental.get(letter, letter)
+            if axis not in AXES:
+                continue
+            scale = MM_PER_INCH if state.is_inch else 1.0
+            if axis == "X" and is_diameter(state, control):
+                scale /= 2.0
+            is_distance = letter != axis or state.modes.get("distance") == "incremental"
+            total = numbers[:, column].sum() if is_distance else numbers[-1, column]
+            ends[axis.lower()] = (ends[axis.lower()] if is_distance else 0.0) + float(total) * scale
+        feed = word_of.get("F")
+        if feed is not None:
+            setting = Setting(feed_value(feed, state, control), feed.value_text, last - 1)
+            state = replace(state, feed=setting)
+        return replace(state, position=Position(**ends))
 
     def _jump(self, state: State, first: int, last: int) -> State:
         """Take the last word of each letter in a run."""

@@ -189,7 +189,9 @@ def _expression(node: Any, depth: int = 0) -> Expression:
             raise UnreadableError("a variable number has too many digits", node.meta.start_pos)
         return Variable(int(key))
     if rule == "arc_tangent":
-        return Operation("/", Call("ATAN", (_expression(children[1], inner),)), _expression(children[2], inner))
+        return Operation(
+            "/", Call("ATAN", (_expression(children[1], inner),)), _expression(children[2], inner)
+        )
     if rule == "call":
         return Call(str(children[0]).upper(), tuple(_expression(c, inner) for c in children[1:]))
     left, operator, right = children

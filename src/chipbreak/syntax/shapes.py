@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from chipbreak.source import Source
 from chipbreak.syntax.grammar import terminals
 
-PLAIN_LETTERS = "XYZABCIJKRF"
+PLAIN_LETTERS = "XYZUVWABCIJKRF"
 # A longer line gets a closer look; in a shorter one every number is finite.
 LONGEST_PLAIN = 255
 _DIGITS = b"0123456789"
@@ -30,10 +30,14 @@ _IS_DIGIT = np.isin(np.arange(256), np.frombuffer(_DIGITS, np.uint8))
 
 @dataclass(frozen=True)
 class Shape:
-    """A plain motion block: at most one of G0 to G3, then words of ``PLAIN_LETTERS``, each once."""
+    """A plain motion block: at most one of G0 to G3, then words of ``PLAIN_LETTERS``, each once.
+
+    ``has_points`` is True when each of these words has a decimal point.
+    """
 
     letters: str
     motion: int | None
+    has_points: bool
 
 
 @lru_cache(maxsize=1)
@@ -42,7 +46,7 @@ def _shape_patterns() -> tuple[re.Pattern[bytes], re.Pattern[bytes]]:
     blank = r"[ 	]*+"  # possessive: a long run of blanks must not be tried twice
     number = terminals()["NUMBER"].replace("[0-9]+", r"\x00").replace("[0-9]*", r"\x00?")
     word = f"[{PLAIN_LETTERS}]{blank}{number}{blank}"
-    head = rf"{blank}(?:N{blank}{number}{blank})?(?:G0?([0-3])(?![0-9.\x00]){blank})?"
+    head = rf"{blank}(?:N{blank}{number}{blank})?(?:G0?([0-3]){blank})?"
     return re.compile(f"{head}((?:{word})+)".encode("latin-1")), re.compile(f"[{PLAIN_LETTERS}]".encode())
 
 
@@ -57,7 +61,8 @@ def read_shape(shape: bytes) -> Shape | None:
     letters = b"".join(letter.findall(match[2])).decode("ascii")
     if len(set(letters)) != len(letters):
         return None
-    return Shape(letters, None if match[1] is None else int(match[1]))
+    motion = None if match[1] is None else int(match[1])
+    return Shape(letters, motion, match[2].count(b".") == len(letters))
 
 
 def line_shapes(source: Source) -> Iterator[list[bytes]]:

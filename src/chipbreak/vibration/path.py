@@ -6,7 +6,7 @@ Pure geometry: points are rows (x, y, z) in mm with X as radius; s runs from 0 t
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -67,23 +67,25 @@ class Path:
 
     def points(self, s_mm: Floats) -> Floats:
         """Points at arc lengths: (n,) -> (n, 3).  The ends of the path are exact."""
-        points = np.empty((len(s_mm), 3))
-        which = np.clip(np.searchsorted(self.ends_mm, s_mm, "right") - 1, 0, len(self.legs) - 1)
-        for index in np.unique(which):
-            mask = which == index
-            points[mask] = self._on_leg(int(index), s_mm[mask])
+        points = self._by_leg(self._on_leg, s_mm)
         points[s_mm <= 0.0] = self.legs[0].start
         points[s_mm >= self.length_mm] = self.legs[-1].end
         return points
 
     def tangents(self, s_mm: Floats) -> Floats:
         """Unit directions of travel: (n,) -> (n, 3)."""
-        tangents = np.empty((len(s_mm), 3))
+        return self._by_leg(self._along_leg, s_mm)
+
+    def _by_leg(self, function: Callable[[int, Floats], Floats], s_mm: Floats) -> Floats:
+        """Evaluate on the leg that each s lies on."""
+        if len(self.legs) == 1:
+            return function(0, s_mm)
+        rows = np.empty((len(s_mm), 3))
         which = np.clip(np.searchsorted(self.ends_mm, s_mm, "right") - 1, 0, len(self.legs) - 1)
         for index in np.unique(which):
             mask = which == index
-            tangents[mask] = self._along_leg(int(index), s_mm[mask])
-        return tangents
+            rows[mask] = function(int(index), s_mm[mask])
+        return rows
 
     def breakpoints(self, chord_mm: float) -> Floats:
         """Where a straight move must end: the joints, and points so dense on arcs that chords stay close.

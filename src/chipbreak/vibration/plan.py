@@ -107,6 +107,9 @@ def plan_cut(chain: Chain, settings: Settings) -> VibratedCut:
         form=cast(Literal["tick", "stroke"], form),
     )
     time_s, distance_mm = sample(cut)
+    if speed is None and state.speed is not None and state.speed.value != solution.speed_rpm:
+        mode = " (G96)" if state.modes["speed_mode"] == "surface" else ""
+        reasons.append(f"S {state.speed.value:g}{mode} -> {solution.speed_rpm:g} rpm, which N and f fix")
     given = {k: g for k, g in (("S", speed), ("N", per_rev), ("F", frequency)) if g is not None}
     all_reasons = (*reasons, *solution.reasons)
     return VibratedCut(chain, path, solution, given, cut, edges, time_s, distance_mm, all_reasons)

@@ -10,8 +10,8 @@ its feed.  Three laws are offered (``ControlModel.law``):
     declared acceleration, and runs through the joints of blocks that go the same way.  A block from rest to
     rest takes d/v + v/a, or 2·sqrt(d/a) when it is too short to reach v.
 ``linuxcnc``
-    The trajectory planner of LinuxCNC 2.9, measured on its simulated machine (``docs/linuxcnc-timing.md``).
-    It decides once per servo period T, and in a block that ends at rest
+    The trajectory planner of LinuxCNC 2.9 (its ``src/emc/tp/tp.c``, and measured on its simulated machine:
+    ``docs/linuxcnc-timing.md``).  It decides once per servo period T, and in a block that ends at rest
     1. it speeds up by at most a·T per period, until the feed is reached;
     2. it keeps the feed until it could not brake any more on v² = 2·a·(way to go);
     3. it brakes by a·T per period, and the last, incomplete period counts as a whole one.
@@ -60,9 +60,9 @@ class AxisLimits:
 class ControlModel:
     """A control's law and limits along one path; the numbers are declared in the machine profile.
 
-    ``every_block_stops``: exact stop (G61.1, G9).  ``merge_mm``: the control joins blocks whose points lie
-    within this distance of one line (LinuxCNC G64 with Q, or with P alone).  ``blocks_per_s``: the most the
-    control reads, None for no limit.  ``ramp_s``: LinuxCNC's 1/ARC_BLEND_RAMP_FREQ.
+    ``every_block_stops``: exact stop (G61.1, G9).  ``merge_mm``: the control joins blocks of one feed whose
+    points lie within this distance of one line (LinuxCNC G64 with Q, or with P alone).  ``blocks_per_s``:
+    the most the control reads, None for no limit.  ``ramp_s``: LinuxCNC's 1/ARC_BLEND_RAMP_FREQ.
     """
 
     law: Law
@@ -76,9 +76,7 @@ class ControlModel:
     axis: str = ""
 
     def __post_init__(self) -> None:
-        finite = self.law != "linuxcnc" or self.acceleration_mm_s2 < inf
-        given = (self.velocity_mm_s, self.acceleration_mm_s2, self.servo_period_s)
-        if not (finite and all(number > 0 for number in given)):
+        if not all(n > 0 for n in (self.velocity_mm_s, self.acceleration_mm_s2, self.servo_period_s)):
             raise ValueError(f"a control needs limits and a period above zero: {self}")
 
     def along(self, direction: Sequence[float], axes: Sequence[AxisLimits]) -> ControlModel:
@@ -97,7 +95,8 @@ def predict(lengths_mm: ArrayLike, feeds_mm_s: ArrayLike, model: ControlModel) -
     """Time [s] of each block, (n,), from rest before the first to rest after the last.
 
     ``lengths_mm`` (n,) are signed along the path, none of them zero; ``feeds_mm_s`` (n,) or one for all.
-    Errors: VIB033 when the control would merge strokes away.
+    Give the feeds as the F words print them: at the edge of a period, rounding decides.  Errors: VIB033 when
+    the control could merge strokes away.
     """
     lengths, feeds = _checked(lengths_mm, feeds_mm_s, model)
     times = np.empty(len(lengths))
@@ -137,7 +136,7 @@ def reached(times_s: ArrayLike, vibrations: float, speed_rpm: float) -> tuple[fl
 def shortest_time(length_mm: float, model: ControlModel) -> float:
     """The least time [s] from rest to rest over ``length_mm``, whatever the feed.
 
-    reference: t = 2·sqrt(d/a) for a triangle of speed; in whole periods for ``linuxcnc``.
+    t = 2·sqrt(d/a) while the speed allows it; in whole periods for ``linuxcnc``.
     """
     length, read_s = abs(length_mm), 1.0 / model.blocks_per_s if model.blocks_per_s else 0.0
     if model.law == "ideal":
@@ -150,9 +149,8 @@ def feed_for_time(length_mm: float, time_s: float, model: ControlModel) -> float
     """The feed [mm/s] to command so that a block from rest to rest really takes ``time_s``.
 
     v = (a·t − sqrt(a²t² − 4·a·d))/2, d/t for ``ideal``.  ``linuxcnc`` runs whole servo periods, so ``time_s``
-    is rounded to one, and the feed is the middle of those that give it: rounding F, a spindle that droops
-    or a length of one increment more do not tip it over.  Errors: VIB030 acceleration, VIB031 speed, VIB032
-    blocks per second.
+    is rounded to one, and the feed is the middle of those that give it, so that rounding F does not tip it
+    over.  Errors: VIB030 acceleration, VIB031 speed, VIB032 blocks per second.
     """
     if not (abs(length_mm) > _NOTHING and 0 < time_s < inf):
         raise ValueError(f"no feed for {length_mm} mm in {time_s} s")
@@ -238,6 +236,8 @@ def _checked(lengths_mm: ArrayLike, feeds: ArrayLike, model: ControlModel) -> tu
     rates = np.broadcast_to(np.asarray(feeds, dtype=np.float64), lengths.shape)
     if not (np.all(np.isfinite(lengths)) and np.all(np.abs(lengths) > _NOTHING) and np.all(rates > 0)):
         raise ValueError("every block needs a length and a feed or time above zero")
+    if model.law == "linuxcnc" and model.acceleration_mm_s2 == inf:
+        raise ValueError("LinuxCNC's law needs an acceleration: give it, or the axes with along()")
     if model.merge_mm > 0.0:
         strokes = np.abs(np.add.reduceat(lengths, np.r_[0, _turns(lengths)]))
         if len(strokes) > 1 and np.min(strokes) <= model.merge_mm:

@@ -16,7 +16,7 @@ from chipbreak.model.modal import State
 from chipbreak.model.motion import AXES
 from chipbreak.model.trace import Trace
 from chipbreak.model.words import is_diameter
-from chipbreak.syntax.columns import read_columns
+from chipbreak.syntax.columns import read_columns, uniform_run
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
 from chipbreak.vibration.path import Path
 
@@ -38,9 +38,10 @@ class ReadBack:
         Exact on straight paths; on arcs to second order in the rounding error.
         """
         offset = self.points_mm - path.points(meant_mm)
-        ahead = (offset * path.tangents(meant_mm)).sum(axis=1)
-        away = offset - ahead[:, None] * path.tangents(meant_mm)
-        return meant_mm + ahead, np.sqrt((away**2).sum(axis=1))
+        tangents = path.tangents(meant_mm)
+        ahead = np.einsum("ij,ij->i", offset, tangents)
+        away = offset - ahead[:, None] * tangents
+        return meant_mm + ahead, np.sqrt(np.einsum("ij,ij->i", away, away))
 
 
 def read_moves(trace: Trace, first: int, last: int) -> ReadBack:
@@ -50,7 +51,7 @@ def read_moves(trace: Trace, first: int, last: int) -> ReadBack:
     spans: list[Floats] = []
     line = first
     while line < last:
-        run = _plain_run(trace, line, last)
+        run = uniform_run(trace.program, line, last)
         table = read_columns(trace.program, line, run) if run - line >= _SHORT_RUN else None
         if table is not None:
             new, span = _table_moves(trace, state, *table)
@@ -72,12 +73,6 @@ def read_moves(trace: Trace, first: int, last: int) -> ReadBack:
     return ReadBack(np.concatenate(points), np.concatenate(spans), state)
 
 
-def _plain_run(trace: Trace, line: int, last: int) -> int:
-    """The end of the run of plain lines that starts at ``line``."""
-    at = int(np.searchsorted(trace.program.events, line))
-    return min(last, int(trace.program.events[at])) if at < len(trace.program.events) else last
-
-
 def _table_moves(trace: Trace, state: State, letters: str, numbers: Floats) -> tuple[Floats, Floats]:
     settings = trace.settings
     unit = MM_PER_INCH if state.is_inch else 1.0
@@ -85,13 +80,15 @@ def _table_moves(trace: Trace, state: State, letters: str, numbers: Floats) -> t
     points = np.tile(start, (len(numbers), 1))
     incremental = state.modes.get("distance") == "incremental"
     for column, letter in enumerate(letters):
-        if letter not in AXES:
+        name = settings.dialect.incremental.get(letter, letter)
+        if name not in AXES:
             continue
         values = numbers[:, column] * unit
-        if letter == "X" and is_diameter(state, settings.control):
+        if name == "X" and is_diameter(state, settings.control):
             values = values / 2.0
-        axis = AXES.index(letter)
-        points[:, axis] = start[0, axis] + np.cumsum(values) if incremental else values
+        axis = AXES.index(name)
+        is_distance = incremental or letter != name
+        points[:, axis] = start[0, axis] + np.cumsum(values) if is_distance else values
     if "F" in letters:
         feeds = numbers[:, letters.index("F")]
     else:
@@ -113,6 +110,7 @@ def _spans(state: State, points: Floats, feeds: Floats) -> Floats:
     per_min = feeds * unit
     if mode == "rev":
         per_min = per_min * (state.speed.value if state.speed else np.nan)
-    lengths = np.sqrt((np.diff(points, axis=0) ** 2).sum(axis=1))
+    moved = np.diff(points, axis=0)
+    lengths = np.sqrt(np.einsum("ij,ij->i", moved, moved))
     spans: Floats = lengths / per_min * S_PER_MIN
     return spans

@@ -35,12 +35,12 @@ def speed_changes(trace: Trace, cuts: Sequence[VibratedCut], settings: Settings)
     changes: list[SpeedChange] = []
     commanded: tuple[str, float] | None = None  # mode and speed, None while the program's own is active
     for index, cut in enumerate(cuts):
-        state = cut.chain.before
-        now = _programmed(state) if commanded is None else commanded
+        # An S in the block itself goes with the block; what the spindle turns is what stood before it.
+        now = _programmed(cut.chain.requests[0].step.before) if commanded is None else commanded
         wanted = ("rpm", cut.solution.speed_rpm)
         if now != wanted:
             changes.append(SpeedChange(cut.chain.first, _speed_words(now, wanted, settings), cut))
-        commanded = None if wanted == _programmed(state) else wanted
+        commanded = None if wanted == _programmed(cut.chain.after) else wanted
         if commanded is None:
             continue
         stop = cuts[index + 1].chain.first if index + 1 < len(cuts) else trace.program.source.body.stop
