@@ -54,6 +54,7 @@ model.interpret
 model.trace
 model.kind_words
 model.kinds
+model.main_program
 model.operations
 
 edits
@@ -75,6 +76,8 @@ vibration.blocks
 vibration.readback
 
 checks
+checks.ground
+checks.reliance
 checks.plan
 
 passes.speeds

@@ -17,6 +17,7 @@ import numpy as np
 from chipbreak.edits import Edit, in_order
 from chipbreak.model.modal import State
 from chipbreak.model.trace import Trace, interpret
+from chipbreak.model.words import codes_of
 from chipbreak.passes.vibrate import PlannedCut
 from chipbreak.restore import Region, regions, restore
 from chipbreak.source import read
@@ -82,13 +83,9 @@ def _check_length(result: Trace, region: Region) -> None:
 def _next_motion_code(trace: Trace, first: int) -> int:
     """The next line that says G0 to G3 or another motion code; the last line where there is none."""
     stop = trace.program.source.body.stop
-    codes = trace.settings.dialect.g_codes
     for step in trace.steps(first, stop):
-        for word in step.block.words:
-            if word.address == "G" and word.number is not None:
-                code = codes.get(round(word.number * 10))
-                if code is not None and code.group == "motion":
-                    return step.block.line
+        if codes_of(step.block, "motion", trace.settings.dialect):
+            return step.block.line
     return stop
 
 

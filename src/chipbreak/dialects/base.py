@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -41,16 +41,18 @@ class Dialect:
     machine_retract: tuple[str, ...] = ()
     reads_comments_in_lower_case: bool = False
 
-    def code(self, group: str, value: str) -> str:
+    def code(self, group: str, value: str, like: Collection[int] = ()) -> str:
         """The G code that sets a modal group, such as ``G95`` for feed_mode, rev.
 
-        Raises KeyError where the control has none.
+        Of several it is the one nearest in number to ``like``, codes (times ten) of the same program: one
+        that says G98 wants G99 and not G95.  Raises KeyError where the control has none.
         """
-        for number, code in self.g_codes.items():
-            if code == (group, value):
-                whole, tenth = divmod(number, 10)
-                return f"G{whole}.{tenth}" if tenth else f"G{whole}"
-        raise KeyError(f"{group} {value}")
+        numbers = [number for number, code in self.g_codes.items() if code == (group, value)]
+        if not numbers:
+            raise KeyError(f"{group} {value}")
+        number = min(numbers, key=lambda n: min((abs(n - other) for other in like), default=0))
+        whole, tenth = divmod(number, 10)
+        return f"G{whole}.{tenth}" if tenth else f"G{whole}"
 
     def can(self, group: str, value: str) -> bool:
         """True when the control has a code for this."""

@@ -62,7 +62,8 @@ _COORDINATE_GROUPS = ("work_offset", "rotation", "polar", "scaling", "mirror", "
 _LOSES_NAMED_AXES = ("home", "machine", "skip")
 _AXES_WITHOUT_V = frozenset("XYZUWABCH")
 _PLAIN_LETTERS = frozenset("GMTSFODHABC")
-_ARC_LETTERS = frozenset("IJKR")
+_ARCS = ("cw", "ccw")
+_CENTRE_LETTERS = frozenset("IJK")
 
 
 def initial_state(settings: Settings) -> State:
@@ -111,9 +112,11 @@ class Interpreter:
 
     def _execute(self, state: State, block: Block) -> Step:
         changes, once, unknown = self._codes(block)
-        cuts = {**state.modes, **changes}.get("motion") in CUTTING
+        motion = {**state.modes, **changes}.get("motion")
         reads_all = bool(once & _READS_ALL)
-        vibration = vibration_words(block, self.axis_letters, cuts=cuts, has_once=reads_all)
+        # A full circle may name its centre only.
+        moving = self.axis_letters | _CENTRE_LETTERS if motion in _ARCS else self.axis_letters
+        vibration = vibration_words(block, moving, cuts=motion in CUTTING, has_once=reads_all)
         after = self._values(state, block, changes, once, vibration)
         after = self._machine_functions(after, block)
         after, move = self._motion(after, block, once, unknown)
@@ -215,7 +218,8 @@ class Interpreter:
             if name in _LOSES and not limits_only:
                 axes = [self.dialect.incremental.get(w.address, w.address) for w in axis_words]
                 state = _lose_axes(state, axes, _LOSES[name], everything=name not in _LOSES_NAMED_AXES)
-        if not axis_words or once & _READS_ALL:
+        is_circle = state.modes.get("motion") in _ARCS and any(w.address in _CENTRE_LETTERS for w in block.words)
+        if not (axis_words or is_circle) or once & _READS_ALL:
             return state, None
         if unknown:
             return state.lost("a G code this profile does not know stands with axis words"), None
@@ -239,8 +243,8 @@ class Interpreter:
     ) -> tuple[Word, ...]:
         read = _PLAIN_LETTERS | self.axis_letters
         motion = after.modes.get("motion", "")
-        if motion in ("cw", "ccw"):
-            read |= _ARC_LETTERS
+        if motion in _ARCS:
+            read |= _CENTRE_LETTERS | {"R"}
         if motion not in ("rapid", "line", "cw", "ccw"):
             return ()
         if any(w.address == "M" and w.number is not None for w in block.words) and move is None:

@@ -24,7 +24,7 @@ def move_of(
     ends = dict(zip(AXES, state.position, strict=True))
     starts = dict(ends)
     incremental = state.modes.get("distance") == "incremental"
-    relative = incremental
+    relative = incremental or bool(axis_words)
     named = ""
     for word in axis_words:
         axis = dialect.incremental.get(word.address, word.address)
@@ -34,7 +34,7 @@ def move_of(
         if axis == "X" and is_diameter(state, control):
             value /= 2.0
         is_distance = incremental or word.address in dialect.incremental
-        relative |= is_distance
+        relative &= is_distance
         ends[axis] = starts[axis] + value if is_distance else value
         named += axis
     motion = state.modes.get("motion", "none")

@@ -124,6 +124,8 @@ class _Scan:
 
     def _read(self, block: Block, step: Step | None) -> None:
         called = step is not None and calls_tool(step, self.trace.settings.dialect.tool_change)
+        if self.above and self._has_plain(self.above[-1].line, block.line):
+            self.above = []
         # Beside a block that does something else a comment explains that block.
         is_free = called or step is None or not (step.move or step.once)
         ends_here = False
@@ -189,7 +191,11 @@ class _Scan:
             draft.ordered = None
 
     def _moves(self, first: int, last: int) -> bool:
-        return self.last_move > first or bool((self.trace.program.plain[first:last] >= 0).any())
+        return self.last_move > first or self._has_plain(first, last)
+
+    def _has_plain(self, first: int, last: int) -> bool:
+        """True when plain motion stands between two lines; they are no events and never read here."""
+        return bool((self.trace.program.plain[first:last] >= 0).any())
 
 
 def calls_tool(step: Step, tool_change: str) -> bool:
@@ -220,7 +226,18 @@ class _Judge:
         label = title.label if title else f"T{draft.tool}" if draft.tool is not None else "no tool called"
         first = draft.first
         return Operation(
-            index, draft.tool, kind, reason, label, first, last, draft.call, first_cut, last_cut, speed_rpm, spindle
+            index,
+            draft.tool,
+            kind,
+            reason,
+            label,
+            first,
+            last,
+            draft.call,
+            first_cut,
+            last_cut,
+            speed_rpm,
+            spindle,
         )
 
     def _kind(self, draft: _Draft, last: int) -> tuple[Kind, str]:

@@ -17,7 +17,7 @@ class Move:
 
     ``kind``         rapid, line, cw, ccw, thread or other
     ``axes``         the axes the block names, in its order
-    ``incremental``  True where the block gives distances (G91, U, W)
+    ``incremental``  True where the block gives nothing but distances (G91, U, W)
     ``offsets``      I, J, K of an arc [mm], NaN where not given;  ``radius_mm`` its R, NaN without
     """
 

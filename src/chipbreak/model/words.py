@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from chipbreak.dialects import Dialect
 from chipbreak.model.evaluate import constant
 from chipbreak.model.modal import UNKNOWN, State
 from chipbreak.settings.sections import Control
-from chipbreak.syntax.nodes import Word
+from chipbreak.syntax.nodes import Block, Word
 from chipbreak.units import MM_PER_INCH
 
 NO_POINT = "a number without a decimal point; this control may read it as increments"
@@ -17,6 +18,12 @@ def plain_value(word: Word) -> float:
         return word.number
     value = constant(word.expression) if word.expression is not None else None
     return UNKNOWN if value is None else value
+
+
+def codes_of(block: Block, group: str, dialect: Dialect) -> list[int]:
+    """The codes of a modal group that a block says, ten times the G number each."""
+    numbers = [round(w.number * 10) for w in block.words if w.address == "G" and w.number is not None]
+    return [n for n in numbers if n in dialect.g_codes and dialect.g_codes[n].group == group]
 
 
 def length_mm(word: Word, state: State, control: Control) -> float:

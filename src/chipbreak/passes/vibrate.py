@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from chipbreak.diagnostics import Diagnostic, RefusalError
 from chipbreak.edits import Edit, MoveTable
 from chipbreak.model.trace import Trace
+from chipbreak.model.words import codes_of
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.vibration.blocks import Expansion, moves_of
@@ -64,7 +65,11 @@ def plan(trace: Trace, settings: Settings) -> VibrationPlan:
     if diagnostics:
         # A refused cut leaves the speeds around it open: nothing more can be said honestly.
         return VibrationPlan((), (), tuple(sorted(diagnostics, key=_by_line)))
-    changes = speed_changes(trace, cuts, settings)
+    try:
+        changes = speed_changes(trace, cuts, settings)
+    except RefusalError as error:
+        chain = next(chain for chain in chains if chain.before.speed is None)
+        return VibrationPlan((), (), (_at_chain(trace, chain, error),))
     own = {change.line: change.text for change in changes if change.for_cut is not None}
     edits = [
         _expansion(cut, made.content, own.get(cut.chain.first, ""), trace, settings)
@@ -102,9 +107,12 @@ def _expansion(
     mode = settings.output.feed_mode
     was = chain.before.modes["feed_mode"]
     head = [*comments, chain.preamble(), speed]
+    feed_back = f"F{chain.after.feed.text}" if chain.after.feed else ""
     if mode != was:
-        head.append(settings.dialect.code("feed_mode", mode))
-    tail = [] if mode == was and cut.cut.end_revolutions > 0.0 else [_feed_back(cut, settings)]
+        like = {n for s in trace.events for n in codes_of(s.block, "feed_mode", settings.dialect)}
+        head.append(settings.dialect.code("feed_mode", mode, like))
+        feed_back = f"{settings.dialect.code('feed_mode', was, like)} {feed_back}"
+    tail = [] if mode == was and cut.cut.end_revolutions > 0.0 else [feed_back]
     solution = cut.solution
     title = (
         f"VIB N{print_number(solution.per_rev, 4, point=False)}"
@@ -115,16 +123,6 @@ def _expansion(
     reason = "; ".join(cut.reasons) or "nothing to correct"
     content = (*(text for text in head if text), *moves, *tail)
     return Edit(chain.first, chain.last, content, title, reason, NAME)
-
-
-def _feed_back(cut: VibratedCut, settings: Settings) -> str:
-    """Feed mode and feed as programmed."""
-    state = cut.chain.after
-    assert state.feed is not None
-    feed = f"F{state.feed.text}"
-    if state.modes["feed_mode"] == settings.output.feed_mode:
-        return feed
-    return f"{settings.dialect.code('feed_mode', state.modes['feed_mode'])} {feed}"
 
 
 def _speed_back(change: SpeedChange) -> Edit:
@@ -140,8 +138,7 @@ def _check_motion_mode(trace: Trace, chain: Chain) -> None:
     for step in trace.steps(chain.last, trace.program.source.body.stop):
         if step.move is None:
             continue
-        says = any(w.address == "G" and w.number in (0.0, 1.0, 2.0, 3.0) for w in step.block.words)
-        if not says:
+        if not codes_of(step.block, "motion", trace.settings.dialect):
             line = step.block.line + 1
             message = f"line {line} goes on as an arc without saying G2 or G3, but this cut will end in G1"
             raise RefusalError("VIB056", message, f"write the motion code in line {line}")

@@ -24,6 +24,7 @@ from chipbreak.vibration.plan import VibratedCut
 
 Floats = NDArray[np.float64]
 CHORD_MM = 0.001
+_SAME_MM = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +50,10 @@ class Expansion:
 
 
 def moves_of(cut: VibratedCut, settings: Settings) -> Expansion:
-    """Turn the knots of a cut into blocks.  Errors: VIB023 when the whole cut rounds to nothing."""
+    """Turn the knots of a cut into blocks.
+
+    Errors: VIB023 when the whole cut rounds to nothing, VIB058 for distances finer than the output's digits.
+    """
     chain = cut.chain
     time_s, distance_mm = split_at(cut.time_s, cut.distance_mm, cut.path.breakpoints(CHORD_MM))
     words = _axis_words(cut, distance_mm, settings)
@@ -60,6 +64,9 @@ def moves_of(cut: VibratedCut, settings: Settings) -> Expansion:
     if last_kept == 0:
         message = f"the cut rounds to nothing at {words.decimals} decimals"
         raise RefusalError("VIB023", message, "a vibrated cut needs a distance to travel")
+    if words.incremental and np.abs(words.points_mm[-1] - cut.path.legs[-1].end).max() > _SAME_MM:
+        message = f"this cut is incremental, and its end lies between two steps of {words.decimals} decimals"
+        raise RefusalError("VIB058", message, f"write {words.decimals} decimals, or absolute positions")
     times[-1] = time_s[-1]
     absolute, points = words.absolute[keep], words.points_mm[keep]
     feeds = _feeds(cut, times, points, settings)
@@ -80,16 +87,17 @@ def _axis_words(cut: VibratedCut, distance_mm: Floats, settings: Settings) -> _W
     if is_diameter(state, settings.control):
         scale[0] *= 2.0
     axes = [AXES.index(axis) for axis in _moving_axes(cut)]
-    # The start is a position the program gave; it keeps its own digits.
-    rounded = np.round(points * scale, decimals)
     absolute_mode = state.modes.get("distance") == "absolute"
     incremental = all(move.incremental for move in chain.moves)
+    # The start is a position the program gave; incremental words count from it, whatever its digits.
+    origin = points[0] * scale if incremental else np.zeros(3)
+    rounded: Floats = np.round(points * scale - origin, decimals)
     letters = AXES
     if incremental and absolute_mode:
         by_axis = {axis: letter for letter, axis in settings.dialect.incremental.items()}
         letters = "".join(by_axis[axis] for axis in AXES)
     return _Words(
-        tuple(letters[a] for a in axes), rounded[:, axes], rounded / scale, decimals, incremental
+        tuple(letters[a] for a in axes), rounded[:, axes], (rounded + origin) / scale, decimals, incremental
     )
 
 

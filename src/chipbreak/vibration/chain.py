@@ -28,7 +28,7 @@ _AT_REST = {
     "mirror": ("off", "VIB041", "mirror image (G51.1) is active", "G50.1"),
     "modal_macro": ("off", "VIB042", "a modal macro call (G66) is active", "G67"),
 }
-_SPEED_MODES = (("G", 96.0), ("G", 97.0))
+SPEED_MODES = (("G", 96.0), ("G", 97.0))
 _SPEAKS_BEFORE = frozenset({3, 4, 7, 8})  # M codes that act before the block moves
 
 
@@ -83,9 +83,9 @@ class Chain:
         return "".join(axis for axis in AXES if axis in named)
 
     def preamble(self) -> str:
-        """Words of the first block that act before its move and are neither its speed nor part of the move."""
+        """Words of the first block that act before its move and are no part of its move or speed."""
         block = self.requests[0].step.block
-        kept = [w for w in block.words if _is_preamble(w) and (w.address, w.number) not in _SPEED_MODES]
+        kept = [w for w in block.words if _is_preamble(w) and (w.address, w.number) not in SPEED_MODES]
         return " ".join(block.text[w.start : w.end] for w in kept)
 
 

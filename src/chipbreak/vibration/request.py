@@ -95,7 +95,7 @@ class RequestReader:
             self._cut(step)
         if not step.vibration:
             for word in step.block.words:
-                if word.letter == "f" and step.move is not None and step.move.is_cut:
+                if word.letter == "f" and (_has_upper_case_f(step) or (step.move and step.move.is_cut)):
                     self.stray.append((step.block.line, (word.start, word.end)))
 
     def _cut(self, step: Step) -> None:
@@ -132,7 +132,8 @@ class RequestReader:
             if not self._check_values(step.block.line, {key: values[key]}, at):
                 return
         speed = step.block.word("S")
-        if speed is not None and speed.number is not None:
+        is_rpm = step.after.modes["speed_mode"] == "rpm"  # under G96 an S is metres per minute
+        if speed is not None and speed.number is not None and is_rpm:
             values["S"] = Given(speed.number, f"S word, line {line_number}")
         self.requests.append(self._request(step, values, by_word=True))
 
@@ -201,6 +202,10 @@ def _fill_from_profile(values: dict[str, Given], settings: Settings) -> dict[str
     if settings.vibration.ramp_s is not None and "RAMP" not in values:
         del filled["RAMP"]
     return filled
+
+
+def _has_upper_case_f(step: Step) -> bool:
+    return any(w.letter == "F" for w in step.block.words)
 
 
 def _is_tool_change(step: Step) -> bool:

@@ -10,11 +10,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from chipbreak.diagnostics import RefusalError
 from chipbreak.model.modal import Setting, State
 from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
+from chipbreak.vibration.chain import SPEED_MODES
 from chipbreak.vibration.plan import VibratedCut
 
 _CALLS = (97.0, 98.0, 198.0, 2.0, 30.0, 99.0, 3.0, 4.0)
@@ -31,7 +33,10 @@ class SpeedChange:
 
 
 def speed_changes(trace: Trace, cuts: Sequence[VibratedCut], settings: Settings) -> list[SpeedChange]:
-    """All speed commands that the vibrated cuts need, in order."""
+    """All speed commands that the vibrated cuts need, in order.
+
+    Errors: VIB057 when the programmed speed must come back and is not known.
+    """
     changes: list[SpeedChange] = []
     commanded: tuple[str, float] | None = None  # mode and speed, None while the program's own is active
     for index, cut in enumerate(cuts):
@@ -70,12 +75,27 @@ def _speed_words(
 
 def _needs_programmed(trace: Trace, first: int, stop: int) -> SpeedChange | None:
     """Where the programmed speed must be back; an empty text where the program commands a speed itself."""
+    state = trace.before(first)
     for step in trace.steps(first, stop):
+        if step.block.line in trace.flow.targets:  # who jumps here comes with the programmed speed
+            return SpeedChange(step.block.line, _own_words(state, trace.settings), None)
+        state = step.after
         if step.after.speed != step.before.speed and step.after.speed is not None:
-            return SpeedChange(step.block.line, "", None)
+            # An S under G96 is metres per minute: it must not meet the G97 of the cut before it.
+            own_mode = step.after.modes["speed_mode"] == "rpm" or _says_speed_mode(step)
+            text = "" if own_mode else _own_words(step.before, trace.settings)
+            return SpeedChange(step.block.line, text, None)
         if _depends_on_speed(step):
+            if step.before.speed is None and step.move is not None:
+                message = f"line {step.block.line + 1} needs the spindle speed from before this cut,"
+                way_out = "give S before the cut, even when N and f make another of it, or behind it"
+                raise RefusalError("VIB057", f"{message} which the program does not say", way_out)
             return SpeedChange(step.block.line, _own_words(step.before, trace.settings), None)
     return None
+
+
+def _says_speed_mode(step: Step) -> bool:
+    return any((w.address, w.number) in SPEED_MODES for w in step.block.words)
 
 
 def _own_words(state: State, settings: Settings) -> str:

@@ -1,0 +1,222 @@
+"""Safe borders: lines before which a check can be inserted, and what has to be put back behind it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from chipbreak.checks.ground import Ground
+from chipbreak.checks.reliance import reliance
+from chipbreak.model.flow import Flow
+from chipbreak.model.interpret import Interpreter
+from chipbreak.model.main_program import calls_subprogram
+from chipbreak.model.modal import State
+from chipbreak.model.operations import calls_tool
+from chipbreak.model.steps import Step
+from chipbreak.model.trace import Trace
+from chipbreak.model.words import plain_value
+from chipbreak.settings.sections import Settings
+from chipbreak.syntax.parse import read_block
+
+# How far around the obvious line a safe one is looked for.
+REACH = 500
+
+
+@dataclass(frozen=True)
+class Border:
+    """A line before which a check can stand.
+
+    ``state``          the state there
+    ``axes``           axes that have to stand again where they stood, in the order X, Y, Z
+    ``length_offset``  words that bring the length offset back into force, such as ``G43 H2``, or ""
+    """
+
+    line: int
+    state: State
+    axes: str
+    length_offset: str
+
+
+@dataclass(frozen=True)
+class NoBorder:
+    """Why there is none: what is wrong at the obvious line."""
+
+    line: int
+    why: str
+
+
+@dataclass(frozen=True)
+class Range:
+    """Where to look: forward from ``obvious`` to ``last``, then back to ``first`` (all of them lines).
+
+    The line before ``first`` is a cut, a tool call or nothing (``at_start``).
+    """
+
+    first: int
+    obvious: int
+    last: int
+    at_start: bool = False
+
+
+@dataclass(frozen=True)
+class _Spot:
+    """A line, the state before it, and what brought the tool there.
+
+    ``mover``   "nothing" yet, "rapid", "home" (or the machine's own tool change), or "cut" for all else
+    ``homed``   axes that the program sent to a fixed place where our own retract does not take them
+    ``z_is_home``  the last move of Z left the program's coordinates, and the length offset with them
+    ``spindle_is_open``  M3 was active at a tool change; some machines stop the spindle there, some do not
+    """
+
+    line: int
+    state: State
+    mover: str
+    homed: frozenset[str] = frozenset()
+    z_is_home: bool = False
+    spindle_is_open: bool = False
+
+
+class BorderFinder:
+    """Looks for safe borders in one program."""
+
+    def __init__(self, trace: Trace, ground: Ground) -> None:
+        self.trace, self.ground = trace, ground
+        self.dialect = trace.settings.dialect
+        steps = list(retract_steps(trace.settings))
+        self._retracted = {axis for step in steps for axis in _axes(step, trace.settings)}
+        self._retract_homes = any("home" in step.once for step in steps)
+
+    def find(self, where: Range) -> Border | NoBorder:
+        """The first safe line of a range."""
+        spots = self._spots(where)
+        forward = [spot for spot in spots if spot.line >= where.obvious]
+        back = [spot for spot in spots if spot.line < where.obvious][::-1]
+        first_refusal: NoBorder | None = None
+        for spot in forward + back:
+            found = self._judge(spot)
+            if isinstance(found, Border):
+                return found
+            first_refusal = first_refusal or found
+        return first_refusal or NoBorder(where.obvious, "there is no block between")
+
+    def _spots(self, where: Range) -> list[_Spot]:
+        first = max(where.first, where.obvious - REACH)
+        start = first if where.at_start and first == where.first else max(first - 1, self.ground.main.first)
+        last = min(where.last, where.obvious + REACH, self._end())
+        if last < start:
+            return []
+        spot = _Spot(start, self.trace.before(start), "nothing" if where.at_start else "cut")
+        spots = [spot]
+        for step in self.trace.steps(start, last):
+            spot = self._behind(spot, step)
+            spots.append(spot)
+        return [spot for spot in spots if spot.line >= first]
+
+    def _end(self) -> int:
+        """The last line before which something can be inserted."""
+        source = self.trace.program.source
+        is_open = source.data[-1:] not in (b"\n", b"\r")
+        return min(self.ground.main.last, source.line_count - 1 if is_open else source.line_count)
+
+    def _behind(self, spot: _Spot, step: Step) -> _Spot:
+        """The next line, with what the step did."""
+        line, state, mover = spot.line + 1, step.after, spot.mover
+        homed, z_is_home, is_open = spot.homed, spot.z_is_home, spot.spindle_is_open
+        codes = {word.number for word in step.block.words if word.address == "M"}
+        named = _axes(step, self.trace.settings)
+        if codes & {3.0, 4.0, 5.0, 19.0}:
+            is_open = False
+        if calls_tool(step, self.dialect.tool_change):
+            mover, homed, z_is_home = "home", frozenset(), True
+            is_open = state.turns and not codes & {3.0, 4.0}
+        elif "home" in step.once or ("machine" in step.once and state.modes["motion"] == "rapid"):
+            mover, homed = "home", homed | (named - self._reproducible(step))
+            z_is_home = z_is_home or "Z" in named
+        elif calls_subprogram(step) or "macro-call" in step.once or "service" in step.once:
+            mover = "cut"
+        elif step.move is not None:
+            rapid = step.move.kind == "rapid"
+            mover, homed = ("rapid" if rapid else "cut"), homed - named
+            z_is_home = z_is_home and "Z" not in named
+        return _Spot(line, state, mover, homed, z_is_home, is_open)
+
+    def _reproducible(self, step: Step) -> set[str]:
+        """Axes that our own retract takes to the same place: G28, or G53 to zero."""
+        g28 = any(w.address == "G" and w.number == 28.0 for w in step.block.words)
+        zero = {w.address for w in step.block.words if plain_value(w) == 0.0}
+        return self._retracted if g28 and self._retract_homes else self._retracted & zero
+
+    def _judge(self, spot: _Spot) -> Border | NoBorder:
+        state = spot.state
+        why = self.ground.why_not(spot.line, state) or self._why_not(spot)
+        if why:
+            return NoBorder(spot.line, why)
+        needed = reliance(self.trace, spot.line, spot.homed)
+        has_offset = state.modes.get("length_offset", "off") != "off"
+        offset_needed = needed.length_offset and has_offset and self._retract_homes and not spot.z_is_home
+        axes = set(needed.axes)
+        if "Z" in axes or offset_needed:
+            # The way down to Z starts where X and Y stood.
+            axes |= set("XZ" if self.dialect.is_lathe else "XYZ")
+        known = dict(zip("XYZ", state.position, strict=True))
+        lost = [axis for axis in "XYZ" if axis in axes and math.isnan(known[axis])]
+        if lost:
+            why = f"the next blocks rely on the place of {lost[0]}, which cannot be known: {state.unknown_why}"
+            return NoBorder(spot.line, why)
+        words = self._offset_words(spot.line) if offset_needed else ""
+        if words is None:
+            why = "the length offset must be put back, and its G43 H cannot be known"
+            return NoBorder(spot.line, why)
+        return Border(spot.line, state, "".join(a for a in "XYZ" if a in axes), words)
+
+    def _why_not(self, spot: _Spot) -> str:
+        """What the last move and the spindle say against the place."""
+        motion, state = spot.state.modes["motion"], spot.state
+        if motion not in ("rapid", "none", "line", "cw", "ccw"):
+            return "a cycle is still on"
+        if spot.mover == "cut":
+            return "the last move was a cut, not a rapid"
+        if motion in ("cw", "ccw") or (motion == "line" and spot.mover != "home"):
+            return "the motion mode is a cut, not a rapid"
+        if spot.spindle_is_open:
+            return "the spindle was on at the tool change; whether it still turns cannot be known"
+        if state.turns and (state.speed is None or not state.speed.value > 0.0):
+            return "the spindle turns, but its speed cannot be known"
+        return ""
+
+    def _offset_words(self, line: int) -> str | None:
+        """``G43 H2`` as last given before a line; None where it is not that simple."""
+        number: str | None = None
+        for step in reversed(self.trace.events):
+            block = step.block
+            if block.line >= line:
+                continue
+            h = block.word("H")
+            number = number or (h.value_text if h and h.number is not None and not block.has_macro else None)
+            if h and number is None:
+                return None
+            for word in block.words:
+                code = self.dialect.g_codes.get(round(10 * (word.number or 0.0)))
+                if word.address == "G" and code == ("length_offset", "on"):
+                    plain = word.number in (43.0, 44.0)
+                    return f"G{word.number:.0f} H{number}" if plain and number else None
+        return None
+
+
+def retract_steps(settings: Settings) -> Iterable[Step]:
+    """What the dialect's retract does, block by block."""
+    interpreter = Interpreter(settings, Flow(frozenset(), ()))
+    state = State(modes=dict(settings.dialect.initial))
+    for text in settings.dialect.machine_retract:
+        step = interpreter.advance(state, read_block(0, text))
+        state = step.after
+        yield step
+
+
+def _axes(step: Step, settings: Settings) -> frozenset[str]:
+    """The axes that a block names; a reference return without any means all."""
+    incremental = settings.dialect.incremental
+    letters: Sequence[str] = [incremental.get(w.address, w.address) for w in step.block.words]
+    named = frozenset(letters) & frozenset("XYZ")
+    return named if named or "home" not in step.once else frozenset("XYZ")

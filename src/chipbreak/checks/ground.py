@@ -1,0 +1,168 @@
+"""Where in a program nothing may be inserted, whatever the modal state says.
+
+Loops, branches and jumps (nobody knows how often the place is passed), lines that could not be read, blocks
+with block delete whose effect still lasts, and look-ahead control.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterator
+
+from chipbreak.model.main_program import MainProgram
+from chipbreak.model.modal import State
+from chipbreak.model.operations import calls_tool
+from chipbreak.model.steps import Step
+from chipbreak.model.trace import Trace
+
+# Modal groups that must be at rest, and what the user knows them as.
+_AT_REST = {
+    "compensation": "cutter compensation (G41, G42) is on",
+    "rotation": "the coordinate system is rotated (G68)",
+    "polar": "polar coordinates are on",
+    "interpolation": "polar interpolation is on",
+    "cylinder": "cylindrical interpolation was switched",
+    "polygon": "polygon turning is on",
+    "scaling": "scaling (G51) is on",
+    "mirror": "mirror image (G51.1) is on",
+    "modal_macro": "a modal macro call (G66) is on",
+}
+_OPENERS = {"O-IF": "O-ENDIF", "O-REPEAT": "O-ENDREPEAT", "O-DO": "O-WHILE", "DO": "END"}
+
+
+class Ground:
+    """What is known about the lines of a program before any border is looked for."""
+
+    def __init__(self, trace: Trace, main: MainProgram) -> None:
+        self.trace, self.main = trace, main
+        tool_change = trace.settings.dialect.tool_change
+        self._nests = list(_nests(trace))
+        self._jumps = _jumps(trace)
+        self._opaque = [step.block.line for step in trace.events if step.block.opaque]
+        self._calls = [step.block.line for step in trace.events if calls_tool(step, tool_change)]
+        self._doubts = list(_doubts(trace))
+
+    def why_not(self, line: int, state: State) -> str:
+        """Why nothing may be inserted before a line, or "" when its place and modes allow it."""
+        if state.ended or not (self.main.has(line) or line == self.main.last):
+            return "it stands in a subprogram or behind the end of the program"
+        if any(first < line <= last for first, last in self._nests):
+            return "it stands in a loop or a branch"
+        if self._jumps and self._jumps[0] < line <= self._jumps[1]:
+            return "a jump (GOTO) may pass it by, or come back to it"
+        if self.trace.flow.in_contour(line):
+            return "it stands inside the shape of a cycle"
+        return self._unreadable(line) or self._doubted(line) or self._not_at_rest(line, state)
+
+    def _unreadable(self, line: int) -> str:
+        """A tool call ends what an unreadable line may have switched, as far as it matters here."""
+        at = bisect_right(self._calls, line - 1) - 1
+        since = self._calls[at] if at >= 0 else self.main.first
+        passed = bisect_right(self._opaque, line - 1) - 1
+        if passed >= 0 and self._opaque[passed] >= since:
+            return f"line {self._user_line(self._opaque[passed])} before it cannot be read"
+        return ""
+
+    def _doubted(self, line: int) -> str:
+        at = bisect_right(self._doubts, line - 1, key=lambda doubt: doubt[0]) - 1
+        for what, skipped in self._doubts[at][1].items() if at >= 0 else ():
+            if what != "motion" or not self._moves_between(self._doubts[at][0], line):
+                return f"line {self._user_line(skipped)} with block delete (/) may or may not have set {what}"
+        return ""
+
+    def _moves_between(self, first: int, last: int) -> bool:
+        program = self.trace.program
+        shapes = {int(i) for i in program.plain[first:last]}
+        return any(i >= 0 and program.shapes[i].motion is not None for i in shapes)
+
+    def _not_at_rest(self, line: int, state: State) -> str:
+        for group, what in _AT_REST.items():
+            if state.modes.get(group, "off") != "off":
+                return what
+        if state.modes.get("path") == "tapping":
+            return "tapping mode (G63) is on"
+        if state.modes.get("look_ahead") and not self._looks_no_further(line):
+            return "look-ahead control (G5, G5.1, G8) is on"
+        return ""
+
+    def _looks_no_further(self, line: int) -> bool:
+        """True when the last such code switched it off: ``G8 P0``, ``G5 P0``, ``G5.1 Q0``."""
+        g_codes = self.trace.settings.dialect.g_codes
+        for step in reversed(self.trace.events):
+            block = step.block
+            numbers = [w.number for w in block.words if w.address == "G" and w.number is not None]
+            codes = [g_codes.get(round(number * 10)) for number in numbers]
+            if block.line < line and any(code and code.group == "look_ahead" for code in codes):
+                return any(w.address in "PQ" and w.number == 0.0 for w in block.words)
+        return True
+
+    def _user_line(self, line: int) -> int:
+        return self.trace.program.source.place(line).line
+
+
+def _nests(trace: Trace) -> Iterator[tuple[int, int]]:
+    """[first, last] lines of loops and branches; one that is never closed runs to the end."""
+    opened: list[tuple[str, str, int]] = []
+    for step in trace.events:
+        for control in step.block.controls:
+            keyword, label, line = control.keyword, control.label, step.block.line
+            closes = bool(opened) and opened[-1][0] == keyword and opened[-1][1] in ("", label)
+            if closes:
+                yield opened.pop()[2], line
+            elif keyword in _OPENERS:
+                opened.append((_OPENERS[keyword], label if keyword == "O-DO" else "", line))
+            elif keyword == "O-WHILE":
+                opened.append(("O-ENDWHILE", "", line))
+    for _, _, line in opened:
+        yield line, trace.program.source.body.stop
+
+
+def _jumps(trace: Trace) -> tuple[int, int] | None:
+    """From the first to the last line that a jump leaves or reaches."""
+    lines = [s.block.line for s in trace.events if any(c.keyword == "GOTO" for c in s.block.controls)]
+    if not lines:
+        return None
+    lines += trace.flow.targets
+    return min(lines), max(lines)
+
+
+def _doubts(trace: Trace) -> Iterator[tuple[int, dict[str, int]]]:
+    """(line, what block delete left open there -> the line that did it), wherever it changes."""
+    open_now: dict[str, int] = {}
+    for step in trace.events:
+        changed = _changed(step)
+        before = dict(open_now)
+        if step.block.skip:
+            open_now |= dict.fromkeys(changed, step.block.line)
+        elif open_now:
+            for what in _set_by(step, trace):
+                open_now.pop(what, None)
+        if open_now != before:
+            yield step.block.line, dict(open_now)
+
+
+def _changed(step: Step) -> set[str]:
+    """What a block changed that an insertion has to know."""
+    one, other = step.before, step.after
+    if not step.block.skip:
+        return set()
+    changed = {group for group in other.modes if one.modes.get(group) != other.modes[group]}
+    parts = {"the spindle": "spindle", "coolant": "coolant", "S": "speed", "the tool": "tool"}
+    return changed | {what for what, name in parts.items() if getattr(one, name) != getattr(other, name)}
+
+
+def _set_by(step: Step, trace: Trace) -> set[str]:
+    """What a block sets for sure."""
+    found: set[str] = set()
+    dialect = trace.settings.dialect
+    spindle = {3.0: "the spindle", 4.0: "the spindle", 5.0: "the spindle", 19.0: "the spindle"}
+    coolant = {9.0: "coolant"}  # M7 and M8 leave the other one as it was
+    for word in step.block.words:
+        if word.address == "G" and word.number is not None:
+            code = dialect.g_codes.get(round(word.number * 10))
+            found |= {code.group} if code else set()
+        elif word.address == "M" and word.number is not None:
+            found |= {name for name in ((spindle | coolant).get(word.number),) if name}
+        elif word.address == "S":
+            found.add("S")
+    return found | ({"the tool"} if calls_tool(step, dialect.tool_change) else set())

@@ -1,0 +1,145 @@
+"""What the blocks behind a border rely on: the place of the tool there, and its length offset.
+
+An inserted check leaves the tool retracted, somewhere over the laser.  Blocks that first bring it into place
+by themselves (rapid, absolute: first X and Y, then Z) rely on nothing.  Everything else does: a cut or a
+distance from where it stands, a way down before X and Y are in place, a slanting way down that would now
+start elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, field
+
+from chipbreak.model.main_program import calls_subprogram
+from chipbreak.model.operations import calls_tool
+from chipbreak.model.steps import Step
+from chipbreak.model.trace import Trace
+from chipbreak.model.words import plain_value
+
+# Who has not come to a decision after this many blocks relies on everything.
+HORIZON = 400
+_HARMLESS = frozenset({"dwell", "exact-stop", "data-setting", "data-setting-end", "shift"})
+# Where these are on, a word of one axis moves another.
+_BENT = ("rotation", "polar", "interpolation", "cylinder", "mirror", "scaling", "modal_macro")
+
+
+@dataclass(frozen=True)
+class Reliance:
+    """``axes`` that must stand where they stood; whether the length offset must be in force again."""
+
+    axes: frozenset[str]
+    length_offset: bool
+
+
+def reliance(trace: Trace, line: int, homed: Collection[str]) -> Reliance:
+    """What the blocks from ``line`` on rely on.
+
+    ``homed`` are axes the program itself has sent to a fixed place: a tool change and the end of the
+    program may count on that.
+    """
+    look = _Look(trace, frozenset(homed))
+    last = min(line + HORIZON, trace.program.source.body.stop)
+    for step in trace.steps(line, last):
+        if look.is_decided_by(step):
+            break
+    else:
+        if last < trace.program.source.body.stop:
+            look.rely_on_rest()
+    return Reliance(frozenset(look.axes), look.length_offset)
+
+
+@dataclass
+class _Look:
+    """The walk along the blocks; every method returns True when all is decided."""
+
+    trace: Trace
+    homed: frozenset[str]
+    axes: set[str] = field(default_factory=set)
+    placed: set[str] = field(default_factory=set)
+    length_offset: bool = False
+    offset_is_new: bool = False
+
+    def __post_init__(self) -> None:
+        dialect = self.trace.settings.dialect
+        self.dialect = dialect
+        self.all_axes = "XZ" if dialect.is_lathe else "XYZ"
+        self.axis_letters = frozenset("XYZ") | frozenset(dialect.incremental)
+
+    def is_decided_by(self, step: Step) -> bool:
+        block = step.block
+        if block.is_empty:
+            return False
+        if block.opaque or block.controls or calls_subprogram(step):
+            return self.rely_on_rest()
+        if step.after.ended or calls_tool(step, self.dialect.tool_change):
+            self.axes |= self.homed - self.placed - self._named(step)
+            return not block.skip
+        self.offset_is_new |= self._sets_offset(step)
+        if "home" in step.once:
+            return self._home(step)
+        if "machine" in step.once:
+            return self._machine(step)
+        is_limit = "set-position" in step.once and not self._named(step)  # G50 S2000
+        bent = any(step.after.modes.get(group, "off") != "off" for group in _BENT)
+        if bent or (step.once - _HARMLESS and not is_limit):
+            return self.rely_on_rest()
+        if step.move is None:
+            # Axis words that nobody has read: a G code the profile does not know.
+            return bool(self._named(step)) and not step.once and self.rely_on_rest()
+        if step.move.kind != "rapid" or step.move.incremental:
+            return self.rely_on_rest()
+        return self._rapid(set(step.move.axes), bool(block.skip))
+
+    def rely_on_rest(self) -> bool:
+        """All axes that are not in place yet."""
+        rest = set(self.all_axes) - self.placed
+        self.axes |= rest
+        self.length_offset |= "Z" in rest and not self.offset_is_new
+        return True
+
+    def _rapid(self, named: set[str], may_be_skipped: bool) -> bool:
+        if not self.dialect.is_lathe and "Z" in named:
+            away = {"X", "Y"} - self.placed
+            if away & named:
+                return self.rely_on_rest()  # slanting down from elsewhere
+            self.axes |= away
+            self.length_offset |= "Z" not in self.placed and not self.offset_is_new
+        if not may_be_skipped:
+            self.placed |= named
+        return self.placed >= set(self.all_axes)
+
+    def _home(self, step: Step) -> bool:
+        """``G91 G28 Z0.`` goes straight home; with other values it is a move to a point first."""
+        named = self._named(step) or set(self.all_axes)
+        incremental = step.after.modes.get("distance") == "incremental"
+        words = [w for w in step.block.words if w.address in self.axis_letters]
+        distances = [w for w in words if incremental or w.address in self.dialect.incremental]
+        if len(distances) < len(words):
+            return self._rapid(named, bool(step.block.skip))
+        if any(plain_value(word) != 0.0 for word in distances):
+            return self.rely_on_rest()
+        self.placed |= set() if step.block.skip else named
+        return self.placed >= set(self.all_axes)
+
+    def _machine(self, step: Step) -> bool:
+        named = self._named(step)
+        depth = step.block.word("Z")
+        if step.after.modes["motion"] != "rapid":
+            return self.rely_on_rest()
+        if depth and plain_value(depth) != 0.0:
+            return self._rapid(named, bool(step.block.skip))
+        self.placed |= set() if step.block.skip else named
+        return self.placed >= set(self.all_axes)
+
+    def _named(self, step: Step) -> set[str]:
+        letters = {w.address for w in step.block.words if w.address in self.axis_letters}
+        return {self.dialect.incremental.get(letter, letter) for letter in letters} & set("XYZ")
+
+    def _sets_offset(self, step: Step) -> bool:
+        for word in step.block.words:
+            if word.address == "G" and word.number is not None:
+                code = self.dialect.g_codes.get(round(word.number * 10))
+                if code and code.group == "length_offset":
+                    return True
+        return False
