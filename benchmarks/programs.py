@@ -16,30 +16,32 @@ _CUT_MM = 166.0
 _MOVES_A_CUT = 10_000
 
 
-def milling(path: Path, blocks: int, operations: int = OPERATIONS, *, comments: bool = True) -> None:
-    """A three-axis program of so many blocks: numbered, with G1 in each, each number with its point.
+def milling(
+    path: Path, blocks: int, operations: int = OPERATIONS, *, comments: bool = True, modal: bool = False
+) -> None:
+    """A three-axis program of so many blocks: numbered, each coordinate with its point, G1 in every move.
 
-    Each tool roughs, then finishes, and goes: half of the borders are tool changes, half are not.
+    Each tool roughs, then finishes, and goes: half of the borders are tool changes, half are not.  Without
+    ``comments`` there is no ``%`` either, because not every reader takes them; ``modal`` says G1 once.
     """
-    cuts = blocks // operations
-    lines = _milling_lines(blocks, operations, cuts, comments)
+    lines = _milling_lines(blocks, operations, comments, "" if modal else "G1 ")
     with path.open("w", encoding="ascii", newline="\n") as file:
         file.write("%\n" if comments else "")
         file.writelines(lines)
         file.write("%\n" if comments else "")
 
 
-def _milling_lines(blocks: int, operations: int, cuts: int, comments: bool) -> Iterator[str]:
-    number = 0
+def _milling_lines(blocks: int, operations: int, comments: bool, code: str) -> Iterator[str]:
+    number, cuts = 0, blocks // operations
     for operation in range(operations):
         for text in _head(operation, comments):
             number += 1
             yield f"N{number} {text}\n"
-        tail = ("G0 Z50. M9", "M30" if operation == operations - 1 else "M1")
+        tail = ("G0 Z50.000 M9", "M30" if operation == operations - 1 else "M1")
         last = blocks if operation == operations - 1 else (operation + 1) * cuts
         for move in range(last - number - len(tail)):
             number += 1
-            yield _move(number, operation, move)
+            yield f"N{number} {code}{_move(operation, move)}\n"
         for text in tail:
             number += 1
             yield f"N{number} {text}\n"
@@ -54,19 +56,19 @@ def _head(operation: int, comments: bool) -> Iterator[str]:
         yield f"T{tool} M6"
         yield "G90 G54 G17 G21 G94"
         yield f"S{3000 + 500 * tool} M3"
-        yield "G0 X0. Y0."
-        yield f"G43 Z50. H{tool} M8"
-    yield "G0 Z2."
-    yield f"G1 Z-0.5 F{200 if finishes else 600}."
+        yield "G0 X0.000 Y0.000"
+        yield f"G43 Z50.000 H{tool} M8"
+    yield "G0 Z2.000"
+    yield f"G1 Z-0.500 F{200 if finishes else 600}.0"
 
 
-def _move(number: int, operation: int, move: int) -> str:
+def _move(operation: int, move: int) -> str:
     """Rows to and fro over a wavy floor; whole arithmetic, so the same on every machine."""
     row, step = divmod(move, 200)
     x = (step if row % 2 == 0 else 199 - step) * 997 - 99_000
     y = row * 353 % 160_001 - 80_000
     z = -500 - operation * 40 - (step * 37 + row * 11) % 1000
-    return f"N{number} G1 X{_decimal(x)} Y{_decimal(y)} Z{_decimal(z)}\n"
+    return f"X{_decimal(x)} Y{_decimal(y)} Z{_decimal(z)}"
 
 
 def _decimal(thousandths: int) -> str:

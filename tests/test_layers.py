@@ -37,6 +37,7 @@ syntax.parse
 syntax.columns
 
 settings.sections
+settings.checking
 settings.load
 settings.show
 settings
@@ -66,6 +67,7 @@ vibration.waveform
 vibration.laws
 vibration.path
 vibration.planner
+vibration.timing
 vibration.verdict
 vibration.directive
 vibration.request
@@ -87,6 +89,7 @@ passes.stamp
 passes
 
 emit
+measure
 verify
 diff
 pipeline
@@ -94,6 +97,7 @@ report
 plot
 chipbreak
 streams
+options
 hook
 batch
 cli
@@ -104,7 +108,7 @@ LAYERS = ORDER.split()
 # Libraries that only these modules may import.
 ONLY_IN = {
     "lark": {"syntax.grammar", "syntax.parse"},
-    "click": {"cli", "hook", "batch"},
+    "click": {"streams", "options", "cli", "hook", "batch"},
 }
 
 

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from chipbreak.checks.plan import PlannedCheck
-from chipbreak.diagnostics import Diagnostic, ProgramRejectedError, Severity, has_errors
+from chipbreak.diagnostics import Diagnostic, ProgramRejectedError, RefusalError, Severity, has_errors
 from chipbreak.edits import Edit
 from chipbreak.emit import render
+from chipbreak.measure import CheckedCut
 from chipbreak.model.kinds import Kind, KindRules
 from chipbreak.model.operations import Operation, operations_of
 from chipbreak.model.trace import Trace, interpret
 from chipbreak.passes import check_tools, speeds, vibrate
 from chipbreak.restore import restore
-from chipbreak.settings.sections import Settings
+from chipbreak.settings import Settings, SettingsError
 from chipbreak.source import Source, read
 from chipbreak.syntax.parse import parse
-from chipbreak.verify import CheckedCut, verify
+from chipbreak.verify import verify
 
 UNBROKEN, FINISHING, UNREAD_WORD = "VIB060", "VIB061", "MOD001"
 _MOST_ALIKE = 5
@@ -36,7 +36,6 @@ class Result:
     diagnostics: tuple[Diagnostic, ...]
     cuts: tuple[CheckedCut, ...]
     operations: tuple[Operation, ...]
-    checks: tuple[PlannedCheck, ...]
     edits: tuple[Edit, ...]
 
     @property
@@ -52,22 +51,22 @@ def rewrite(
 
     A program that was filtered before is put back first, so a second run with the same profile changes
     nothing.  Raises ProgramRejectedError when it has an error in it, and SelfCheckError when the result does
-    not do what was promised; then nothing may be written.
+    not do what was promised; then nothing may be written.  Raises SettingsError for a profile whose rules or
+    calls cannot be used.
     """
     given = read(data, name)
     source = restore(given)
     trace = interpret(parse(source), settings)
     diagnostics = trace.program.unreadable() + unread_words(trace)
-    operations = operations_of(trace, KindRules.from_profile(settings.operations))
+    operations, check_edits, found = _tool_checks(trace, settings)
+    diagnostics += found
     speed_edits, found = speeds.plan(trace, settings)
     diagnostics += found
     vibration = vibrate.plan(trace, settings)
     diagnostics += vibration.diagnostics
-    tool_checks = check_tools.plan(trace, operations, settings)
-    diagnostics += tool_checks.diagnostics
     if has_errors(diagnostics):
         raise ProgramRejectedError(in_place_order(diagnostics))
-    edits = [*speed_edits, *vibration.edits, *tool_checks.edits]
+    edits = [*speed_edits, *vibration.edits, *check_edits]
     output = tuple(render(trace.program, edits, settings)) if edits else (source.data,)
     cuts = verify(trace, b"".join(output), edits, vibration.cuts) if edits else []
     diagnostics += _chip_diagnostics(trace, cuts, operations, allow_unbroken=allow_unbroken)
@@ -80,9 +79,21 @@ def rewrite(
         diagnostics=in_place_order(diagnostics),
         cuts=tuple(cuts),
         operations=tuple(operations),
-        checks=tuple(tool_checks.checks),
         edits=tuple(edits),
     )
+
+
+def _tool_checks(
+    trace: Trace, settings: Settings
+) -> tuple[list[Operation], list[Edit], list[Diagnostic]]:
+    """Operations and the checks between them.  Raises SettingsError for unusable rules or calls."""
+    try:
+        operations = operations_of(trace, KindRules.from_profile(settings.operations))
+        edits, diagnostics = check_tools.plan(trace, operations, settings)
+    except RefusalError as error:
+        wrong = Diagnostic(error.code, Severity.ERROR, f"{settings.name}: {error.message}", error.help)
+        raise SettingsError(wrong) from None
+    return operations, edits, diagnostics
 
 
 def in_place_order(diagnostics: list[Diagnostic]) -> tuple[Diagnostic, ...]:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from chipbreak.edits import Edit
+from chipbreak.measure import CheckedCut
+from chipbreak.passes import check_tools
 from chipbreak.pipeline import Result
 from chipbreak.units import MS_PER_S
-from chipbreak.verify import CheckedCut
 
 
 def explain_text(result: Result, profile: str) -> Iterator[str]:
@@ -25,9 +27,14 @@ def explain_text(result: Result, profile: str) -> Iterator[str]:
         label = f" {operation.label!r}" if operation.label else ""
         yield f"  {index}. {tool}, {operation.kind.value}{label}, lines {first} to {last}: {operation.reason}"
     yield ""
-    yield f"Tool checks: {len(result.checks) or 'none'}"
-    for check in result.checks:
-        yield f"  before line {check.line + 1}: {check.title}: {check.reason}"
+    checks = _checks(result)
+    yield f"Tool checks: {len(checks) or 'none'}"
+    for edit in checks:
+        yield f"  before line {result.source.place(edit.first).line}: {edit.title}: {edit.reason}"
+
+
+def _checks(result: Result) -> list[Edit]:
+    return [edit for edit in result.edits if edit.pass_name == check_tools.NAME]
 
 
 def _cut_text(result: Result, checked: CheckedCut) -> Iterator[str]:
@@ -39,8 +46,8 @@ def _cut_text(result: Result, checked: CheckedCut) -> Iterator[str]:
     for reason in cut.reasons:
         yield f"    because  {reason}"
     yield (
-        f"    runs     S {solution.speed_rpm:g} rpm, N {solution.per_rev:.4g}, f {solution.frequency_hz:.5g} Hz"
-        f" ({solution.period.period_s * MS_PER_S:g} ms)"
+        f"    runs     S {solution.speed_rpm:g} rpm, N {solution.per_rev:.4g},"
+        f" f {solution.frequency_hz:.5g} Hz ({solution.period.period_s * MS_PER_S:g} ms)"
     )
     ratio = cut.cut.stroke_mm / cut.cut.feed_mm_rev
     yield (
@@ -48,7 +55,7 @@ def _cut_text(result: Result, checked: CheckedCut) -> Iterator[str]:
         f" {cut.cut.waveform}, forward share {cut.cut.alpha_share:.3g}"
     )
     chips = "chips break" if verdict.breaks else "CHIPS DO NOT BREAK"
-    longest, first = _chip(verdict.longest_chip_rev, verdict.longest_chip_mm), ""
+    longest = _chip(verdict.longest_chip_rev, verdict.longest_chip_mm)
     first = _chip(verdict.first_chip_rev, verdict.first_chip_mm)
     yield (
         f"    verdict  {chips}, margin {verdict.margin:.2f}, {verdict.chips_per_rev:.3g} per revolution,"
@@ -96,7 +103,10 @@ def explain_json(result: Result, profile: str) -> dict[str, Any]:
             }
             for o in result.operations
         ],
-        "checks": [{"line": c.line + 1, "title": c.title, "reason": c.reason} for c in result.checks],
+        "checks": [
+            {"line": result.source.place(e.first).line, "title": e.title, "reason": e.reason}
+            for e in _checks(result)
+        ],
         "diagnostics": [d.as_json() for d in result.diagnostics],
     }
 

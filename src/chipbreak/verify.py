@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from chipbreak.edits import Edit, in_order
-from chipbreak.model.modal import State
+from chipbreak.measure import CheckedCut, SelfCheckError, measure_cut
+from chipbreak.model.modal import Setting, State
 from chipbreak.model.trace import Trace, interpret
 from chipbreak.model.words import codes_of
 from chipbreak.passes.vibrate import PlannedCut
@@ -23,27 +23,6 @@ from chipbreak.restore import Region, regions, restore
 from chipbreak.source import read
 from chipbreak.syntax.parse import parse
 from chipbreak.units import MM_PER_INCH
-from chipbreak.vibration.blocks import CHORD_MM
-from chipbreak.vibration.readback import ReadBack, read_moves
-from chipbreak.vibration.verdict import Verdict, judge
-from chipbreak.vibration.waveform import full_window
-
-# Feeds are rounded, so the time of a cut differs from the plan by about half a unit in their last place.
-_TIME_TOLERANCE = 0.005
-
-
-class SelfCheckError(Exception):
-    """The output does not do what was promised: a fault of this program.  Nothing may be written."""
-
-
-@dataclass(frozen=True, eq=False)
-class CheckedCut:
-    """A vibrated cut with what its emitted moves do: seconds, and the verdict on its chips."""
-
-    planned: PlannedCut
-    duration_s: float
-    move_count: int
-    verdict: Verdict
 
 
 def verify(
@@ -61,14 +40,16 @@ def verify(
     by_edit = {id(cut.edit): cut for cut in cuts}
     checked = []
     motion_from = 0
-    for edit, region in zip(ordered, found, strict=True):
+    following = [edit.first for edit in ordered[1:]] + [trace.program.source.body.stop]
+    for edit, region, stop in zip(ordered, found, following, strict=True):
         planned = by_edit.get(id(edit))
         if planned is not None and planned.cut.chain.after.modes["motion"] != "line":
             motion_from = _next_motion_code(trace, edit.last)
         _check_length(result, region)
         _check_states(trace, result, edit, region, motion_from)
+        _check_return(trace, result, edit, region, stop)
         if planned is not None:
-            checked.append(_check_cut(result, region, planned))
+            checked.append(measure_cut(result, region, planned))
     return checked
 
 
@@ -99,19 +80,49 @@ def _check_states(trace: Trace, result: Trace, edit: Edit, region: Region, motio
         was, now = trace.before(line), result.before(new_line)
         if line <= motion_from:
             now = now.with_modes({"motion": was.modes["motion"]})
-        wrong = _difference(was, now, trace)
+        wrong = _difference(was, now)
+        if not wrong and edit.first != edit.last:
+            wrong = _moved(was, now, trace)
         if wrong:
             raise SelfCheckError(f"{where} line {line + 1} {wrong} differs from the original")
 
 
-def _difference(was: State, now: State, trace: Trace) -> str:
-    if dict(was.modes) | {"speed_mode": ""} != dict(now.modes) | {"speed_mode": ""}:
-        groups = {g for g in was.modes if was.modes[g] != now.modes.get(g)} - {"speed_mode"}
-        return f"the modal state ({', '.join(sorted(groups))})"
+def _check_return(trace: Trace, result: Trace, edit: Edit, region: Region, stop: int) -> None:
+    """Insertions may leave the tool elsewhere as long as the program itself takes it to the next cut.
+
+    From ``stop`` on, the next change looks after that itself.
+    """
+    if edit.first != edit.last or _is_same(trace.before(edit.last), result.before(region.last)):
+        return
+    for step in trace.steps(edit.last, stop):
+        if step.move is None or step.move.kind == "rapid":
+            continue
+        new_line = region.last + step.block.line - edit.last
+        wrong = _moved(step.before, result.before(new_line), trace)
+        if wrong:
+            message = f"behind the insertion at line {edit.first + 1} a cut begins elsewhere: {wrong}"
+            raise SelfCheckError(message)
+        return
+
+
+def _is_same(was: State, now: State) -> bool:
+    pairs = zip(was.position, now.position, strict=True)
+    return all(a == b or (math.isnan(a) and math.isnan(b)) for a, b in pairs)
+
+
+def _moved(was: State, now: State, trace: Trace) -> str:
+    """Which axis does not stand where it stood."""
     tolerance = 0.51 * 10.0**-trace.settings.output.decimals * (MM_PER_INCH if was.is_inch else 1.0)
     for axis, a, b in zip("XYZ", was.position, now.position, strict=True):
         if not (math.isnan(a) and math.isnan(b)) and not abs(a - b) <= tolerance:
             return f"the position of {axis} ({a:g} and {b:g})"
+    return ""
+
+
+def _difference(was: State, now: State) -> str:
+    if dict(was.modes) | {"speed_mode": ""} != dict(now.modes) | {"speed_mode": ""}:
+        groups = {g for g in was.modes if was.modes[g] != now.modes.get(g)} - {"speed_mode"}
+        return f"the modal state ({', '.join(sorted(groups))})"
     if _value(was.feed) != _value(now.feed):
         return "the feed"
     pairs = (("tool", was.tool, now.tool), ("spindle", was.spindle, now.spindle))
@@ -121,63 +132,5 @@ def _difference(was: State, now: State, trace: Trace) -> str:
     return ""
 
 
-def _value(setting: object) -> float | None:
-    value = getattr(setting, "value", None)
-    return None if value is None or math.isnan(value) else float(value)
-
-
-def _check_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCut:
-    cut, meant = planned.cut, planned.expansion.distance_mm
-    moves = read_moves(result, region.body, region.last)
-    if len(moves.span_s) != len(meant):
-        raise SelfCheckError(f"{len(meant)} moves were planned, {len(moves.span_s)} stand in the output")
-    _check_speed(result, region, planned)
-    distance_mm = _check_path(result, moves, planned)
-    time_s = np.concatenate(([0.0], np.cumsum(moves.span_s)))
-    if not np.all(moves.span_s > 0.0):
-        raise SelfCheckError("a move takes no time")
-    planned_s = cut.cut.duration_s
-    if abs(time_s[-1] - planned_s) > _TIME_TOLERANCE * planned_s:
-        raise SelfCheckError(f"a cut planned to take {planned_s:.3f} s takes {time_s[-1]:.3f} s")
-    start = next(cut.chain.moves).start
-    diameter_mm = 2.0 * max(abs(start.x), abs(cut.chain.after.position.x))
-    verdict = judge(
-        time_s,
-        distance_mm,
-        speed_rpm=cut.solution.speed_rpm,
-        feed_mm_rev=cut.cut.feed_mm_rev,
-        edges=cut.edges,
-        diameter_mm=diameter_mm if diameter_mm > 0.0 else None,
-        steady_s=full_window(cut.cut),
-        waveform=cut.cut.waveform,
-        alpha_share=cut.cut.alpha_share,
-    )
-    return CheckedCut(planned, float(time_s[-1]), len(meant), verdict)
-
-
-def _check_speed(result: Trace, region: Region, planned: PlannedCut) -> None:
-    state = result.before(region.last)
-    wanted = planned.cut.solution.speed_rpm
-    speed = _value(state.speed)
-    if state.modes["speed_mode"] != "rpm" or speed is None or abs(speed - wanted) > 1e-6 * wanted:
-        raise SelfCheckError(f"the cut needs {wanted:g} rpm, the output commands {speed}")
-
-
-def _check_path(
-    result: Trace, moves: ReadBack, planned: PlannedCut
-) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """Distance along the path at every knot; never off it, before its start or past its end."""
-    cut = planned.cut
-    state = cut.chain.before
-    unit = MM_PER_INCH if state.is_inch else 1.0
-    increment = 10.0**-result.settings.output.decimals * unit / (10.0 if state.is_inch else 1.0)
-    along, away = moves.along(cut.path, planned.expansion.distance_mm)
-    # Half an increment in each of up to three axes.
-    tolerance = math.sqrt(3.0) * 0.5 * increment + 1e-6
-    if away.max() > tolerance + CHORD_MM:
-        raise SelfCheckError(f"a point lies {away.max():.4f} mm off the path")
-    if along.min() < -tolerance or along.max() > cut.path.length_mm + tolerance:
-        raise SelfCheckError("a point lies before the start or past the end of the cut")
-    if not abs(along[-1] - cut.path.length_mm) <= tolerance:
-        raise SelfCheckError("the cut does not end at its programmed end")
-    return np.concatenate(([0.0], along))
+def _value(setting: Setting | None) -> float | None:
+    return None if setting is None or math.isnan(setting.value) else setting.value

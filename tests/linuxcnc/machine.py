@@ -6,8 +6,9 @@ namespace is closed.  That needs root.
 
 The realtime clock can run faster than the wall (``speed_up``).  The motion is the same sample by sample up to
 20 times where every block stops at its end (G61.1, and G61 when every block turns back): ``test_harness.py``
-checks it at 10.  Where blocks run into each other, what has been read when the first one starts can shift a
-block by a period, at any speed of the clock.
+checks it at 10.  Where blocks may be blended (G64), the first few depend on how far the program has been read
+when the first one starts; that is seldom seen at the speed of the wall, and often at 20 times with feed per
+revolution or on a busy computer, so run G64 at 5 and do not judge it by its first blocks.
 """
 
 from __future__ import annotations

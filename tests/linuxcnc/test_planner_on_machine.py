@@ -78,13 +78,14 @@ class Case:
 
 
 def run(cases: list[Case]) -> list[tuple[Case, NDArray[np.float64], machine.Run]]:
-    """Each case with the feeds asked for and what the machine did; one start per acceleration."""
+    """Each case with the feeds asked for and what the machine did; one start per acceleration and mode."""
     done = []
-    for acceleration in sorted({case.acceleration_mm_s2 for case in cases}):
-        group = [case for case in cases if case.acceleration_mm_s2 == acceleration]
+    for acceleration, path_mode in sorted({(case.acceleration_mm_s2, case.path_mode) for case in cases}):
+        group = [c for c in cases if (c.acceleration_mm_s2, c.path_mode) == (acceleration, path_mode)]
         feeds = [feeds_for_times(case.lengths_mm, case.times_s, case.model) for case in group]
         programs = [case.program(feed) for case, feed in zip(group, feeds, strict=True)]
-        runs = machine.run(programs, acceleration_mm_s2=acceleration, lathe=True, speed_up=20.0)
+        speed_up = 5.0 if path_mode == "G64" else 20.0
+        runs = machine.run(programs, acceleration_mm_s2=acceleration, lathe=True, speed_up=speed_up)
         done += list(zip(group, feeds, runs, strict=True))
     return done
 
@@ -100,23 +101,22 @@ GRID = [
             (("G94", "G61"), ("G93", "G61.1"), ("G95", "G64")),
         )
     )
-    if case.feasible()
+    if case.feasible() and not (case.path_mode == "G64" and case.frequency_hz < 10)  # slow, and nothing new
 ]
 
 
 @pytest.mark.linuxcnc("machine")
 def test_strokes_reach_the_frequency_they_were_asked_for() -> None:
-    assert len(GRID) > 60
+    assert len(GRID) > 50
     for case, feeds, done in run(GRID):
         assert done.errors == (), case
         measured = np.array([done.line_times()[3 + i] for i in range(2 * VIBRATIONS)])
         expected = predict(case.lengths_mm, feeds, case.model)
-        # In G64 the first block may start before the next one is read, and be up to two periods longer.
-        slack = 2e-3 if case.path_mode == "G64" else 0.0
-        assert np.abs(measured - expected)[0] <= slack + 1e-9, case
-        assert measured[1:] == pytest.approx(expected[1:], abs=1e-9), case
+        # In G64 the first blocks depend on how far the program has been read when the first one starts.
+        first = 4 if case.path_mode == "G64" else 0
+        assert measured[first:] == pytest.approx(expected[first:], abs=1e-9), case
 
-        frequency, per_rev = reached(measured[1:-1], VIBRATIONS - 1, case.speed_rpm)
+        frequency, per_rev = reached(measured[first:], VIBRATIONS - first / 2, case.speed_rpm)
         assert frequency == pytest.approx(case.frequency_hz, rel=0.01), case
         assert per_rev == pytest.approx(60 * case.frequency_hz / case.speed_rpm, rel=0.01), case
         clean = predict([CLEAN_MM], [CLEAN_MM_S], case.model)[0]

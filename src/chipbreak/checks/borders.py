@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from chipbreak.checks.ground import Ground
-from chipbreak.checks.reliance import reliance
+from chipbreak.checks.reliance import reliance, relies_on_speed
 from chipbreak.model.flow import Flow
 from chipbreak.model.interpret import Interpreter
 from chipbreak.model.main_program import calls_subprogram
@@ -15,7 +15,7 @@ from chipbreak.model.modal import State
 from chipbreak.model.operations import calls_tool
 from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace
-from chipbreak.model.words import plain_value
+from chipbreak.model.words import codes_of, plain_value
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.parse import read_block
 
@@ -30,12 +30,14 @@ class Border:
     ``state``          the state there
     ``axes``           axes that have to stand again where they stood, in the order X, Y, Z
     ``length_offset``  words that bring the length offset back into force, such as ``G43 H2``, or ""
+    ``needs_speed``    True when S must be in force again, because the spindle turns or starts without S
     """
 
     line: int
     state: State
     axes: str
     length_offset: str
+    needs_speed: bool
 
 
 @dataclass(frozen=True)
@@ -136,7 +138,8 @@ class BorderFinder:
         elif calls_subprogram(step) or "macro-call" in step.once or "service" in step.once:
             mover = "cut"
         elif step.move is not None:
-            rapid = step.move.kind == "rapid"
+            # A canned cycle ends with its own way out.
+            rapid = step.move.kind == "rapid" or (state.modes["motion"] == "cycle" and not step.once)
             mover, homed = ("rapid" if rapid else "cut"), homed - named
             z_is_home = z_is_home and "Z" not in named
         return _Spot(line, state, mover, homed, z_is_home, is_open)
@@ -162,17 +165,20 @@ class BorderFinder:
         known = dict(zip("XYZ", state.position, strict=True))
         lost = [axis for axis in "XYZ" if axis in axes and math.isnan(known[axis])]
         if lost:
-            why = f"the next blocks rely on the place of {lost[0]}, which cannot be known: {state.unknown_why}"
+            why = f"the next blocks rely on where {lost[0]} stands, which nobody knows: {state.unknown_why}"
             return NoBorder(spot.line, why)
         words = self._offset_words(spot.line) if offset_needed else ""
         if words is None:
             why = "the length offset must be put back, and its G43 H cannot be known"
             return NoBorder(spot.line, why)
-        return Border(spot.line, state, "".join(a for a in "XYZ" if a in axes), words)
+        needs_speed = state.turns or relies_on_speed(self.trace, spot.line)
+        if needs_speed and (state.speed is None or not state.speed.value > 0.0):
+            return NoBorder(spot.line, "the spindle speed must be put back, and S cannot be known")
+        return Border(spot.line, state, "".join(a for a in "XYZ" if a in axes), words, needs_speed)
 
     def _why_not(self, spot: _Spot) -> str:
         """What the last move and the spindle say against the place."""
-        motion, state = spot.state.modes["motion"], spot.state
+        motion = spot.state.modes["motion"]
         if motion not in ("rapid", "none", "line", "cw", "ccw"):
             return "a cycle is still on"
         if spot.mover == "cut":
@@ -181,8 +187,6 @@ class BorderFinder:
             return "the motion mode is a cut, not a rapid"
         if spot.spindle_is_open:
             return "the spindle was on at the tool change; whether it still turns cannot be known"
-        if state.turns and (state.speed is None or not state.speed.value > 0.0):
-            return "the spindle turns, but its speed cannot be known"
         return ""
 
     def _offset_words(self, line: int) -> str | None:
@@ -190,17 +194,16 @@ class BorderFinder:
         number: str | None = None
         for step in reversed(self.trace.events):
             block = step.block
-            if block.line >= line:
+            if block.line >= line or step.once:  # H of a macro call is an argument
                 continue
             h = block.word("H")
             number = number or (h.value_text if h and h.number is not None and not block.has_macro else None)
             if h and number is None:
                 return None
-            for word in block.words:
-                code = self.dialect.g_codes.get(round(10 * (word.number or 0.0)))
-                if word.address == "G" and code == ("length_offset", "on"):
-                    plain = word.number in (43.0, 44.0)
-                    return f"G{word.number:.0f} H{number}" if plain and number else None
+            codes = codes_of(block, "length_offset", self.dialect)
+            if codes and self.dialect.g_codes[codes[-1]].value == "on":
+                is_plain = codes[-1] in (430, 440)
+                return f"G{codes[-1] // 10} H{number}" if is_plain and number else None
         return None
 
 

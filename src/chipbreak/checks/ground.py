@@ -14,6 +14,7 @@ from chipbreak.model.modal import State
 from chipbreak.model.operations import calls_tool
 from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace
+from chipbreak.model.words import codes_of
 
 # Modal groups that must be at rest, and what the user knows them as.
 _AT_REST = {
@@ -87,13 +88,10 @@ class Ground:
 
     def _looks_no_further(self, line: int) -> bool:
         """True when the last such code switched it off: ``G8 P0``, ``G5 P0``, ``G5.1 Q0``."""
-        g_codes = self.trace.settings.dialect.g_codes
+        dialect = self.trace.settings.dialect
         for step in reversed(self.trace.events):
-            block = step.block
-            numbers = [w.number for w in block.words if w.address == "G" and w.number is not None]
-            codes = [g_codes.get(round(number * 10)) for number in numbers]
-            if block.line < line and any(code and code.group == "look_ahead" for code in codes):
-                return any(w.address in "PQ" and w.number == 0.0 for w in block.words)
+            if step.block.line < line and codes_of(step.block, "look_ahead", dialect):
+                return any(w.address in "PQ" and w.number == 0.0 for w in step.block.words)
         return True
 
     def _user_line(self, line: int) -> int:

@@ -15,7 +15,7 @@ from chipbreak.model.main_program import calls_subprogram
 from chipbreak.model.operations import calls_tool
 from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace
-from chipbreak.model.words import plain_value
+from chipbreak.model.words import codes_of, plain_value
 
 # Who has not come to a decision after this many blocks relies on everything.
 HORIZON = 400
@@ -49,6 +49,17 @@ def reliance(trace: Trace, line: int, homed: Collection[str]) -> Reliance:
     return Reliance(frozenset(look.axes), look.length_offset)
 
 
+def relies_on_speed(trace: Trace, line: int) -> bool:
+    """True when the spindle is started behind ``line`` without a new S."""
+    for step in trace.steps(line, min(line + HORIZON, trace.program.source.body.stop)):
+        words = step.block.words
+        if any(w.address == "S" for w in words) or step.after.ended:
+            return False
+        if any(w.address == "M" and w.number in (3.0, 4.0) for w in words):
+            return True
+    return False
+
+
 @dataclass
 class _Look:
     """The walk along the blocks; every method returns True when all is decided."""
@@ -75,7 +86,7 @@ class _Look:
         if step.after.ended or calls_tool(step, self.dialect.tool_change):
             self.axes |= self.homed - self.placed - self._named(step)
             return not block.skip
-        self.offset_is_new |= self._sets_offset(step)
+        self.offset_is_new |= bool(codes_of(block, "length_offset", self.dialect))
         if "home" in step.once:
             return self._home(step)
         if "machine" in step.once:
@@ -135,11 +146,3 @@ class _Look:
     def _named(self, step: Step) -> set[str]:
         letters = {w.address for w in step.block.words if w.address in self.axis_letters}
         return {self.dialect.incremental.get(letter, letter) for letter in letters} & set("XYZ")
-
-    def _sets_offset(self, step: Step) -> bool:
-        for word in step.block.words:
-            if word.address == "G" and word.number is not None:
-                code = self.dialect.g_codes.get(round(word.number * 10))
-                if code and code.group == "length_offset":
-                    return True
-        return False

@@ -218,7 +218,8 @@ class Interpreter:
             if name in _LOSES and not limits_only:
                 axes = [self.dialect.incremental.get(w.address, w.address) for w in axis_words]
                 state = _lose_axes(state, axes, _LOSES[name], everything=name not in _LOSES_NAMED_AXES)
-        is_circle = state.modes.get("motion") in _ARCS and any(w.address in _CENTRE_LETTERS for w in block.words)
+        has_centre = any(w.address in _CENTRE_LETTERS for w in block.words)
+        is_circle = has_centre and state.modes.get("motion") in _ARCS
         if not (axis_words or is_circle) or once & _READS_ALL:
             return state, None
         if unknown:

@@ -200,6 +200,8 @@ class _Scan:
 
 def calls_tool(step: Step, tool_change: str) -> bool:
     """True where a tool comes into the spindle: M6, or T on a turret (but not T0100, which ends offsets)."""
+    if "macro-call" in step.once:  # T is an argument there
+        return False
     for word in step.block.words:
         if tool_change == "M6" and word.address == "M" and word.number == 6.0:
             return True

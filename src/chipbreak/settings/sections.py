@@ -21,6 +21,10 @@ def _at_least(default: float | None, limit: float = 0.0) -> Any:
     return field(default=default, metadata={"at_least": limit})
 
 
+def _digits(default: int) -> Any:
+    return field(default=default, metadata={"at_least": 0, "below": 10})
+
+
 @dataclass(frozen=True)
 class Control:
     """How the control reads and prints blocks."""
@@ -74,8 +78,27 @@ class Output:
 
     feed_mode: str = _one_of("rev", "inverse", "minute")
     segments: str = _one_of("auto", "tick", "stroke")
-    decimals: int = _at_least(3, 0)
-    feed_decimals: int = _at_least(5, 0)
+    decimals: int = _digits(3)
+    feed_decimals: int = _digits(5)
+
+
+@dataclass(frozen=True)
+class Axis:
+    """What one axis can do; without numbers it is taken to follow any command."""
+
+    max_velocity_mm_min: float | None = _above(None)
+    max_acceleration_mm_s2: float | None = _above(None)
+
+
+@dataclass(frozen=True)
+class Planner:
+    """How the control times blocks, and the path mode it needs around a vibrated cut."""
+
+    model: str = _one_of("ideal", "trapezoid", "linuxcnc")
+    servo_period_ms: float = _above(1.0)
+    max_blocks_per_s: float | None = _above(None)
+    path_mode: str = ""
+    usual_path_mode: str = "G64"
 
 
 @dataclass(frozen=True)
@@ -96,6 +119,7 @@ class Checks:
     w_rough_mm: float = _above(0.05)
     w_finish_mm: float = _above(0.02)
     w_mm: Mapping[str, float] = field(default_factory=dict, metadata={"above": 0.0, "table": True})
+    trace_height_mm: float = _above(20.0)
     last_use: float | str = field(
         default="next-part", metadata={"choices": ("next-part", "none"), "above": 0.0}
     )
@@ -114,6 +138,8 @@ class Settings:
     output: Output
     spindle: Spindle
     checks: Checks
+    planner: Planner
+    axes: Mapping[str, Axis]
     call_sets: Mapping[str, Mapping[str, tuple[str, ...]]]
     operations: Mapping[str, tuple[str, ...]]
     dialect: Dialect
@@ -124,13 +150,16 @@ class Settings:
         return self.origins.get(key, "default")
 
 
+AXES = ("X", "Y", "Z")
 SECTIONS: Mapping[str, type[Any]] = {
     "control": Control,
     "command": Command,
     "vibration": Vibration,
     "output": Output,
+    "planner": Planner,
     "spindle": Spindle,
     "checks": Checks,
+    **{f"axes.{axis}": Axis for axis in AXES},
 }
 # Tables whose keys the user chooses: operation kinds with regular expressions, and named sets of calls.
 OPEN_SECTIONS = ("operations", "calls")

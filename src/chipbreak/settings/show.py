@@ -16,7 +16,8 @@ def show_profile(settings: Settings) -> Iterator[str]:
     for section in SECTIONS:
         yield ""
         yield f"[{section}]"
-        values = getattr(settings, section)
+        is_axis = section.startswith("axes.")
+        values = settings.axes[section[-1]] if is_axis else getattr(settings, section)
         for field in dataclasses.fields(values):
             value = getattr(values, field.name)
             if value is None:

@@ -21,10 +21,14 @@ from chipbreak.syntax.numbers import print_number
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
 from chipbreak.vibration.path import split_at
 from chipbreak.vibration.plan import VibratedCut
+from chipbreak.vibration.timing import control_model, feeds_for_spans
 
 Floats = NDArray[np.float64]
 CHORD_MM = 0.001
 _SAME_MM = 1e-6
+_LEAST_STEPS = 4
+_TIME_SHARE = 0.004
+_SAME_S = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,21 +46,28 @@ class _Words:
 class Expansion:
     """The moves of a cut: a first block with G1, a table, and a last block that ends exactly at the end.
 
-    ``distance_mm`` is where on the path each block ends, shape (blocks,).
+    ``distance_mm`` is where on the path each block ends, ``time_s`` when it should, both of shape (blocks,).
     """
 
     content: tuple[str | MoveTable, ...]
     distance_mm: Floats
+    time_s: Floats
 
 
 def moves_of(cut: VibratedCut, settings: Settings) -> Expansion:
     """Turn the knots of a cut into blocks.
 
-    Errors: VIB023 when the whole cut rounds to nothing, VIB058 for distances finer than the output's digits.
+    Errors: VIB023 when the whole cut rounds to nothing, VIB058 for distances finer than the output's digits,
+    VIB059 for a stroke or feeds too fine for them.
     """
     chain = cut.chain
     time_s, distance_mm = split_at(cut.time_s, cut.distance_mm, cut.path.breakpoints(CHORD_MM))
     words = _axis_words(cut, distance_mm, settings)
+    step_mm = 10.0**-words.decimals * (MM_PER_INCH if chain.before.is_inch else 1.0)
+    if cut.cut.stroke_mm < _LEAST_STEPS * step_mm:
+        stroke = f"the stroke of {cut.cut.stroke_mm:.4g} mm"
+        message = f"{stroke} has fewer than {_LEAST_STEPS} steps of {step_mm:g} mm"
+        raise RefusalError("VIB059", message, "raise output.decimals, or give a larger Q or A")
     keep = np.append(True, np.any(np.diff(words.absolute, axis=0) != 0.0, axis=1))
     # The last knot carries the end of the time, even where the knot before it rounds to the same point.
     last_kept = int(np.flatnonzero(keep)[-1])
@@ -69,14 +80,24 @@ def moves_of(cut: VibratedCut, settings: Settings) -> Expansion:
         raise RefusalError("VIB058", message, f"write {words.decimals} decimals, or absolute positions")
     times[-1] = time_s[-1]
     absolute, points = words.absolute[keep], words.points_mm[keep]
-    feeds = _feeds(cut, times, points, settings)
-    _plain_tail(cut, times, feeds, settings)
+    feeds = _feed_words(cut, times, distance_mm[keep], points, settings)
     values = np.diff(absolute, axis=0) if words.incremental else absolute[1:]
     decimals = (words.decimals,) * len(words.letters) + (feed_decimals(settings),)
     table = MoveTable((*words.letters, "F"), (*values.T, feeds), decimals)
     ends = distance_mm[keep][1:]
     ends[-1] = cut.path.length_mm
-    return Expansion(_as_blocks(table, chain.after, _tail_is_programmed(cut, settings)), ends)
+    blocks = _as_blocks(table, chain.after, _tail_is_programmed(cut, settings))
+    return Expansion(blocks, ends, times[1:])
+
+
+def _check_feed_digits(cut: VibratedCut, spans: Floats, feeds: Floats, settings: Settings) -> None:
+    """Refuse feeds that lose so many digits that the cut would take another time."""
+    digits, planned_s = feed_decimals(settings), cut.cut.duration_s
+    with np.errstate(divide="ignore"):
+        took_s = float((spans * feeds / np.round(feeds, digits)).sum())
+    if abs(took_s - planned_s) > _TIME_SHARE * planned_s:
+        message = f"with {digits} decimals of F this cut of {planned_s:.3f} s would take {took_s:.3f} s"
+        raise RefusalError("VIB059", message, "raise output.feed_decimals, or take another output.feed_mode")
 
 
 def _axis_words(cut: VibratedCut, distance_mm: Floats, settings: Settings) -> _Words:
@@ -90,8 +111,8 @@ def _axis_words(cut: VibratedCut, distance_mm: Floats, settings: Settings) -> _W
     absolute_mode = state.modes.get("distance") == "absolute"
     incremental = all(move.incremental for move in chain.moves)
     # The start is a position the program gave; incremental words count from it, whatever its digits.
-    origin = points[0] * scale if incremental else np.zeros(3)
-    rounded: Floats = np.round(points * scale - origin, decimals)
+    origin: Floats = points[0] * scale if incremental else np.zeros(3)
+    rounded = np.round(points * scale - origin, decimals)
     letters = AXES
     if incremental and absolute_mode:
         by_axis = {axis: letter for letter, axis in settings.dialect.incremental.items()}
@@ -115,30 +136,34 @@ def feed_decimals(settings: Settings) -> int:
     return fine if settings.output.feed_mode == "rev" else max(1, fine - 3)
 
 
-def _feeds(cut: VibratedCut, times: Floats, points: Floats, settings: Settings) -> Floats:
-    """F of every block, (n - 1,), from the rounded points and the time between them."""
-    lengths = np.sqrt((np.diff(points, axis=0) ** 2).sum(axis=1))
-    spans = np.diff(times)
+def _feed_words(
+    cut: VibratedCut, times: Floats, distance_mm: Floats, points: Floats, settings: Settings
+) -> Floats:
+    """F of every block, (n - 1,), from the rounded points and the time that each block should really take.
+
+    The plain revolutions at the end run at the programmed feed itself, not at one with rounding in it.
+    """
+    moved = np.diff(points, axis=0)
+    lengths, spans = np.sqrt(np.einsum("ij,ij->i", moved, moved)), np.diff(times)
+    plain_from = int(np.searchsorted(times[:-1], cut.time_s[-2] - _SAME_S))
+    model = control_model(settings, cut.path)
+    signed = np.copysign(lengths, np.diff(distance_mm))
+    feeds_mm_s = feeds_for_spans(signed, spans, model, plain_from)
     unit = MM_PER_INCH if cut.chain.before.is_inch else 1.0
     mode = settings.output.feed_mode
     if mode == "inverse":
-        feeds = S_PER_MIN / spans
+        words = feeds_mm_s / lengths * S_PER_MIN
     elif mode == "minute":
-        feeds = lengths / unit / spans * S_PER_MIN
+        words = feeds_mm_s / unit * S_PER_MIN
     else:
-        feeds = lengths / unit / (spans * cut.solution.speed_rpm / S_PER_MIN)
-    least: Floats = np.maximum(feeds, 10.0 ** -feed_decimals(settings))
-    return least
-
-
-def _plain_tail(cut: VibratedCut, times: Floats, feeds: Floats, settings: Settings) -> None:
-    """The plain revolutions at the end run at the programmed feed itself, not at a feed with rounding in it."""
-    if not _tail_is_programmed(cut, settings):
-        return
-    feed = cut.chain.before.feed
-    assert feed is not None
-    plain_from_s = cut.time_s[-2]
-    feeds[times[:-1] >= plain_from_s - 1e-12] = feed.value
+        words = feeds_mm_s / unit * S_PER_MIN / cut.solution.speed_rpm
+    feeds: Floats = np.maximum(words, 10.0 ** -feed_decimals(settings))
+    if _tail_is_programmed(cut, settings):
+        feed = cut.chain.before.feed
+        assert feed is not None
+        feeds[plain_from:] = feed.value
+    _check_feed_digits(cut, spans, feeds, settings)
+    return feeds
 
 
 def _tail_is_programmed(cut: VibratedCut, settings: Settings) -> bool:

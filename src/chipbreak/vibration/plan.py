@@ -20,6 +20,7 @@ from chipbreak.vibration.request import solver_inputs
 from chipbreak.vibration.solve import CommandGroup, Given, Solution, SolverRules, solve
 from chipbreak.vibration.waveform import Cut, Waveform, forward_ticks, least_stroke_mm, sample
 
+MOST_MOVES = 10_000_000
 _FEET_PER_M = 1000.0 / 304.8
 
 
@@ -106,6 +107,10 @@ def plan_cut(chain: Chain, settings: Settings) -> VibratedCut:
         end_revolutions=settings.vibration.end_revolutions,
         form=cast(Literal["tick", "stroke"], form),
     )
+    moves = cut.vibrations * (2 if cut.form == "stroke" else cut.ticks)
+    if moves > MOST_MOVES:
+        message = f"this cut would become {moves} blocks; no program may have more than {MOST_MOVES} of them"
+        raise RefusalError("VIB021", message, 'take output.segments "stroke", a lower f, or a higher feed')
     time_s, distance_mm = sample(cut)
     if speed is None and state.speed is not None and state.speed.value != solution.speed_rpm:
         mode = " (G96)" if state.modes["speed_mode"] == "surface" else ""

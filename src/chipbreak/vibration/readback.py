@@ -26,11 +26,11 @@ _SHORT_RUN = 16
 
 @dataclass(frozen=True, eq=False)
 class ReadBack:
-    """Ends of the moves: ``points_mm`` (n, 3) and ``span_s`` (n,), and the state behind them."""
+    """Ends of the moves: ``points_mm`` (n, 3), how long each is, and its commanded feed, (n,) each."""
 
     points_mm: Floats
-    span_s: Floats
-    after: State
+    lengths_mm: Floats
+    feed_mm_s: Floats
 
     def along(self, path: Path, meant_mm: Floats) -> tuple[Floats, Floats]:
         """Distance along the path and off it [mm], (n,) each; ``meant_mm`` is where each block should end.
@@ -45,35 +45,35 @@ class ReadBack:
 
 
 def read_moves(trace: Trace, first: int, last: int) -> ReadBack:
-    """All feed moves of lines ``first`` to ``last`` (exclusive), with the time each takes."""
+    """All feed moves of lines ``first`` to ``last`` (exclusive), with the feed of each."""
     state = trace.before(first)
     points: list[Floats] = []
-    spans: list[Floats] = []
+    lengths: list[Floats] = []
+    feeds: list[Floats] = []
     line = first
     while line < last:
         run = uniform_run(trace.program, line, last)
         table = read_columns(trace.program, line, run) if run - line >= _SHORT_RUN else None
         if table is not None:
-            new, span = _table_moves(trace, state, *table)
-            points.append(new)
-            spans.append(span)
+            ends, words = _table_moves(trace, state, *table)
+            _add(state, ends, words, (points, lengths, feeds))
             state = trace.skip(state, line, run)
             line = run
             continue
         step = trace.interpreter.advance(state, trace.program.block(line))
         if step.move is not None and step.move.is_cut:
             ends = _clean(np.array([step.move.start, step.move.end]))
-            points.append(ends[1:])
-            feed = np.array([step.after.feed.value if step.after.feed else np.nan])
-            spans.append(_spans(step.after, ends, feed))
+            words = np.array([step.after.feed.value if step.after.feed else np.nan])
+            _add(step.after, ends, words, (points, lengths, feeds))
         state = step.after
         line += 1
     if not points:
-        return ReadBack(np.empty((0, 3)), np.empty(0), state)
-    return ReadBack(np.concatenate(points), np.concatenate(spans), state)
+        return ReadBack(np.empty((0, 3)), np.empty(0), np.empty(0))
+    return ReadBack(np.concatenate(points), np.concatenate(lengths), np.concatenate(feeds))
 
 
 def _table_moves(trace: Trace, state: State, letters: str, numbers: Floats) -> tuple[Floats, Floats]:
+    """Start and ends of the moves of a table, (n + 1, 3), and their F words, (n,)."""
     settings = trace.settings
     unit = MM_PER_INCH if state.is_inch else 1.0
     start = _clean(np.array([state.position]))
@@ -93,7 +93,7 @@ def _table_moves(trace: Trace, state: State, letters: str, numbers: Floats) -> t
         feeds = numbers[:, letters.index("F")]
     else:
         feeds = np.full(len(numbers), state.feed.value if state.feed else np.nan)
-    return points, _spans(state, np.concatenate((start, points)), feeds)
+    return np.concatenate((start, points)), feeds
 
 
 def _clean(points: Floats) -> Floats:
@@ -101,16 +101,18 @@ def _clean(points: Floats) -> Floats:
     return np.nan_to_num(points, nan=0.0)
 
 
-def _spans(state: State, points: Floats, feeds: Floats) -> Floats:
-    """The time of each move [s] on a control without limits."""
+def _add(
+    state: State, ends: Floats, words: Floats, to: tuple[list[Floats], list[Floats], list[Floats]]
+) -> None:
+    """Lengths and feeds [mm/s] of moves between ``ends``, (n + 1, 3), from their F words, (n,)."""
+    moved = np.diff(ends, axis=0)
+    lengths = np.sqrt(np.einsum("ij,ij->i", moved, moved))
     mode = state.modes["feed_mode"]
     if mode == "inverse":
-        return S_PER_MIN / feeds
-    unit = MM_PER_INCH if state.is_inch else 1.0
-    per_min = feeds * unit
+        feeds = lengths * words / S_PER_MIN
+    else:
+        feeds = words * (MM_PER_INCH if state.is_inch else 1.0) / S_PER_MIN
     if mode == "rev":
-        per_min = per_min * (state.speed.value if state.speed else np.nan)
-    moved = np.diff(points, axis=0)
-    lengths = np.sqrt(np.einsum("ij,ij->i", moved, moved))
-    spans: Floats = lengths / per_min * S_PER_MIN
-    return spans
+        feeds = feeds * (state.speed.value if state.speed else np.nan)
+    for column, values in zip(to, (ends[1:], lengths, feeds), strict=True):
+        column.append(values)

@@ -272,9 +272,9 @@ def _check_given(values: dict[str, Given | None]) -> None:
 def _check_breaks(per_rev: float, rules: SolverRules, origin: str) -> None:
     if never_breaks(per_rev, rules.edges):
         whole = round(per_rev / rules.edges)
-        low, high = (rules.edges * (n + rules.phase) for n in (max(whole - 1, 0), whole))
+        good = dict.fromkeys(shown(rules.edges * (n + rules.phase)) for n in (max(whole - 1, 0), whole))
         what = f"N {shown(per_rev)} ({origin})" + (f" / {rules.edges} edges" if rules.edges > 1 else "")
-        way_out = f"N {shown(low)} or {shown(high)} breaks best"
+        way_out = f"N {' or '.join(good)} breaks best"
         raise RefusalError("VIB005", f"{what} is a whole number, so no chip ever breaks", way_out)
 
 

@@ -1,0 +1,95 @@
+"""Cuts that become a million moves, and the printing of these moves alone."""
+
+from __future__ import annotations
+
+import filecmp
+import shutil
+import subprocess
+import sys
+from array import array
+from pathlib import Path
+
+import programs
+from peers import Missing
+from rows import Goal, Table
+from subject import LATHE, Context, add_memory, add_subject, filtering, insertions, output_of, title
+from timing import BenchmarkError, Contestant, in_turn, ratio, run
+
+_MOVES = 1_000_000
+_LOOP = Path(__file__).with_name("printf_moves.c")
+
+_PRINT_MOVES = """
+import sys, time
+import numpy as np
+from chipbreak.edits import MoveTable
+from chipbreak.emit import print_moves
+values = np.fromfile(sys.argv[1]).reshape(-1, 2)
+table = MoveTable(("Z", "F"), (values[:, 0].copy(), values[:, 1].copy()), (3, 5))
+start = time.perf_counter()
+with open(sys.argv[2], "wb") as file:
+    file.write(print_moves(table, b"\\n"))
+print(time.perf_counter() - start)
+"""
+
+
+def expansion(context: Context) -> Table:
+    """A turning program through the whole filter; the clock runs for every block that comes out."""
+    program = context.path("turn.nc")
+    blocks = programs.turning(program, context.blocks(_MOVES))
+    subject = filtering(program, LATHE, 1)
+    run(subject)
+    changes = insertions(program)
+    with output_of(program).open("rb") as file:
+        moves = sum(line.startswith((b"Z", b"G1 Z")) for line in file)
+    subject = filtering(program, LATHE, moves)
+    table = Table("expansion", title(program, blocks, f"{moves:,} moves come out, {LATHE}"))
+    (samples,) = in_turn([subject], context.rounds)
+    add_subject(table, subject, samples, 0.7e6, "moves/s", f"{changes} cuts")
+    add_memory(table, program, samples)
+    return table
+
+
+def emit(context: Context) -> Table:
+    """From an array to a file, without start-up on either side; both write the same bytes."""
+    moves = context.blocks(_MOVES)
+    values, ours, theirs = (context.path(f"moves.{name}") for name in ("bin", "ours", "c"))
+    _write_moves(values, moves)
+    table = Table("emit", f"print {moves:,} moves, from an array to a file, without start-up")
+    words = (sys.executable, "-c", _PRINT_MOVES, str(values), str(ours))
+    subject = Contestant("emit.print_moves", words, moves, own_clock=True)
+    loop = _compiled(context, (str(values), str(theirs), str(moves)), moves)
+    contestants = [subject] if isinstance(loop, Missing) else [subject, loop]
+    for contestant in contestants:
+        run(contestant)
+    samples, *others = in_turn(contestants, context.rounds)
+    table.add(subject, samples)
+    if isinstance(loop, Missing):
+        table.miss(loop)
+        return table
+    if not filecmp.cmp(ours, theirs, shallow=False):
+        raise BenchmarkError("print_moves and the C loop do not write the same bytes")
+    goal = Goal(ratio(others[0], samples), 1.3, at_least=True, unit="x as long")
+    table.add(loop, others[0], goal, "the same bytes")
+    return table
+
+
+def _write_moves(path: Path, moves: int) -> None:
+    """Pairs of Z and F as an oscillating cut has them."""
+    with path.open("wb") as file:
+        for first in range(0, moves, 1 << 14):
+            part = array("d")
+            for move in range(first, min(moves, first + (1 << 14))):
+                back = move % 2
+                part.extend(
+                    ((2000 - move // 60 + 47 * back) / 1000, (58000 + 37 * (move % 90) - 90 * back) / 1e5)
+                )
+            part.tofile(file)
+
+
+def _compiled(context: Context, arguments: tuple[str, ...], moves: int) -> Contestant | Missing:
+    compiler = shutil.which("cc")
+    if compiler is None:
+        return Missing("C printf loop", "install a C compiler")
+    program = context.path("printf_moves")
+    subprocess.run([compiler, "-O2", "-o", str(program), str(_LOOP)], check=True)
+    return Contestant("C printf loop", (str(program), *arguments), moves, own_clock=True)

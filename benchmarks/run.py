@@ -1,0 +1,78 @@
+"""Speed and memory of chipbreak, beside what else reads such programs.
+
+    python benchmarks/run.py                      five rounds of everything, some minutes
+    python benchmarks/run.py --only pass-through  one case
+    python benchmarks/run.py --quick              ten times smaller, one round: does it still run?
+
+Ratios are the median of those of the rounds; peers come with ``pip install -e '.[bench]'``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from edges import long_line, start_up
+from expansion import emit, expansion
+from passing import modal, pass_through, scaling
+from rows import Table, machine, write_json
+from subject import Context
+from timing import BenchmarkError
+
+CASES: dict[str, Callable[[Context], Table]] = {
+    "pass-through": pass_through,
+    "modal": modal,
+    "scaling": scaling,
+    "expansion": expansion,
+    "emit": emit,
+    "long-line": long_line,
+    "start-up": start_up,
+}
+
+
+def _arguments() -> argparse.Namespace:
+    summary, usage = (__doc__ or "").split("\n", 1)
+    parser = argparse.ArgumentParser(
+        description=summary, epilog=usage, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--quick", action="store_true", help="ten times smaller, one round")
+    parser.add_argument("--only", metavar="NAME", action="append", choices=CASES, help=", ".join(CASES))
+    parser.add_argument("--rounds", type=int, default=5, help="how often each is run (5)")
+    parser.add_argument("--large", action="store_true", help="scaling up to ten million blocks")
+    parser.add_argument(
+        "--json", type=Path, metavar="FILE", help="write every sample, say to benchmarks/results.json"
+    )
+    return parser.parse_args()
+
+
+def main() -> int:
+    """Run the cases; 0 when every target is met, 1 when one is missed, 2 when a case could not be run."""
+    options = _arguments()
+    rounds, smaller = (1, 10) if options.quick else (options.rounds, 1)
+    print(", ".join(f"{key} {value}" for key, value in machine().items()), f"rounds {rounds}", sep=", ")
+    if options.quick:
+        print("quick: the programs are ten times smaller than the targets are meant for")
+    tables: list[Table] = []
+    broken = False
+    for name in options.only or CASES:
+        with tempfile.TemporaryDirectory(prefix="chipbreak-bench-") as folder:
+            try:
+                tables.append(CASES[name](Context(Path(folder), rounds, smaller, options.large)))
+            except BenchmarkError as error:
+                print(f"\n{name}: *** COULD NOT BE MEASURED: {error}", file=sys.stderr)
+                broken = True
+                continue
+        print(f"\n{tables[-1].text()}", flush=True)
+    if options.json is not None:
+        write_json(options.json, tables, {"rounds": rounds, "quick": options.quick})
+    missed = sum(row.goal is not None and not row.goal.met for table in tables for row in table.rows)
+    met = sum(row.goal is not None and row.goal.met for table in tables for row in table.rows)
+    print(f"\n{met} targets met, {missed} missed")
+    return 2 if broken else int(missed > 0 and not options.quick)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

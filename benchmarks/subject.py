@@ -1,0 +1,76 @@
+"""The command that is measured, as a user gives it, and the rows every case needs."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rows import MB, Goal, Row, Table
+from timing import BenchmarkError, Contestant, Sample
+
+MILL, LATHE = "fanuc-mill", "generic-lathe"
+_BEGIN = b"(CHIPBREAK BEGIN"
+
+
+@dataclass(frozen=True)
+class Context:
+    """Where programs go, how often each is run, and how many times smaller they are than they should be."""
+
+    folder: Path
+    rounds: int
+    smaller: int = 1
+    large: bool = False
+
+    def blocks(self, full: int) -> int:
+        return full // self.smaller
+
+    def path(self, name: str) -> Path:
+        return self.folder / name
+
+
+def command() -> tuple[str, ...]:
+    """The script that pip installed beside this interpreter."""
+    script = Path(sys.executable).with_name("chipbreak")
+    return (str(script),) if script.is_file() else (sys.executable, "-m", "chipbreak")
+
+
+def filtering(program: Path, profile: str, units: int) -> Contestant:
+    """The whole way, from start-up to the written file."""
+    words = (*command(), "filter", "-q", "-p", profile, str(program), "-o", str(output_of(program)))
+    return Contestant("chipbreak filter", words, units)
+
+
+def output_of(program: Path) -> Path:
+    return program.with_suffix(".out")
+
+
+def insertions(program: Path) -> int:
+    """How many changes stand in the output; a run that changes nothing is not what should be measured."""
+    with output_of(program).open("rb") as file:
+        count = sum(line.count(_BEGIN) for line in file)
+    if not count:
+        raise BenchmarkError(f"nothing was changed in {program.name}: this is not the work to be measured")
+    return count
+
+
+def add_subject(
+    table: Table, subject: Contestant, samples: Sequence[Sample], per_second: float, unit: str, note: str = ""
+) -> None:
+    """The row of chipbreak itself, with the rate it should reach."""
+    row = Row(subject.name, None, tuple(samples), subject.units, note)
+    goal = Goal((row.rate or 0.0) / 1e6, per_second / 1e6, at_least=True, unit=f"M {unit}")
+    table.rows.append(Row(subject.name, goal, tuple(samples), subject.units, note))
+
+
+def add_memory(table: Table, program: Path, samples: Sequence[Sample]) -> None:
+    """Peak memory against the bytes that went in and out."""
+    size = program.stat().st_size + output_of(program).stat().st_size
+    peak = max(s.peak_bytes for s in samples)
+    goal = Goal(peak / MB, (3 * size + 90 * MB) / MB, at_least=False, unit="MB")
+    table.rows.append(Row("  its peak memory", goal, note="3 x (input + output) + 90 MB"))
+
+
+def title(program: Path, units: int, what: str) -> str:
+    return f"{units:,} blocks, {program.stat().st_size / MB:.1f} MB, {what}"

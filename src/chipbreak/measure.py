@@ -1,0 +1,111 @@
+"""A vibrated cut as the output really commands it: its path, its time on this control, its chips."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chipbreak.model.trace import Trace
+from chipbreak.passes.vibrate import PlannedCut
+from chipbreak.restore import Region
+from chipbreak.units import MM_PER_INCH
+from chipbreak.vibration.blocks import CHORD_MM
+from chipbreak.vibration.readback import ReadBack, read_moves
+from chipbreak.vibration.timing import control_model, times_of
+from chipbreak.vibration.verdict import Verdict, judge
+from chipbreak.vibration.waveform import full_window
+
+Floats = NDArray[np.float64]
+# Feeds are rounded, so the time of a cut differs from the plan by about half a unit in their last place.
+_TIME_TOLERANCE = 0.005
+# A control that stops at both ends of the cut and of its plain end needs a little longer.
+_STOP_TOLERANCE_S = 0.2
+
+
+class SelfCheckError(Exception):
+    """The output does not do what was promised: a fault of this program.  Nothing may be written."""
+
+
+@dataclass(frozen=True, eq=False)
+class CheckedCut:
+    """A vibrated cut with what its emitted moves do: seconds, and the verdict on its chips."""
+
+    planned: PlannedCut
+    duration_s: float
+    move_count: int
+    verdict: Verdict
+
+
+def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCut:
+    """Read a cut back from the output.  Raises SelfCheckError when it is not what was planned."""
+    cut, expansion = planned.cut, planned.expansion
+    moves = read_moves(result, region.body, region.last)
+    count = len(moves.feed_mm_s)
+    if count != len(expansion.distance_mm):
+        raise SelfCheckError(f"{len(expansion.distance_mm)} moves were planned, {count} stand in the output")
+    _check_speed(result, region, planned)
+    distance_mm = _check_path(result, moves, planned)
+    lengths = np.copysign(moves.lengths_mm, np.diff(distance_mm))
+    spans = times_of(lengths, moves.feed_mm_s, control_model(result.settings, cut.path))
+    if not np.all(spans > 0.0):
+        raise SelfCheckError("a move takes no time")
+    time_s = np.concatenate(([0.0], np.cumsum(spans)))
+    _check_time(result, float(time_s[-1]), cut.cut.duration_s)
+    start = next(cut.chain.moves).start
+    diameter_mm = 2.0 * max(abs(start.x), abs(cut.chain.after.position.x))
+    verdict = judge(
+        time_s,
+        distance_mm,
+        speed_rpm=cut.solution.speed_rpm,
+        feed_mm_rev=cut.cut.feed_mm_rev,
+        edges=cut.edges,
+        diameter_mm=diameter_mm if diameter_mm > 0.0 else None,
+        steady_s=_steady_s(planned, time_s),
+        waveform=cut.cut.waveform,
+        alpha_share=cut.cut.alpha_share,
+    )
+    return CheckedCut(planned, float(time_s[-1]), count, verdict)
+
+
+def _steady_s(planned: PlannedCut, time_s: Floats) -> tuple[float, float]:
+    """The part of full stroke, from the time of the plan to the time of the control."""
+    planned_s = np.concatenate(([0.0], planned.expansion.time_s))
+    first, last = np.interp(full_window(planned.cut.cut), planned_s, time_s)
+    return float(first), float(last)
+
+
+def _check_time(result: Trace, duration_s: float, planned_s: float) -> None:
+    tolerance_s = _TIME_TOLERANCE * planned_s
+    if result.settings.planner.model != "ideal":
+        tolerance_s += _STOP_TOLERANCE_S
+    if abs(duration_s - planned_s) > tolerance_s:
+        raise SelfCheckError(f"a cut planned to take {planned_s:.3f} s takes {duration_s:.3f} s")
+
+
+def _check_speed(result: Trace, region: Region, planned: PlannedCut) -> None:
+    state = result.before(region.last)
+    wanted = planned.cut.solution.speed_rpm
+    speed = state.speed.value if state.speed else math.nan
+    if state.modes["speed_mode"] != "rpm" or not abs(speed - wanted) <= 1e-6 * wanted:
+        raise SelfCheckError(f"the cut needs {wanted:g} rpm, the output commands {speed:g}")
+
+
+def _check_path(result: Trace, moves: ReadBack, planned: PlannedCut) -> Floats:
+    """Distance along the path at every knot; never off it, before its start or past its end."""
+    cut = planned.cut
+    state = cut.chain.before
+    unit = MM_PER_INCH if state.is_inch else 1.0
+    increment = 10.0**-result.settings.output.decimals * unit / (10.0 if state.is_inch else 1.0)
+    along, away = moves.along(cut.path, planned.expansion.distance_mm)
+    # Half an increment in each of up to three axes.
+    tolerance = math.sqrt(3.0) * 0.5 * increment + 1e-6
+    if away.max() > tolerance + CHORD_MM:
+        raise SelfCheckError(f"a point lies {away.max():.4f} mm off the path")
+    if along.min() < -tolerance or along.max() > cut.path.length_mm + tolerance:
+        raise SelfCheckError("a point lies before the start or past the end of the cut")
+    if not abs(along[-1] - cut.path.length_mm) <= tolerance:
+        raise SelfCheckError("the cut does not end at its programmed end")
+    return np.concatenate(([0.0], along))

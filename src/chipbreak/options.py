@@ -1,0 +1,125 @@
+"""Options that several commands share, and what they lead to: settings, a run, an exit code."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+
+import click
+
+from chipbreak.streams import Reporter
+
+if TYPE_CHECKING:
+    from chipbreak.pipeline import Result
+    from chipbreak.settings import Settings
+
+DONE, DIFFERENT, USAGE, REJECTED, FAILED = 0, 1, 2, 3, 4
+_Command = TypeVar("_Command", bound=Callable[..., Any])
+
+
+PROFILE_HELP = "Machine profile: a shipped name or a TOML file."
+SET_HELP = "Change a value of the profile."
+
+
+def common_options(command: _Command) -> _Command:
+    """The options every command that reads programs has."""
+    decorators = [
+        click.option(
+            "-p", "--profile", metavar="FILE|NAME", envvar="CHIPBREAK_PROFILE", help=PROFILE_HELP
+        ),
+        click.option("--set", "sets", metavar="SECTION.KEY=VALUE", multiple=True, help=SET_HELP),
+        click.option("--allow-unbroken", is_flag=True, help="Let cuts pass that do not break their chips."),
+        *REPORTING,
+    ]
+    for decorate in reversed(decorators):
+        command = decorate(command)
+    return command
+
+
+REPORTING = [
+    click.option("--json", "as_json", is_flag=True, help="Diagnostics and reports as JSON."),
+    click.option("-q", "--quiet", is_flag=True, help="Only errors on stderr."),
+    click.option(
+        "--color", type=click.Choice(["auto", "always", "never"]), default="auto", help="Colour on stderr."
+    ),
+]
+
+
+def reporting_options(command: _Command) -> _Command:
+    """The options of every command that says something."""
+    for decorate in reversed(REPORTING):
+        command = decorate(command)
+    return command
+
+
+def make_reporter(as_json: bool, quiet: bool, color: str) -> Reporter:
+    """A reporter as the options ask for it."""
+    colour = color == "always" or (color == "auto" and sys.stderr.isatty() and "NO_COLOR" not in os.environ)
+    return Reporter(as_json=as_json, quiet=quiet, colour=colour)
+
+
+def settings_of(profile: str | None, sets: Sequence[str], source: str, reporter: Reporter) -> Settings:
+    """The profile by option, environment, or ``chipbreak.toml`` beside the input; exits with 2 if none."""
+    from chipbreak.settings import SettingsError, load, profile_names
+
+    if profile is None:
+        beside = (Path() if source == "-" else Path(source).parent) / "chipbreak.toml"
+        if not beside.is_file():
+            names = ", ".join(profile_names())
+            raise click.UsageError(
+                "which machine? give -p PROFILE, set CHIPBREAK_PROFILE,"
+                f" or put a chipbreak.toml beside the program (shipped: {names})"
+            )
+        profile = str(beside)
+    try:
+        return load(profile, sets)
+    except SettingsError as error:
+        reporter.show([error.diagnostic])
+        sys.exit(USAGE)
+
+
+def run_filter(
+    data: bytes,
+    source: str,
+    profile: str | None,
+    sets: tuple[str, ...],
+    allow_unbroken: bool,
+    reporter: Reporter,
+) -> Result:
+    """Filter a program; says what is wrong with it and exits with 3 when it is rejected."""
+    from chipbreak.diagnostics import ProgramRejectedError
+
+    settings = settings_of(profile, sets, source, reporter)
+    try:
+        return rewrite_program(data, settings, source, allow_unbroken)
+    except ProgramRejectedError as error:
+        reporter.show(error.diagnostics)
+        sys.exit(REJECTED)
+
+
+def rewrite_program(data: bytes, settings: Settings, source: str, allow_unbroken: bool) -> Result:
+    """Filter a program; exits with 4 when the self-check fails.  Raises ProgramRejectedError."""
+    from chipbreak.measure import SelfCheckError
+    from chipbreak.pipeline import rewrite
+    from chipbreak.settings import SettingsError
+
+    name = "<stdin>" if source == "-" else source
+    try:
+        return rewrite(data, settings, name, allow_unbroken=allow_unbroken)
+    except SettingsError as error:
+        click.echo(error.diagnostic.render(), err=True)
+        sys.exit(USAGE)
+    except SelfCheckError as error:
+        fail(f"{name}: error SLF001: the output failed its self-check: {error}")
+    except MemoryError:
+        fail(f"{name}: error SLF002: not enough memory for this program")
+
+
+def fail(message: str) -> NoReturn:
+    """Say that the fault is ours, and exit with 4."""
+    click.echo(message, err=True)
+    click.echo("  help: nothing was written; please report this with the program", err=True)
+    sys.exit(FAILED)

@@ -1,0 +1,127 @@
+"""Insert tool checks.
+
+::
+
+    N245 G0 Z15.                 N245 G0 Z15.
+    (FINISH POCKET)       ->     M9
+    N250 G0 X10. Y20.            G91 G28 Z0.
+                                 G90
+                                 M5
+                                 G65 P9813 T2 W0.02 Z20.
+                                 S5000 M3
+                                 G0 X41.5 Y-3.
+                                 M8
+                                 G0 G43 H2 Z15.
+                                 (FINISH POCKET)
+                                 N250 G0 X10. Y20.
+
+The tool goes up before anything else stops; X and Y come back at that height, with the spindle turning, and
+Z last.  The calls are macros that put back what they themselves change.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+
+from chipbreak.checks.borders import Border
+from chipbreak.checks.plan import PlannedCheck, plan_checks
+from chipbreak.diagnostics import Diagnostic
+from chipbreak.edits import Edit
+from chipbreak.model.flow import Flow
+from chipbreak.model.interpret import Interpreter
+from chipbreak.model.operations import Operation
+from chipbreak.model.trace import Trace
+from chipbreak.model.words import is_diameter
+from chipbreak.settings.sections import Settings
+from chipbreak.syntax.numbers import print_number
+from chipbreak.syntax.parse import read_block
+from chipbreak.units import MM_PER_INCH
+
+NAME = "check_tools"
+_SPINDLE = {"cw": "M3", "ccw": "M4"}
+_COOLANT = {"mist": "M7", "flood": "M8"}
+# As many as any program has: a position is printed back as it was programmed, never rounder.
+_DECIMALS = 6
+
+
+def plan(
+    trace: Trace, operations: Sequence[Operation], settings: Settings
+) -> tuple[list[Edit], list[Diagnostic]]:
+    """The insertions of all checks, and what could not be checked.
+
+    Raises RefusalError when the calls of the profile cannot be used.
+    """
+    if not settings.checks.enabled:
+        return [], []
+    checks, diagnostics = plan_checks(operations, trace, settings)
+    checks.sort(key=lambda check: check.border.line)
+    edits = [_edit(list(group), settings) for _, group in groupby(checks, lambda check: check.border.line)]
+    return edits, diagnostics
+
+
+def _edit(checks: Sequence[PlannedCheck], settings: Settings) -> Edit:
+    """One insertion for all checks of a border."""
+    border = checks[0].border
+    blocks = _Blocks(border, settings)
+    blocks.make_ready()
+    for check in checks:
+        for text in check.blocks:
+            blocks.write(text)
+    blocks.put_back()
+    title = ", ".join(check.title for check in checks)
+    reason = "; ".join(check.reason for check in checks)
+    return Edit(border.line, border.line, tuple(blocks.texts), title, reason, NAME)
+
+
+class _Blocks:
+    """Writes blocks, and knows by the interpreter what each of them has changed."""
+
+    def __init__(self, border: Border, settings: Settings) -> None:
+        self.border, self.settings, self.dialect = border, settings, settings.dialect
+        self.before = self.now = border.state
+        self.interpreter = Interpreter(settings, Flow(frozenset(), ()))
+        self.texts: list[str] = []
+
+    def write(self, text: str) -> None:
+        """Add a block."""
+        self.texts.append(text)
+        self.now = self.interpreter.advance(self.now, read_block(0, text)).after
+
+    def make_ready(self) -> None:
+        """Coolant off, tool up, spindle off."""
+        if self.before.coolant:
+            self.write("M9")
+        for text in self.dialect.machine_retract:
+            self.write(text)
+        if self.before.turns:
+            self.write("M5")
+
+    def put_back(self) -> None:
+        """Speed and spindle, the position from above, coolant, and the modal groups."""
+        if self.border.needs_speed and self.before.speed:
+            starts = [_SPINDLE[self.before.spindle]] if self.before.turns else []
+            self.write(" ".join([f"S{self.before.speed.text}", *starts]))
+        last = "X" if self.dialect.is_lathe else "Z"
+        first_axes = [axis for axis in self.border.axes if axis != last]
+        if self.border.axes and self.now.modes.get("distance", "absolute") != "absolute":
+            self.write(self.dialect.code("distance", "absolute"))
+        if first_axes:
+            self.write(" ".join(["G0", *map(self._word, first_axes)]))
+        for name in sorted(self.before.coolant):
+            self.write(_COOLANT[name])
+        if last in self.border.axes:
+            offset = [self.border.length_offset] if self.border.length_offset else []
+            self.write(" ".join(["G0", *offset, self._word(last)]))
+        for group, value in self.before.modes.items():
+            if self.now.modes[group] != value:
+                self.write(self.dialect.code(group, value))
+
+    def _word(self, axis: str) -> str:
+        """Where an axis stood, as a word."""
+        value = getattr(self.before.position, axis.lower())
+        if self.before.is_inch:
+            value /= MM_PER_INCH
+        if axis == "X" and is_diameter(self.before, self.settings.control):
+            value *= 2.0
+        return axis + print_number(value, _DECIMALS)

@@ -1,0 +1,162 @@
+"""Values of a profile: the right type, possible, under a key that exists; or an error with its line."""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import re
+import types
+import typing
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from chipbreak.diagnostics import Diagnostic, Severity
+from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS
+from chipbreak.span import Place
+
+UNKNOWN_KEY, WRONG_TYPE, IMPOSSIBLE = "SET001", "SET002", "SET003"
+UNREADABLE, UNKNOWN_PROFILE = "SET004", "SET005"
+
+
+class SettingsError(Exception):
+    """A profile or an option that cannot be used; ``diagnostic`` says why and where."""
+
+    def __init__(self, diagnostic: Diagnostic) -> None:
+        super().__init__(diagnostic.message)
+        self.diagnostic = diagnostic
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One source of values: a file's text, or an option."""
+
+    name: str
+    text: str
+    values: Mapping[str, Any]
+
+    def fail(self, code: str, key: str, message: str, help_text: str) -> SettingsError:
+        """The error of one key, at its place in the text."""
+        line, start, end, shown = _find_key(self.text, key)
+        place = Place(self.name, line, start + 1, end + 1)
+        return SettingsError(Diagnostic(code, Severity.ERROR, message, help_text, place, shown))
+
+    def origin(self, key: str) -> str:
+        """Where a value came from, for messages."""
+        line = _find_key(self.text, key)[0]
+        return self.name if self.name.startswith("--") else f"profile {self.name}, line {line}"
+
+
+def checked_value(layer: Layer, section: str, key: str, value: Any) -> Any:
+    """The value in its final type, or a SettingsError that names the key and what is possible."""
+    full = f"{section}.{key}"
+    if section in OPEN_SECTIONS:
+        return _checked_open(layer, section, key, value)
+    fields = {f.name: f for f in dataclasses.fields(SECTIONS[section])}
+    if key not in fields:
+        raise layer.fail(UNKNOWN_KEY, full, f"there is no key {full}", nearest(key, fields))
+    hints = typing.get_type_hints(SECTIONS[section])
+    meta = fields[key].metadata
+    if meta.get("table"):
+        if not isinstance(value, dict):
+            raise layer.fail(WRONG_TYPE, full, f"{full} is a table", f"write [{full}] with a line for each")
+        return {k: _checked_value(layer, full, v, (float,), meta) for k, v in value.items()}
+    kinds = _kinds(hints[key])
+    if tuple in kinds:
+        items = value if isinstance(value, list) else [value]
+        inner = typing.get_args(next(a for a in _options(hints[key]) if typing.get_origin(a) is tuple))[0]
+        return tuple(_checked_value(layer, full, item, (inner,), meta) for item in items)
+    return _checked_value(layer, full, value, kinds, meta)
+
+
+def _options(hint: Any) -> tuple[Any, ...]:
+    return typing.get_args(hint) if typing.get_origin(hint) in (typing.Union, types.UnionType) else (hint,)
+
+
+def _kinds(hint: Any) -> tuple[type, ...]:
+    return tuple(typing.get_origin(option) or option for option in _options(hint))
+
+
+def _checked_value(
+    layer: Layer, full: str, value: Any, kinds: tuple[type, ...], meta: Mapping[str, Any]
+) -> Any:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if float in kinds and number:
+        value = float(value)
+    elif type(value) not in kinds:
+        raise layer.fail(WRONG_TYPE, full, f"{full} = {value!r} is of the wrong type", _expected(kinds, meta))
+    fits = True
+    if isinstance(value, str):
+        fits = "choices" not in meta or value in meta["choices"]
+    elif number:
+        fits = (
+            ("above" not in meta or value > meta["above"])
+            and ("below" not in meta or value < meta["below"])
+            and ("at_least" not in meta or value >= meta["at_least"])
+            and abs(value) < float("inf")
+        )
+    if not fits:
+        raise layer.fail(IMPOSSIBLE, full, f"{full} = {value!r} is not possible", _expected(kinds, meta))
+    return value
+
+
+def _checked_open(layer: Layer, section: str, key: str, value: Any) -> Any:
+    full = f"{section}.{key}"
+    if section == "operations":
+        if isinstance(value, str):
+            value = [value]
+        if not (isinstance(value, list) and all(isinstance(v, str) for v in value)):
+            raise layer.fail(WRONG_TYPE, full, f"{full} is not a list of regular expressions", '["ROUGH.*"]')
+        return tuple(value)
+    if not isinstance(value, dict):
+        raise layer.fail(WRONG_TYPE, full, f"{full} is a table of calls", f"write [{full}]")
+    calls = {}
+    for name, given in value.items():
+        lines = [given] if isinstance(given, str) else given
+        if not (isinstance(lines, list) and all(isinstance(line, str) for line in lines)):
+            message = f"{full}.{name} is not a list of blocks"
+            raise layer.fail(WRONG_TYPE, f"{full}.{name}", message, '["G65 ..."]')
+        calls[name] = tuple(lines)
+    return calls
+
+
+def _expected(kinds: tuple[type, ...], meta: Mapping[str, Any]) -> str:
+    parts = []
+    if "choices" in meta:
+        parts.append("one of " + ", ".join(meta["choices"]))
+    if float in kinds or int in kinds:
+        parts.append("a whole number" if float not in kinds else "a number")
+        limits = [("above", "above"), ("at_least", "of at least"), ("below", "below")]
+        parts[-1] += "".join(f" {word} {meta[name]:g}" for name, word in limits if name in meta)
+    if bool in kinds:
+        parts.append("true or false")
+    if str in kinds and "choices" not in meta:
+        parts.append("text")
+    return "expected " + ", or ".join(parts)
+
+
+def nearest(key: str, known: Iterable[str]) -> str:
+    """A hint at the known name that was probably meant."""
+    names = list(known)
+    near = difflib.get_close_matches(key, names, 1, 0.5)
+    return f"did you mean {near[0]}?" if near else f"known: {', '.join(names)}"
+
+
+def _find_key(text: str, key: str) -> tuple[int, int, int, str]:
+    """Line (from 1), first and last column (from 0) and text of a key in TOML text."""
+    section, _, name = key.rpartition(".")
+    inside = not section
+    fallback = (1, 0, 1, text.split("\n", 1)[0])
+    for number, line in enumerate(text.split("\n"), 1):
+        header = re.match(r"\s*\[\s*([^\]]+?)\s*\]", line)
+        if header:
+            inside = header[1] == section
+            if header[1] == key:
+                return number, header.start(1), header.end(1), line
+            if inside:
+                fallback = (number, header.start(1), header.end(1), line)
+        elif inside or "." in line:
+            match = re.match(rf"\s*({re.escape(name)}|{re.escape(key)})\s*=", line)
+            if match:
+                return number, match.start(1), match.end(1), line
+    return fallback

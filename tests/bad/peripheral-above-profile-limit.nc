@@ -1,0 +1,3 @@
+(EXPECT VIB072 2:5 spindle.max_rpm=1500)
+G97 V120. D20. M3
+M30

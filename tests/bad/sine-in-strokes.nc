@@ -1,0 +1,6 @@
+(EXPECT VIB011 5:1 output.segments=stroke)
+G97 S3000 M3
+G0 X20. Z2.
+(VIB N1.5 WAVE SINE)
+G1 Z-30. F0.05
+M30

@@ -1,0 +1,5 @@
+(EXPECT VIB043 4:21 -p fanuc-lathe)
+G97 S3000 M3
+G0 X20. Z2.
+G92 X18. Z-30. F1.5 N1.5
+M30

@@ -1,0 +1,183 @@
+"""Run the pass as the filter does, and look at what comes out with two oracles.
+
+``same_states`` interprets the result with the project's own interpreter.  ``same_cuts`` is a machine of
+wood: it knows nothing of borders, drives both programs with real coordinates on a made-up machine, and
+compares where the tool cuts and comes down.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from chipbreak import restore, settings
+from chipbreak.diagnostics import Diagnostic
+from chipbreak.edits import Edit
+from chipbreak.emit import render
+from chipbreak.model.kinds import KindRules
+from chipbreak.model.operations import Operation, operations_of
+from chipbreak.model.steps import Step
+from chipbreak.model.trace import Trace, interpret
+from chipbreak.model.words import codes_of, is_diameter, length_mm
+from chipbreak.passes.check_tools import plan
+from chipbreak.settings import Settings
+from chipbreak.source import read
+from chipbreak.syntax.parse import parse
+
+AXES = "XYZ"
+
+
+@dataclass(frozen=True)
+class Filtered:
+    """A program before and after the pass."""
+
+    settings: Settings
+    data: bytes
+    output: bytes
+    trace: Trace
+    operations: list[Operation]
+    edits: list[Edit]
+    diagnostics: list[Diagnostic]
+
+    @property
+    def titles(self) -> list[str]:
+        return [edit.title for edit in self.edits]
+
+    @property
+    def codes(self) -> list[str]:
+        return [d.code for d in self.diagnostics]
+
+
+def traced(data: bytes, rules: Settings) -> Trace:
+    return interpret(parse(read(data, "program.nc")), rules)
+
+
+def filtered(data: bytes, profile: str = "fanuc-mill", *options: str) -> Filtered:
+    rules = settings.load(profile, options)
+    trace = traced(data, rules)
+    operations = operations_of(trace, KindRules.from_profile(rules.operations))
+    edits, diagnostics = plan(trace, operations, rules)
+    output = b"".join(render(trace.program, edits, rules))
+    return Filtered(rules, data, output, trace, operations, edits, diagnostics)
+
+
+def pairs(result: Filtered) -> list[tuple[Step, Step | None]]:
+    """Every step of the result: with the original step of its line, or None inside an insertion."""
+    after = traced(result.output, result.settings)
+    inserted = {n for r in restore.regions(after.program.source) for n in range(r.first, r.last)}
+    before = result.trace
+    body = before.program.source.body
+    originals = iter(before.steps(body.start, body.stop))
+    body = after.program.source.body
+    steps = after.steps(body.start, body.stop)
+    paired = [(s, None if s.block.line in inserted else next(originals)) for s in steps]
+    assert next(originals, None) is None
+    return paired
+
+
+def check(result: Filtered) -> None:
+    """All that must hold of any result."""
+    assert restored(result.output) == result.data
+    for edit in result.edits:
+        for text in edit.content:
+            assert isinstance(text, str)
+            assert len(text) <= min(80, result.settings.control.max_line_chars)
+    paired = pairs(result)
+    same_states(paired)
+    same_cuts(paired, result.settings)
+
+
+def restored(data: bytes) -> bytes:
+    return restore.restore(read(data)).data
+
+
+def same_states(paired: list[tuple[Step, Step | None]]) -> None:
+    for new, old in paired:
+        if old is None:
+            continue
+        assert new.block.text == old.block.text
+        one, other = old.before, new.before
+        where = old.block.text
+        assert one.modes == other.modes, where
+        for name in ("spindle", "coolant", "tool", "ended"):
+            assert getattr(one, name) == getattr(other, name), (name, where)
+        for name in ("speed", "feed", "speed_limit"):
+            a, b = getattr(one, name), getattr(other, name)
+            assert (a and a.text) == (b and b.text), (name, where)
+
+
+@dataclass
+class Machine:
+    """Where the axes really are, in program coordinates; far-off places stand for home and the changer."""
+
+    settings: Settings
+    is_filtered: bool
+    at: dict[str, float] = field(default_factory=lambda: {"X": -311.0, "Y": 287.0, "Z": 499.0})
+    offset_is_in_force: bool = False
+
+    def run(self, step: Step, *, in_call: bool) -> tuple[dict[str, float], dict[str, float]]:
+        """Start and end of what a block does."""
+        start = dict(self.at)
+        dialect = self.settings.dialect
+        codes = codes_of(step.block, "length_offset", dialect)
+        if codes:
+            self.offset_is_in_force = dialect.g_codes[codes[-1]].value == "on"
+        if any(w.address == "M" and w.number == 6.0 for w in step.block.words):
+            self.at = {"X": -311.0, "Y": 287.0, "Z": 499.0}
+        elif in_call:
+            self.at = {"X": 777.0, "Y": -222.0, "Z": 500.0}  # over the laser
+        elif "home" in step.once or "machine" in step.once:
+            named = [w.address for w in step.block.words if w.address in AXES]
+            for axis in named:
+                self.at[axis] = {"X": -400.0, "Y": 300.0, "Z": 500.0}[axis]
+            if "home" in step.once and "Z" in named:
+                self.offset_is_in_force = False
+        elif step.move is not None:
+            for word in step.block.words:
+                if word.address in AXES:
+                    value = length_mm(word, step.after, self.settings.control)
+                    if word.address == "X" and is_diameter(step.after, self.settings.control):
+                        value /= 2.0
+                    incremental = step.after.modes["distance"] == "incremental"
+                    value += self.at[word.address] if incremental else 0.0
+                    is_hole = step.move.kind == "other" and word.address == "Z"
+                    self.at[word.address] = self.at["Z"] if is_hole else value
+        return start, dict(self.at)
+
+
+def same_cuts(paired: list[tuple[Step, Step | None]], rules: Settings) -> None:
+    """The tool cuts where it did, and comes down nowhere else and with no other offset."""
+    one, other = Machine(rules, False), Machine(rules, True)
+    for new, old in paired:
+        text = new.block.text
+        is_call = "macro-call" in new.once or any(c.keyword == "O-CALL" for c in new.block.controls)
+        if old is None:
+            start, end = other.run(new, in_call=is_call)
+            goes_down = end["Z"] < start["Z"]
+            assert not goes_down or (end["X"], end["Y"]) == (start["X"], start["Y"]) == (one.at["X"], one.at["Y"]), text
+            if goes_down:
+                assert other.offset_is_in_force == one.offset_is_in_force, text
+            assert end["Z"] >= one.at["Z"] or _equal(end["Z"], one.at["Z"]), text
+            assert not start["X"] != end["X"] or end["Z"] == 500.0, text
+            continue
+        before, after = one.run(old, in_call=is_call)
+        start, end = other.run(new, in_call=is_call)
+        if old.move is None and not old.once:
+            continue
+        is_rapid = old.move is not None and old.move.kind == "rapid" and not old.once
+        if is_rapid or "home" in old.once or "machine" in old.once:
+            slanting = any(not _equal(start[a], before[a]) for a in "XY" if start["Z"] != end["Z"])
+            assert not slanting, f"comes down elsewhere: {text}"
+            assert start["Z"] >= before["Z"] or _equal(start["Z"], before["Z"]), text
+            named = old.move.axes if old.move else ""
+            assert all(_equal(end[a], after[a]) for a in named), text
+        else:
+            for axis in AXES:
+                assert _equal(start[axis], before[axis]), f"cuts from elsewhere ({axis}): {text}"
+                assert _equal(end[axis], after[axis]), f"cuts to elsewhere ({axis}): {text}"
+        if start["Z"] != end["Z"] and "home" not in old.once and "machine" not in old.once:
+            assert one.offset_is_in_force == other.offset_is_in_force, f"length offset differs: {text}"
+
+
+def _equal(a: float, b: float) -> bool:
+    return (math.isnan(a) and math.isnan(b)) or abs(a - b) < 1e-5
