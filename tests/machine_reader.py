@@ -170,8 +170,9 @@ class Vibration:
 
     @property
     def period_s(self) -> float:
-        """The median time between two crests."""
-        return float(np.median(np.diff(self.crest_s)))
+        """The mean time between two crests of full stroke."""
+        full_s = self.crest_s[self.crest_mm > 0.9 * self.stroke_mm]
+        return float((full_s[-1] - full_s[0]) / (len(full_s) - 1))
 
     @property
     def per_rev(self) -> float:

@@ -74,6 +74,7 @@ vibration.request
 vibration.chain
 vibration.plan
 vibration.speeds
+vibration.advice
 vibration.blocks
 vibration.readback
 

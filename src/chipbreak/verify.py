@@ -123,6 +123,8 @@ def _difference(was: State, now: State) -> str:
     if dict(was.modes) | {"speed_mode": ""} != dict(now.modes) | {"speed_mode": ""}:
         groups = {g for g in was.modes if was.modes[g] != now.modes.get(g)} - {"speed_mode"}
         return f"the modal state ({', '.join(sorted(groups))})"
+    if was.path_words and was.path_words != now.path_words:
+        return "the path mode"
     if _value(was.feed) != _value(now.feed):
         return "the feed"
     pairs = (("tool", was.tool, now.tool), ("spindle", was.spindle, now.spindle))

@@ -18,7 +18,7 @@ from chipbreak.model.kinds import KindRules
 from chipbreak.model.operations import Operation, operations_of
 from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace, interpret
-from chipbreak.model.words import codes_of, is_diameter, length_mm
+from chipbreak.model.words import codes_of, is_diameter, plain_value
 from chipbreak.passes.check_tools import plan
 from chipbreak.settings import Settings
 from chipbreak.source import read
@@ -112,7 +112,7 @@ class Machine:
 
     settings: Settings
     is_filtered: bool
-    at: dict[str, float] = field(default_factory=lambda: {"X": -311.0, "Y": 287.0, "Z": 499.0})
+    at: dict[str, float] = field(default_factory=lambda: {"X": -311.0, "Y": 287.0, "Z": 500.0})
     offset_is_in_force: bool = False
 
     def run(self, step: Step, *, in_call: bool) -> tuple[dict[str, float], dict[str, float]]:
@@ -123,7 +123,7 @@ class Machine:
         if codes:
             self.offset_is_in_force = dialect.g_codes[codes[-1]].value == "on"
         if any(w.address == "M" and w.number == 6.0 for w in step.block.words):
-            self.at = {"X": -311.0, "Y": 287.0, "Z": 499.0}
+            self.at = {"X": -311.0, "Y": 287.0, "Z": 500.0}
         elif in_call:
             self.at = {"X": 777.0, "Y": -222.0, "Z": 500.0}  # over the laser
         elif "home" in step.once or "machine" in step.once:
@@ -135,7 +135,7 @@ class Machine:
         elif step.move is not None:
             for word in step.block.words:
                 if word.address in AXES:
-                    value = length_mm(word, step.after, self.settings.control)
+                    value = plain_value(word) * (25.4 if step.after.is_inch else 1.0)
                     if word.address == "X" and is_diameter(step.after, self.settings.control):
                         value /= 2.0
                     incremental = step.after.modes["distance"] == "incremental"
@@ -154,7 +154,10 @@ def same_cuts(paired: list[tuple[Step, Step | None]], rules: Settings) -> None:
         if old is None:
             start, end = other.run(new, in_call=is_call)
             goes_down = end["Z"] < start["Z"]
-            assert not goes_down or (end["X"], end["Y"]) == (start["X"], start["Y"]) == (one.at["X"], one.at["Y"]), text
+            assert not goes_down or (end["X"], end["Y"]) == (start["X"], start["Y"]) == (
+                one.at["X"],
+                one.at["Y"],
+            ), text
             if goes_down:
                 assert other.offset_is_in_force == one.offset_is_in_force, text
             assert end["Z"] >= one.at["Z"] or _equal(end["Z"], one.at["Z"]), text

@@ -75,7 +75,7 @@ class Screen:
         ):
             set_pin("sampler.0.enable", 1)
             time.sleep(0.02)
-            drained()  # halsampler is reading
+            drained(1000)  # halsampler is reading
             command.auto(api.AUTO_RUN, 0)
             # A short program can be over before the first look at it: do not wait for its start for ever.
             seen = time.monotonic() + 0.5
@@ -89,7 +89,7 @@ class Screen:
                 self.tell(command.abort)
             time.sleep(0.02)
             set_pin("sampler.0.enable", 0)
-            drained()
+            drained(0)
             time.sleep(0.05)
             sampler.terminate()
         self.listen()
@@ -100,12 +100,12 @@ def set_pin(name, value):
     subprocess.run(["halcmd", "setp", name, str(value)], check=True)
 
 
-def drained(limit_s=10.0):
-    """Wait until halsampler has taken nearly all there is."""
+def drained(most, limit_s=10.0):
+    """Wait until halsampler has left no more than ``most`` samples."""
     end = time.monotonic() + limit_s
     while time.monotonic() < end:
         depth = subprocess.run(["halcmd", "getp", "sampler.0.curr-depth"], check=True, capture_output=True)
-        if int(depth.stdout) < 1000:
+        if int(depth.stdout) <= most:
             return
         time.sleep(POLL_S)
 

@@ -170,7 +170,9 @@ def _read(report: dict[str, list[str]], samples: Path, period_s: float, axes: st
     if "overrun" in text:
         raise MachineError("the sampler lost samples: use a smaller speed_up")
     rows = np.array(text.split(), dtype=np.float64).reshape(-1, len(axes) + 2)
-    if len(rows) < 2 or np.any(np.diff(rows[:, 0]) != 1):
+    if len(rows) < 2:
+        raise MachineError("nothing was sampled")
+    if np.any(np.diff(rows[:, 0]) != 1):
         raise MachineError("the record of the motion has holes: use a smaller speed_up")
     table = np.zeros((len(rows), 4))
     table[:, 0] = (rows[:, 0] - rows[0, 0]) * period_s

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from chipbreak.checks.ground import Ground
-from chipbreak.checks.reliance import reliance, relies_on_speed
+from chipbreak.checks.reliance import homed_axes, named_axes, reliance, relies_on_speed
 from chipbreak.model.flow import Flow
 from chipbreak.model.interpret import Interpreter
 from chipbreak.model.main_program import calls_subprogram
@@ -86,7 +86,7 @@ class BorderFinder:
         self.trace, self.ground = trace, ground
         self.dialect = trace.settings.dialect
         steps = list(retract_steps(trace.settings))
-        self._retracted = {axis for step in steps for axis in _axes(step, trace.settings)}
+        self._retracted = {axis for step in steps for axis in named_axes(step, trace.settings)}
         self._retract_homes = any("home" in step.once for step in steps)
 
     def find(self, where: Range) -> Border | NoBorder:
@@ -126,7 +126,8 @@ class BorderFinder:
         line, state, mover = spot.line + 1, step.after, spot.mover
         homed, z_is_home, is_open = spot.homed, spot.z_is_home, spot.spindle_is_open
         codes = {word.number for word in step.block.words if word.address == "M"}
-        named = _axes(step, self.trace.settings)
+        axes_of = homed_axes if "home" in step.once else named_axes
+        named = axes_of(step, self.trace.settings)
         if codes & {3.0, 4.0, 5.0, 19.0}:
             is_open = False
         if calls_tool(step, self.dialect.tool_change):
@@ -215,11 +216,3 @@ def retract_steps(settings: Settings) -> Iterable[Step]:
         step = interpreter.advance(state, read_block(0, text))
         state = step.after
         yield step
-
-
-def _axes(step: Step, settings: Settings) -> frozenset[str]:
-    """The axes that a block names; a reference return without any means all."""
-    incremental = settings.dialect.incremental
-    letters: Sequence[str] = [incremental.get(w.address, w.address) for w in step.block.words]
-    named = frozenset(letters) & frozenset("XYZ")
-    return named if named or "home" not in step.once else frozenset("XYZ")

@@ -16,6 +16,7 @@ from chipbreak.model.operations import calls_tool
 from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace
 from chipbreak.model.words import codes_of, plain_value
+from chipbreak.settings.sections import Settings
 
 # Who has not come to a decision after this many blocks relies on everything.
 HORIZON = 400
@@ -47,6 +48,18 @@ def reliance(trace: Trace, line: int, homed: Collection[str]) -> Reliance:
         if last < trace.program.source.body.stop:
             look.rely_on_rest()
     return Reliance(frozenset(look.axes), look.length_offset)
+
+
+def named_axes(step: Step, settings: Settings) -> frozenset[str]:
+    """The linear axes that a block names."""
+    incremental = settings.dialect.incremental
+    return frozenset(incremental.get(w.address, w.address) for w in step.block.words) & frozenset("XYZ")
+
+
+def homed_axes(step: Step, settings: Settings) -> frozenset[str]:
+    """The axes a reference return takes home; one that names none, not even a rotary axis, means all."""
+    rotary = any(word.address in "ABC" for word in step.block.words)
+    return named_axes(step, settings) or frozenset("" if rotary else "XYZ")
 
 
 def relies_on_speed(trace: Trace, line: int) -> bool:
@@ -122,7 +135,7 @@ class _Look:
 
     def _home(self, step: Step) -> bool:
         """``G91 G28 Z0.`` goes straight home; with other values it is a move to a point first."""
-        named = self._named(step) or set(self.all_axes)
+        named = set(homed_axes(step, self.trace.settings))
         incremental = step.after.modes.get("distance") == "incremental"
         words = [w for w in step.block.words if w.address in self.axis_letters]
         distances = [w for w in words if incremental or w.address in self.dialect.incremental]
@@ -143,6 +156,5 @@ class _Look:
         self.placed |= set() if step.block.skip else named
         return self.placed >= set(self.all_axes)
 
-    def _named(self, step: Step) -> set[str]:
-        letters = {w.address for w in step.block.words if w.address in self.axis_letters}
-        return {self.dialect.incremental.get(letter, letter) for letter in letters} & set("XYZ")
+    def _named(self, step: Step) -> frozenset[str]:
+        return named_axes(step, self.trace.settings)

@@ -19,7 +19,7 @@ from chipbreak.model.motion import AXES, move_of
 from chipbreak.model.peripheral import peripheral_of
 from chipbreak.model.requests import vibration_words
 from chipbreak.model.steps import CUTTING, Move, Step
-from chipbreak.model.words import feed_value, plain_value
+from chipbreak.model.words import codes_of, feed_value, plain_value
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
 
@@ -91,7 +91,8 @@ class Interpreter:
             step = Step(block, state, state)
             return self._with_peripheral(step) if block.comments else step
         if self.flow.in_contour(block.line):
-            return Step(block, state, state, in_contour=True)
+            asks = vibration_words(block, self.axis_letters, cuts=True, has_once=False)
+            return Step(block, state, state, vibration=asks, in_contour=True)
         step = self._with_peripheral(self._execute(state, block))
         if block.skip:
             step = replace(step, after=_maybe(state, step.after, block.line))
@@ -157,6 +158,8 @@ class Interpreter:
             after = replace(after, feed=None)
         if modes["speed_mode"] != state.modes["speed_mode"]:
             after = replace(after, speed=None)
+        if "path" in changes:
+            after = replace(after, path_words=self._path_words(block))
         limits = self._is_speed_limit(block)
         reads_all = bool(once & _READS_ALL) and not limits
         for word in block.words:
@@ -176,6 +179,13 @@ class Interpreter:
             after = replace(after, position=after.position._replace(z=math.nan))
             after = replace(after, unknown_why="tool length compensation changed Z")
         return after
+
+    def _path_words(self, block: Block) -> str:
+        """``G64 P0.01 Q0.005``: the path mode in the program's own words."""
+        codes = codes_of(block, "path", self.dialect)
+        is_code = [w.address == "G" and round((w.number or 0.0) * 10) in codes for w in block.words]
+        words = [w for w, mine in zip(block.words, is_code, strict=True) if mine or w.address in "PQ"]
+        return " ".join(block.text[w.start : w.end] for w in words)
 
     def _is_speed_limit(self, block: Block) -> bool:
         """``G50 S2000``: a code that limits the spindle when it stands with S."""

@@ -38,6 +38,7 @@ class State:
     ``speed``          S as programmed: rpm under speed_mode rpm, m/min (or ft/min) under surface
     ``speed_limit``    G50/G92 S, LinuxCNC's G96 D [rpm]
     ``unknown_why``    why the position, the feed or the speed cannot be known
+    ``path_words``     the path mode as the program wrote it, with its P and Q; empty while it said none
     """
 
     modes: Mapping[str, str]
@@ -51,6 +52,7 @@ class State:
     tool: int | None = None
     next_tool: int | None = None
     ended: bool = False
+    path_words: str = ""
 
     def with_modes(self, changes: Mapping[str, str]) -> State:
         """The same with some modal groups changed."""

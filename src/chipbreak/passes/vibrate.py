@@ -19,6 +19,7 @@ from chipbreak.model.trace import Trace
 from chipbreak.model.words import codes_of
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
+from chipbreak.vibration.advice import with_advice
 from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.chain import Chain, chains_of
 from chipbreak.vibration.plan import VibratedCut, plan_cut
@@ -57,7 +58,7 @@ def plan(trace: Trace, settings: Settings) -> VibrationPlan:
         try:
             cut = plan_cut(chain, settings)
             _check_motion_mode(trace, chain)
-            expansions.append(moves_of(cut, settings))
+            expansions.append(_expand(cut, settings))
         except RefusalError as error:
             diagnostics.append(_at_chain(trace, chain, error))
             continue
@@ -78,6 +79,13 @@ def plan(trace: Trace, settings: Settings) -> VibrationPlan:
     back = [_speed_back(change) for change in changes if change.for_cut is None]
     planned = tuple(map(PlannedCut, cuts, expansions, edits))
     return VibrationPlan(planned, tuple(edits + back), ())
+
+
+def _expand(cut: VibratedCut, settings: Settings) -> Expansion:
+    try:
+        return moves_of(cut, settings)
+    except RefusalError as error:
+        raise with_advice(error, cut, settings) from None
 
 
 def _by_line(diagnostic: Diagnostic) -> int:
@@ -113,6 +121,11 @@ def _expansion(
         head.append(settings.dialect.code("feed_mode", mode, like))
         feed_back = f"{settings.dialect.code('feed_mode', was, like)} {feed_back}"
     tail = [] if mode == was and cut.cut.end_revolutions > 0.0 else [feed_back]
+    path_mode = settings.planner.path_mode
+    if path_mode and chain.before.path_words != path_mode:
+        # A straight oscillation is collinear: a blending path mode may round it away.
+        head.append(path_mode)
+        tail.append(chain.before.path_words or settings.planner.usual_path_mode)
     solution = cut.solution
     title = (
         f"VIB N{print_number(solution.per_rev, 4, point=False)}"

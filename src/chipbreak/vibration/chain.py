@@ -144,7 +144,7 @@ def refusal_of(request: Request) -> tuple[RefusalError, tuple[int, int] | None] 
     if not state.turns:
         message = "the spindle is not turning (no M3 or M4 before this block)"
         return RefusalError("VIB046", message, "start the spindle before the cut"), at
-    return _words_refusal(step) or _feed_refusal(state) or _position_refusal(step, move)
+    return _words_refusal(step) or _position_refusal(step, move) or _feed_refusal(state)
 
 
 def _not_a_cut(move: Move | None) -> RefusalError:

@@ -179,7 +179,9 @@ def _centre_from_radius(start: Floats, end: Floats, leg: Leg) -> Floats:
     chord = end - start
     length = float(np.hypot(*chord))
     radius = abs(leg.radius_mm)
-    if not math.isfinite(radius) or length == 0.0 or radius < length / 2.0 - _RADIUS_TOLERANCE_MM:
+    if math.isnan(radius):
+        raise RefusalError("VIB022", "the arc has neither centre nor radius", "give I, J, K or R on the block")
+    if length == 0.0 or radius < length / 2.0 - _RADIUS_TOLERANCE_MM:
         message = f"no arc of radius {leg.radius_mm:g} mm joins points {length:.4f} mm apart"
         raise RefusalError("VIB022", message, "give I, J, K or a fitting R on the block")
     height = math.sqrt(max(0.0, radius * radius - length * length / 4.0))

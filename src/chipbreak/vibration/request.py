@@ -25,6 +25,7 @@ _FROM_PROFILE = {
     "EDGES": "edges",
 }
 _INSTEAD = {"N": "E", "E": "N", "Q": "A", "A": "Q"}
+_OFF = Directive(False)
 _LIMITS = {"ALPHA": (0.0, 1.0)}
 # An axis word with, behind it, an N or with F also an f: a request even where the line cannot be read.
 _LOOKS_ASKING = re.compile(r"[XYZUVW]\s*[-+.\d].*?(?:N\s*[-+]?[.\d]|F\s*[.\d].*f\s*[-+]?[.\d])")
@@ -108,10 +109,10 @@ class RequestReader:
                 found = read_directive(comment.text, int(self.program.source.place(line).line))
             except RefusalError as error:
                 self._error(line, error, (comment.start, comment.end))
-                continue
+                found = _OFF  # one fault, one error: the cuts behind it are not judged by it
             if found is not None:
-                self.directive = found
-                self._check_values(line, found.values, (comment.start, comment.end))
+                fits = self._check_values(line, found.values, (comment.start, comment.end))
+                self.directive = found if fits else _OFF
 
     def _asked_by_words(self, step: Step) -> None:
         values: dict[str, Given] = {}
@@ -169,6 +170,7 @@ class RequestReader:
             help_text = "correct the line, or write (VIB OFF) before it"
             at = (block.opaque_column, block.opaque_column + 1)
             self.diagnostics.append(self.program.diagnose(line, "VIB018", message, help_text, at=at))
+            self.directive = _OFF
 
     def _complain_of_stray(self) -> None:
         """In a program that vibrates, a lone lower-case f is a feed to the control: say so, do not guess."""

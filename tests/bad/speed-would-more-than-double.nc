@@ -1,0 +1,5 @@
+(EXPECT VIB008 4:16 command.periods_ms=[16])
+G97 S1000 M3
+G0 X20. Z2.
+G1 Z-30. F0.05 N1.5
+M30
