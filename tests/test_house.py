@@ -44,6 +44,9 @@ CODE = re.compile(r"[\"']([A-Z]{3}[0-9]{3})[\"']")
 # A code belongs to one module.  Those that two of them share, and the one thing each code says:
 SHARED_CODES = {
     "VIB023": "the cut has no length, as it is written or as it is printed",
+    "VIB030": "a stroke needs more acceleration than the axis has, of one block or of several",
+    "VIB031": "the strokes need more speed than the axis has, one by one or all at once",
+    "VIB032": "the strokes need more blocks per second than the control reads, likewise",
 }
 
 

@@ -73,13 +73,13 @@ def filter_command(
         sys.exit(DIFFERENT if result.changed else DONE)
     target = source if in_place else output
     if target is None or target == "-":
-        write_stdout(result.output)
+        write_stdout([result.data])
         return
     if in_place and not result.changed:
         return
     if backup is not None:
         replace_file(Path(source + backup), [data])
-    replace_file(Path(target), result.output)
+    replace_file(Path(target), [result.data])
 
 
 @cli.command()

@@ -26,22 +26,16 @@ _MOST_ALIKE = 5
 class Result:
     """What became of a program.
 
-    ``output`` holds the pieces of the new program; joined they are its bytes.  ``changed`` says whether they
-    differ from what came in.
+    ``data`` is the new program.  ``changed`` says whether it differs from what came in.
     """
 
     source: Source
-    output: tuple[bytes, ...]
+    data: bytes
     changed: bool
     diagnostics: tuple[Diagnostic, ...]
     cuts: tuple[CheckedCut, ...]
     operations: tuple[Operation, ...]
     edits: tuple[Edit, ...]
-
-    @property
-    def data(self) -> bytes:
-        """The new program."""
-        return b"".join(self.output)
 
 
 def rewrite(
@@ -67,15 +61,15 @@ def rewrite(
     if has_errors(diagnostics):
         raise ProgramRejectedError(in_place_order(diagnostics))
     edits = [*speed_edits, *vibration.edits, *check_edits]
-    output = tuple(render(trace.program, edits, settings)) if edits else (source.data,)
-    cuts = verify(trace, b"".join(output), edits, vibration.cuts) if edits else []
+    output = b"".join(render(trace.program, edits, settings)) if edits else source.data
+    cuts = verify(trace, output, edits, vibration.cuts) if edits else []
     diagnostics += _chip_diagnostics(trace, cuts, operations, allow_unbroken=allow_unbroken)
     if has_errors(diagnostics):
         raise ProgramRejectedError(in_place_order(diagnostics))
     return Result(
         source=source,
-        output=output,
-        changed=b"".join(output) != data if edits or source is not given else False,
+        data=output,
+        changed=output != data,
         diagnostics=in_place_order(diagnostics),
         cuts=tuple(cuts),
         operations=tuple(operations),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -109,6 +110,17 @@ def _rejected(source: Source, line: int, code: str, message: str, help_text: str
     return ProgramRejectedError([Diagnostic(code, Severity.ERROR, message, help_text, place, text)])
 
 
+def restored_bytes(source: Source, found: Sequence[Region]) -> bytes:
+    """The bytes of the original program, from the changes that :func:`regions` found."""
+    pieces: list[bytes] = []
+    line = 0
+    for region in found:
+        pieces += [source.data[source.starts[line] : source.starts[region.first]], region.original]
+        line = region.last
+    pieces.append(source.data[source.starts[line] :])
+    return b"".join(pieces)
+
+
 def restore(source: Source) -> Source:
     """The original program.  Messages about it still name the lines of the file it came from.
 
@@ -117,15 +129,12 @@ def restore(source: Source) -> Source:
     found = regions(source)
     if not found:
         return source
-    pieces: list[bytes] = []
     numbers: list[NDArray[np.int64]] = []
     line = 0
     for region in found:
-        pieces += [source.data[source.starts[line] : source.starts[region.first]], region.original]
         numbers.append(np.arange(line, region.first) + 1)
         count = read(region.original).line_count if region.original else 0
         numbers.append(np.full(count, region.first + 1))
         line = region.last
-    pieces.append(source.data[source.starts[line] :])
     numbers.append(np.arange(line, source.line_count) + 1)
-    return read(b"".join(pieces), source.name, np.concatenate(numbers))
+    return read(restored_bytes(source, found), source.name, np.concatenate(numbers))

@@ -19,9 +19,9 @@ from chipbreak.model.modal import Setting, State
 from chipbreak.model.trace import Trace, interpret
 from chipbreak.model.words import codes_of
 from chipbreak.passes.vibrate import PlannedCut
-from chipbreak.restore import Region, regions, restore
-from chipbreak.source import read
-from chipbreak.syntax.parse import parse
+from chipbreak.restore import Region, regions, restored_bytes
+from chipbreak.source import Source, read
+from chipbreak.syntax.parse import parse_changed
 from chipbreak.units import MM_PER_INCH
 
 
@@ -30,13 +30,15 @@ def verify(
 ) -> list[CheckedCut]:
     """Check the output against the original.  Raises SelfCheckError."""
     source = read(output, trace.program.source.name)
-    if restore(source).data != trace.program.source.data:
-        raise SelfCheckError("putting the output back does not give the original bytes")
-    result = interpret(parse(source), trace.settings)
     found = regions(source)
+    if restored_bytes(source, found) != trace.program.source.data:
+        raise SelfCheckError("putting the output back does not give the original bytes")
     ordered = in_order(edits)
     if len(found) != len(ordered):
         raise SelfCheckError(f"{len(ordered)} changes were planned, {len(found)} stand in the output")
+    # What stands between the changes has just been found equal, so it need not be classified twice.
+    kept = _kept(trace, source, ordered, found)
+    result = interpret(parse_changed(source, trace.program, kept), trace.settings)
     by_edit = {id(cut.edit): cut for cut in cuts}
     checked = []
     motion_from = 0
@@ -51,6 +53,21 @@ def verify(
         if planned is not None:
             checked.append(measure_cut(result, region, planned))
     return checked
+
+
+def _kept(
+    trace: Trace, source: Source, edits: Sequence[Edit], found: Sequence[Region]
+) -> list[tuple[int, int, int]]:
+    """The stretches of lines between changes: first, last, first in the original."""
+    firsts = [0, *(region.last for region in found)]
+    lasts = [*(region.first for region in found), source.line_count]
+    old_firsts = [0, *(edit.last for edit in edits)]
+    old_lasts = [*(edit.first for edit in edits), trace.program.source.line_count]
+    kept = list(zip(firsts, lasts, old_firsts, strict=True))
+    old_counts = [last - first for first, last in zip(old_firsts, old_lasts, strict=True)]
+    if [last - first for first, last, _ in kept] != old_counts:
+        raise SelfCheckError("the lines between the changes are not those of the original")
+    return kept
 
 
 def _check_length(result: Trace, region: Region) -> None:

@@ -165,7 +165,7 @@ def same_cuts(paired: list[tuple[Step, Step | None]], rules: Settings) -> None:
             continue
         before, after = one.run(old, in_call=is_call)
         start, end = other.run(new, in_call=is_call)
-        if old.move is None and not old.once:
+        if old.move is None and not old.once - {"data-setting", "shift", "dwell", "exact-stop"}:
             continue
         is_rapid = old.move is not None and old.move.kind == "rapid" and not old.once
         if is_rapid or "home" in old.once or "machine" in old.once:

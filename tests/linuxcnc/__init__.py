@@ -15,6 +15,7 @@ What does the machine do with it, servo period by servo period?
     a.samples           # (n, 4): time [s], x, y, z [mm], a row per servo period;  a.moving(): no rests
     a.errors            # operator errors;  a.messages;  a.lines (n,);  a.line_times() {line: s}
 
+``machine.run_steadily`` is for tests that compare samples: it repeats a run in which the machine had to wait.
 A start costs about a second, so give ``run`` many programs at once.  Each starts from machine zero.  The
 commanded position is what LinuxCNC sends to the drives, with the (1, 4, 1)/6 average of its joint
 interpolator: it lags the planner by two periods and cuts the tip of a reversal by a third of the planner's

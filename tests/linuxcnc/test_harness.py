@@ -102,7 +102,7 @@ def test_subroutines_tools_and_block_delete(tmp_path: Path) -> None:
 def test_the_machine_reaches_the_end_and_reports_errors() -> None:
     good = b"G21 G90 G94 G61.1\nG1 X10 Y5 Z-3 F600\nG1 Z-4\nG1 Z-3\n(msg, done)\nM2\n"
     bad = b"G93\nG1 X3\nM2\n"
-    run, stopped, again = machine.run([good, bad, good], acceleration_mm_s2=2000)
+    run, stopped, again = machine.run_steadily([good, bad, good], acceleration_mm_s2=2000)
 
     assert run.errors == ()
     assert [text.strip() for text in run.messages] == ["done"]
@@ -120,7 +120,8 @@ def test_exact_stop_runs_do_not_depend_on_the_speed_of_the_clock() -> None:
     strokes = "".join(f"G1 Z{0.07 + 0.01 * k:.3f} F6000\nZ{0.01 * (k + 1):.3f}\n" for k in range(40))
     programs = [f"G21 G90 G94 {mode}\n{strokes}M2\n".encode() for mode in ("G61", "G61.1")]
     slow, fast = (
-        machine.run(programs, acceleration_mm_s2=10000, lathe=True, speed_up=speed_up) for speed_up in (1, 10)
+        machine.run_steadily(programs, acceleration_mm_s2=10000, lathe=True, speed_up=speed_up)
+        for speed_up in (1, 10)
     )
 
     for one, other in zip(slow, fast, strict=True):

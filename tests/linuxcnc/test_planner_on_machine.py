@@ -77,15 +77,18 @@ class Case:
         return (head + "\n".join([*blocks, clean, "M2", ""])).encode()
 
 
-def run(cases: list[Case], speed_up: float) -> list[tuple[Case, NDArray[np.float64], machine.Run]]:
+def run(cases: list[Case], *, steadily: bool = False) -> list[tuple[Case, NDArray[np.float64], machine.Run]]:
     """Each case with the feeds asked for and what the machine did; one start per acceleration and mode."""
     done = []
     for acceleration, path_mode in sorted({(case.acceleration_mm_s2, case.path_mode) for case in cases}):
         group = [c for c in cases if (c.acceleration_mm_s2, c.path_mode) == (acceleration, path_mode)]
         feeds = [feeds_for_times(case.lengths_mm, case.times_s, case.model) for case in group]
         programs = [case.program(feed) for case, feed in zip(group, feeds, strict=True)]
-        speed = min(speed_up, 5.0) if path_mode == "G64" else speed_up
-        runs = machine.run(programs, acceleration_mm_s2=acceleration, lathe=True, speed_up=speed)
+        options = {"acceleration_mm_s2": acceleration, "lathe": True}
+        if steadily:
+            runs = machine.run_steadily(programs, **options)
+        else:
+            runs = machine.run(programs, **options, speed_up=5.0 if path_mode == "G64" else 20.0)
         done += list(zip(group, feeds, runs, strict=True))
     return done
 
@@ -108,7 +111,7 @@ GRID = [
 @pytest.mark.linuxcnc("machine")
 def test_strokes_reach_the_frequency_they_were_asked_for() -> None:
     assert len(GRID) > 50
-    for case, feeds, done in run(GRID, speed_up=20.0):
+    for case, feeds, done in run(GRID):
         assert done.errors == (), case
         measured = np.array([done.line_times()[3 + i] for i in range(2 * VIBRATIONS)])
         expected = predict(case.lengths_mm, feeds, case.model)
@@ -129,7 +132,7 @@ def test_strokes_reach_the_frequency_they_were_asked_for() -> None:
 def test_the_commanded_positions_are_the_predicted_ones() -> None:
     cases = [Case(20000.0, 0.06, 62.5), Case(5000.0, 0.1, 31.25, path_mode="G61.1")]
     cases += [Case(5000.0, 0.1, 20.0, forward_share=0.7), Case(2000.0, 0.05, 30.0, "G95")]
-    for case, feeds, done in run(cases, speed_up=5.0):
+    for case, feeds, done in run(cases, steadily=True):
         lengths = np.r_[case.lengths_mm, CLEAN_MM]
         path = trace(lengths, np.r_[feeds, CLEAN_MM_S], case.model)[:, 1]
         seen = -done.moving()[:, 3]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -12,8 +13,8 @@ from chipbreak.source import Source, read
 from chipbreak.syntax import shapes
 from chipbreak.syntax.columns import read_columns, uniform_run
 from chipbreak.syntax.nodes import Block
-from chipbreak.syntax.parse import parse, read_block, read_by_grammar, read_plain
-from chipbreak.syntax.shapes import PLAIN_LETTERS, Shape, classify
+from chipbreak.syntax.parse import parse, parse_changed, read_block, read_by_grammar, read_plain
+from chipbreak.syntax.shapes import PLAIN_LETTERS, Shape
 
 from .fragments import good_lines, lines, programs
 
@@ -130,7 +131,8 @@ def compare_shape_and_block(shape: Shape, block: Block) -> None:
 
 
 def compare_shapes(source: Source) -> None:
-    plain, found = classify(source)
+    program = parse(source)
+    plain, found = program.plain, program.shapes
     assert len(plain) == source.line_count
     for line, index in enumerate(plain.tolist()):
         if index >= 0:
@@ -181,12 +183,32 @@ def test_shapes_and_blocks_agree_on_the_corpus(corpus_file: Path) -> None:
 @example(b"\n\nG1", 1)
 def test_shapes_do_not_depend_on_the_size_of_the_pieces(data: bytes, size: int) -> None:
     source = read(data)
-    whole, found = classify(source)
+    whole = parse(source)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(shapes, "_CHUNK_BYTES", size)
-        pieces, found_in_pieces = classify(source)
-    assert pieces.tolist() == whole.tolist()
-    assert found_in_pieces == found
+        pieces = parse(source)
+    assert pieces.plain.tolist() == whole.plain.tolist()
+    assert pieces.shapes == whole.shapes
+
+
+@given(programs, programs, st.data())
+def test_a_changed_program_is_classified_as_if_it_were_new(old: bytes, new: bytes, data: st.DataObject) -> None:
+    original = parse(read(old))
+    count = original.source.line_count
+    first = data.draw(st.integers(0, count))
+    last = data.draw(st.integers(first, count))
+    starts = original.source.starts
+    head, tail = old[: starts[first]], old[starts[last] :]
+    insert = read(new if new.endswith((b"\r", b"\n")) else new + b"\n")
+    changed = read(head + insert.data + tail)
+    same_cut = changed.line_count == first + insert.line_count + count - last
+    if not same_cut:  # a line end was split or joined at the border
+        return
+    kept = [(0, first, 0), (first + insert.line_count, changed.line_count, last)]
+    spliced, fresh = parse_changed(changed, original, kept), parse(changed)
+    assert spliced.events.tolist() == fresh.events.tolist()
+    for line in np.flatnonzero(fresh.plain >= 0).tolist():
+        assert spliced.shapes[spliced.plain[line]] == fresh.shapes[fresh.plain[line]]
 
 
 blank = st.sampled_from(["", "", " ", "\t", "  "])

@@ -84,7 +84,6 @@ class _Wish:
 
     event: Event
     values: CallValues
-    where: Range
     reason: str
 
     @property
@@ -118,6 +117,7 @@ class _Planner:
         self.planned: list[PlannedCheck] = []
         self.diagnostics: list[Diagnostic] = []
         self.traced: set[int] = set()
+        self.shapeless: set[int] = set()
 
     def run(self) -> None:
         """Plan visit by visit: what a tool does between its call and the next one."""
@@ -164,7 +164,7 @@ class _Planner:
         first = max([self.main.first, *ends])
         where = Range(first, call, call, at_start=first == self.main.first)
         reason = "the beam is measured once a workpiece, before the first tool is called"
-        self._place(_Wish(Event.CALIBRATE, CallValues(), where, reason))
+        self._place(where, _Wish(Event.CALIBRATE, CallValues(), reason))
 
     def _check_tool(self, call: int, operation: Operation, tool: int) -> None:
         """TOOL CHECK and TRACE, after the tool call and before its first cut."""
@@ -172,20 +172,22 @@ class _Planner:
         where = Range(call + 1, call + 1, operation.first_cut)
         values = CallValues(tool, operation.speed_rpm, self.checks.trace_height_mm)
         called = f"called in line {self.trace.program.source.place(call).line}"
+        wishes = []
         if self._can_call(Event.TOOL_CHECK, values, operation.first_cut):
             reason = f"T{tool} is {called} and has not cut yet"
-            self._place(_Wish(Event.TOOL_CHECK, values, where, reason))
+            wishes.append(_Wish(Event.TOOL_CHECK, values, reason))
         if tool not in self.traced and self._can_call(Event.TRACE, values, operation.first_cut):
             reason = f"the edge of T{tool}, {called}, is stored before its first cut"
-            if self._place(_Wish(Event.TRACE, values, where, reason)):
-                self.traced.add(tool)
+            wishes.append(_Wish(Event.TRACE, values, reason))
+        if wishes and self._place(where, *wishes) and wishes[-1].event is Event.TRACE:
+            self.traced.add(tool)
 
     def _can_call(self, event: Event, values: CallValues, first_cut: int) -> bool:
         """True when the set has such a call and its speed is known."""
         if not self.calls.has(event):
             return False
         if values.speed_rpm is None and self.calls.needs(event, "speed_rpm"):
-            message = f"{event.title} T{values.tool} is left out: the spindle speed of this cut is not known"
+            message = f"left out: {event.title} T{values.tool}; the spindle speed of this cut is not known"
             self._say(first_cut, NO_SPEED, message, "give S and M3 or M4 before the cut")
             return False
         return True
@@ -197,8 +199,12 @@ class _Planner:
             return
         assert operation.last_cut is not None
         if self.calls.has(Event.TRACE) and tool not in self.traced:
-            message = f"CHIP CHECK T{tool} is left out: no shape of its edge was stored before"
-            self._say(operation.last_cut, NO_SHAPE, message, "see why its TRACE was left out")
+            if tool not in self.shapeless:
+                message = (
+                    f"left out: CHIP CHECK T{tool} until it is called again; no shape of its edge was stored"
+                )
+                self._say(operation.last_cut, NO_SHAPE, message, "see why its TRACE was left out")
+            self.shapeless.add(tool)
             return
         values = CallValues(
             tool=tool,
@@ -207,7 +213,7 @@ class _Planner:
             operation=limit.next_kind.value.upper(),
         )
         where = Range(operation.last_cut + 1, operation.last_line, self._last_place_behind(operation))
-        self._place(_Wish(Event.CHIP_CHECK, values, where, limit.reason))
+        self._place(where, _Wish(Event.CHIP_CHECK, values, limit.reason))
 
     def _limit(self, operation: Operation, tool: int) -> Limit | None:
         if operation.index in self.next_use:
@@ -229,17 +235,20 @@ class _Planner:
                     return line
         return self.main.last
 
-    def _place(self, wish: _Wish) -> bool:
-        """Plan a check at the first safe border of its range, or say why there is none."""
-        found = self.finder.find(wish.where)
+    def _place(self, where: Range, *wishes: _Wish) -> bool:
+        """Plan checks at the first safe border of a range, or say why there is none."""
+        found = self.finder.find(where)
         if isinstance(found, NoBorder):
-            message = f"{wish.title} is left out: nothing can be inserted here, because {found.why}"
+            titles = ", ".join(wish.title for wish in wishes)
+            message = f"left out: {titles}; nothing can be inserted here, because {found.why}"
             help_text = "make a place for it: G0 to a known position, G40, G80, the spindle with S"
             self._say(found.line, NO_BORDER, message, help_text)
             return False
-        blocks = self.calls.text(wish.event, wish.values, is_inch=found.state.is_inch)
-        tool, limit_mm = wish.values.tool, wish.values.limit_mm
-        self.planned.append(PlannedCheck(wish.event, tool, found, blocks, wish.title, wish.reason, limit_mm))
+        for wish in wishes:
+            blocks = self.calls.text(wish.event, wish.values, is_inch=found.state.is_inch)
+            tool, limit_mm = wish.values.tool, wish.values.limit_mm
+            check = PlannedCheck(wish.event, tool, found, blocks, wish.title, wish.reason, limit_mm)
+            self.planned.append(check)
         return True
 
     def _say(self, line: int, code: str, message: str, help_text: str = "") -> None:

@@ -9,6 +9,7 @@ start elsewhere.
 from __future__ import annotations
 
 from collections.abc import Collection
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 
 from chipbreak.model.main_program import calls_subprogram
@@ -113,7 +114,7 @@ class _Look:
             return bool(self._named(step)) and not step.once and self.rely_on_rest()
         if step.move.kind != "rapid" or step.move.incremental:
             return self.rely_on_rest()
-        return self._rapid(set(step.move.axes), bool(block.skip))
+        return self._rapid(frozenset(step.move.axes), bool(block.skip))
 
     def rely_on_rest(self) -> bool:
         """All axes that are not in place yet."""
@@ -122,7 +123,7 @@ class _Look:
         self.length_offset |= "Z" in rest and not self.offset_is_new
         return True
 
-    def _rapid(self, named: set[str], may_be_skipped: bool) -> bool:
+    def _rapid(self, named: AbstractSet[str], may_be_skipped: bool) -> bool:
         if not self.dialect.is_lathe and "Z" in named:
             away = {"X", "Y"} - self.placed
             if away & named:
@@ -135,7 +136,7 @@ class _Look:
 
     def _home(self, step: Step) -> bool:
         """``G91 G28 Z0.`` goes straight home; with other values it is a move to a point first."""
-        named = set(homed_axes(step, self.trace.settings))
+        named = homed_axes(step, self.trace.settings)
         incremental = step.after.modes.get("distance") == "incremental"
         words = [w for w in step.block.words if w.address in self.axis_letters]
         distances = [w for w in words if incremental or w.address in self.dialect.incremental]

@@ -102,15 +102,14 @@ class Trace:
         if state.modes.get("distance", "absolute") == "incremental":
             return True
         incremental = set(self.settings.dialect.incremental)
-        used = np.unique(self.program.plain[first:last])
-        return any(incremental.intersection(self.program.shapes[i].letters) for i in used if i >= 0)
+        used = _used(self.program.plain[first:last])
+        return any(incremental.intersection(self.program.shapes[i].letters) for i in used)
 
     def _values_are_plain(self, first: int, last: int) -> bool:
         """True when every number of a run means what it says."""
         if self.settings.control.decimal_point == "calculator":
             return True
-        used = np.unique(self.program.plain[first:last])
-        return all(self.program.shapes[i].has_points for i in used if i >= 0)
+        return all(self.program.shapes[i].has_points for i in _used(self.program.plain[first:last]))
 
     def _sum(self, state: State, last: int, letters: str, numbers: NDArray[np.float64]) -> State:
         """Add up the distances of a run whose blocks all have the same words."""
@@ -137,15 +136,14 @@ class Trace:
         """Take the last word of each letter in a run."""
         shapes = self.program.shapes
         ids = self.program.plain[first:last]
-        used = np.unique(ids)
-        used = used[used >= 0]  # the others are blank lines and comments
+        used = _used(ids)
         control = self.settings.control
-        motion_at = _last_of(ids, [i for i in used if shapes[i].motion is not None])
+        motion_at = _last_of(ids, [i for i in used if shapes[i].motion is not None], len(shapes))
         if motion_at >= 0:
             state = state.with_modes({"motion": _MOTION[shapes[ids[motion_at]].motion or 0]})
         position = {}
         for letter in "XYZF":
-            at = _last_of(ids, [i for i in used if letter in shapes[i].letters])
+            at = _last_of(ids, [i for i in used if letter in shapes[i].letters], len(shapes))
             if at < 0:
                 continue
             word = self.program.block(first + at).word(letter)
@@ -162,16 +160,24 @@ class Trace:
         return replace(state, position=state.position._replace(**position))
 
 
-def _last_of(ids: np.ndarray[tuple[int], np.dtype[np.int32]], wanted: list[np.int32]) -> int:
+def _used(ids: NDArray[np.int32]) -> list[int]:
+    """The shapes that occur; what is no plain block there is a blank line or a comment."""
+    return (np.flatnonzero(np.bincount(ids + 1)[1:])).tolist()
+
+
+def _last_of(ids: NDArray[np.int32], wanted: list[int], shape_count: int) -> int:
     """Index of the last element that is one of ``wanted``, -1 for none."""
     if not wanted:
         return -1
-    chunk = 1024
-    for stop in range(len(ids), 0, -chunk):
-        start = max(0, stop - chunk)
-        found = np.flatnonzero(np.isin(ids[start:stop], wanted))
+    is_wanted = np.zeros(shape_count + 1, np.bool_)  # one more, for the -1 of lines that are no plain block
+    is_wanted[wanted] = True
+    stop, window = len(ids), 64
+    while stop > 0:
+        start = max(0, stop - window)
+        found = np.flatnonzero(is_wanted[ids[start:stop]])
         if len(found):
             return start + int(found[-1])
+        stop, window = start, window * 4
     return -1
 
 

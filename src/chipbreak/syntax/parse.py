@@ -8,7 +8,7 @@ roads equal.  What neither can read becomes an opaque block, with a diagnostic, 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -20,7 +20,7 @@ from chipbreak.source import BLANKS, Source
 from chipbreak.syntax.build import BlockBuilder, UnreadableError, build_block, opaque
 from chipbreak.syntax.grammar import block_parser, terminals
 from chipbreak.syntax.nodes import Block, Word
-from chipbreak.syntax.shapes import LONGEST_PLAIN, Shape, classify
+from chipbreak.syntax.shapes import LONGEST_PLAIN, Shape, ShapeTable, classify
 
 UNREADABLE = "SYN001"
 # No control reads blocks of this length; without a bound one line could fill the memory.
@@ -32,15 +32,20 @@ _BLANK_CHARACTERS = BLANKS.decode("latin-1")
 class Program:
     """A program as lines, without losing a byte.
 
-    ``plain`` holds for every line the index of its shape in ``shapes``, or -1 where the line is more than a
-    plain motion block; ``events`` are those lines of the body.  Blocks are read when asked for.
+    ``plain`` holds for every line the index of its shape in ``table.shapes``, or -1 where the line is more
+    than a plain motion block; ``events`` are those lines of the body.  Blocks are read when asked for.
     """
 
     source: Source
     plain: NDArray[np.int32]
-    shapes: tuple[Shape, ...]
+    table: ShapeTable
     events: NDArray[np.int64]
     _blocks: dict[int, Block] = field(default_factory=dict)
+
+    @property
+    def shapes(self) -> Sequence[Shape]:
+        """The shapes of its plain lines."""
+        return self.table.shapes
 
     def block(self, line: int) -> Block:
         """The block on a line."""
@@ -88,10 +93,30 @@ class Program:
 
 def parse(source: Source) -> Program:
     """Classify every line; blocks are read on demand.  Never fails."""
-    plain, shapes = classify(source)
+    table = ShapeTable()
+    return _program(source, classify(source, table, 0, source.line_count), table)
+
+
+def parse_changed(source: Source, original: Program, kept: Sequence[tuple[int, int, int]]) -> Program:
+    """Parse a program of which stretches of lines are those of ``original``, byte for byte.
+
+    ``kept`` holds (first, last, first in the original) for each stretch, in order; only the lines between
+    them are classified anew, because what a line is depends on nothing but its own bytes.
+    """
+    parts = []
+    line = 0
+    for first, last, old_first in kept:
+        parts.append(classify(source, original.table, line, first))
+        parts.append(original.plain[old_first : old_first + last - first])
+        line = last
+    parts.append(classify(source, original.table, line, source.line_count))
+    return _program(source, np.concatenate(parts), original.table)
+
+
+def _program(source: Source, plain: NDArray[np.int32], table: ShapeTable) -> Program:
     body = source.body
     events = np.flatnonzero(plain[body.start : body.stop] < 0).astype(np.int64) + body.start
-    return Program(source, plain, tuple(shapes), events)
+    return Program(source, plain, table, events)
 
 
 def emit(program: Program) -> bytes:

@@ -65,13 +65,12 @@ def read_shape(shape: bytes) -> Shape | None:
     return Shape(letters, motion, match[2].count(b".") == len(letters))
 
 
-def line_shapes(source: Source) -> Iterator[list[bytes]]:
-    """The shapes of all lines, in order, a chunk of lines at a time."""
-    first = 0
-    while first < source.line_count:
+def line_shapes(source: Source, first: int, stop: int) -> Iterator[list[bytes]]:
+    """The shapes of lines ``first`` to ``stop`` (exclusive), in order, a chunk of lines at a time."""
+    while first < stop:
         limit = source.starts[first] + _CHUNK_BYTES
         last = max(first + 1, int(np.searchsorted(source.starts, limit, "right")) - 1)
-        last = min(last, source.line_count)
+        last = min(last, stop)
         shapes = _chunk_shapes(source.data[source.starts[first] : source.starts[last]])
         yield shapes[: last - first]
         first = last
@@ -112,10 +111,10 @@ class ShapeTable(dict[bytes, int]):
         return index
 
 
-def classify(source: Source) -> tuple[NDArray[np.int32], list[Shape]]:
-    """For every line the index of its plain shape, or -1; and the shapes."""
-    table = ShapeTable()
-    parts = [np.array(list(map(table.__getitem__, chunk)), np.int32) for chunk in line_shapes(source)]
+def classify(source: Source, table: ShapeTable, first: int, stop: int) -> NDArray[np.int32]:
+    """For lines ``first`` to ``stop`` (exclusive) the index of the plain shape in ``table.shapes``, or -1."""
+    chunks = line_shapes(source, first, stop)
+    parts = [np.array(list(map(table.__getitem__, chunk)), np.int32) for chunk in chunks]
     plain = np.concatenate(parts) if parts else np.empty(0, np.int32)
-    plain[np.diff(source.starts) > LONGEST_PLAIN] = -1
-    return plain, table.shapes
+    plain[np.diff(source.starts[first : stop + 1]) > LONGEST_PLAIN] = -1
+    return plain

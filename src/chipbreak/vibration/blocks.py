@@ -68,17 +68,17 @@ def moves_of(cut: VibratedCut, settings: Settings) -> Expansion:
         stroke = f"the stroke of {cut.cut.stroke_mm:.4g} mm"
         message = f"{stroke} has fewer than {_LEAST_STEPS} steps of {step_mm:g} mm"
         raise RefusalError("VIB059", message, "raise output.decimals, or give a larger Q or A")
-    keep = np.append(True, np.any(np.diff(words.absolute, axis=0) != 0.0, axis=1))
-    # The last knot carries the end of the time, even where the knot before it rounds to the same point.
-    last_kept = int(np.flatnonzero(keep)[-1])
+    # Of knots that round to one point the last stays, so that the time goes to the move towards it and not
+    # to the one behind it, which may be the plain end with a feed of its own.
+    keep = np.append(np.any(np.diff(words.absolute, axis=0) != 0.0, axis=1), True)
     times = time_s[keep]
-    if last_kept == 0:
+    if len(times) == 1:
         message = f"the cut rounds to nothing at {words.decimals} decimals"
         raise RefusalError("VIB023", message, "a vibrated cut needs a distance to travel")
     if words.incremental and np.abs(words.points_mm[-1] - cut.path.legs[-1].end).max() > _SAME_MM:
         message = f"this cut is incremental, and its end lies between two steps of {words.decimals} decimals"
         raise RefusalError("VIB058", message, f"write {words.decimals} decimals, or absolute positions")
-    times[-1] = time_s[-1]
+    times[0] = time_s[0]
     absolute, points = words.absolute[keep], words.points_mm[keep]
     feeds = _feed_words(cut, times, distance_mm[keep], points, settings)
     values = np.diff(absolute, axis=0) if words.incremental else absolute[1:]

@@ -59,28 +59,41 @@ def command_group(settings: Settings) -> CommandGroup:
 def plan_cut(chain: Chain, settings: Settings) -> VibratedCut:
     """Decide speed, count, frequency and stroke of a chain and sample its motion.
 
-    Errors: RefusalError with the codes of the solver, the path and the waveform, and VIB053 for a spindle
-    speed that cannot be known.
+    Errors: RefusalError with the codes of the solver, the path and the waveform, VIB021 for a cut of too many
+    blocks, and VIB053 for a spindle speed that cannot be known.
     """
     request, state = chain.requests[0], chain.before
-    values = request.values
-    waveform = cast(Waveform, request.waveform)
-    edges = int(values["EDGES"].value)
+    edges = int(request.values["EDGES"].value)
     speed, per_rev, frequency = solver_inputs(request, state)
     reasons: list[str] = []
-    if "S" not in values and speed is not None:
+    if "S" not in request.values and speed is not None:
         speed = _active_speed(chain, state, speed, settings, reasons)
-    alpha = _forward_share(values["ALPHA"], waveform)
+    alpha = _forward_share(request.values["ALPHA"], cast(Waveform, request.waveform))
     path = path_of(legs_of(chain))
     group = command_group(settings)
     rules = _rules(settings, state, alpha, edges)
     solution = solve(speed=speed, per_rev=per_rev, frequency=frequency, group=group, rules=rules)
-    feed_mm_rev = _feed_mm_rev(state, solution.speed_rpm)
+    cut = _cut_of(chain, path.length_mm, solution, settings)
+    if cut.waveform == "triangle" and not math.isclose(cut.alpha_share, alpha, abs_tol=1e-9):
+        whole = f"{cut.forward_ticks} of {cut.ticks} base periods"
+        reasons.append(f"forward share {alpha:g} -> {cut.alpha_share:g}, {whole}")
+    _check_size(cut)
+    time_s, distance_mm = sample(cut)
+    if speed is None and state.speed is not None and state.speed.value != solution.speed_rpm:
+        mode = " (G96)" if state.modes["speed_mode"] == "surface" else ""
+        reasons.append(f"S {state.speed.value:g}{mode} -> {solution.speed_rpm:g} rpm, which N and f fix")
+    given = {k: g for k, g in (("S", speed), ("N", per_rev), ("F", frequency)) if g is not None}
+    all_reasons = (*reasons, *solution.reasons)
+    return VibratedCut(chain, path, solution, given, cut, edges, time_s, distance_mm, all_reasons)
+
+
+def _cut_of(chain: Chain, length_mm: float, solution: Solution, settings: Settings) -> Cut:
+    """The wave of a chain: its stroke, its ramp, and the form of its moves."""
+    request = chain.requests[0]
+    values, waveform = request.values, cast(Waveform, request.waveform)
+    feed_mm_rev = _feed_mm_rev(chain.before, solution.speed_rpm)
     ticks = solution.period.ticks
-    forward = forward_ticks(ticks, alpha)
-    real_alpha = 0.5 if waveform == "sine" else forward / ticks
-    if not math.isclose(real_alpha, alpha, abs_tol=1e-9):
-        reasons.append(f"forward share {alpha:g} -> {real_alpha:g}, {forward} of {ticks} base periods")
+    forward = forward_ticks(ticks, values["ALPHA"].value)
     form = settings.output.segments
     if form == "auto":
         form = "tick" if waveform == "sine" else "stroke"
@@ -89,12 +102,12 @@ def plan_cut(chain: Chain, settings: Settings) -> VibratedCut:
         solution,
         waveform=waveform,
         feed_mm_rev=feed_mm_rev,
-        alpha=real_alpha,
-        edges=edges,
+        alpha=0.5 if waveform == "sine" else forward / ticks,
+        edges=int(values["EDGES"].value),
         margin=settings.vibration.margin,
     )
-    cut = Cut(
-        length_mm=path.length_mm,
+    return Cut(
+        length_mm=length_mm,
         feed_mm_rev=feed_mm_rev,
         speed_rpm=solution.speed_rpm,
         period_s=solution.period.period_s,
@@ -107,17 +120,13 @@ def plan_cut(chain: Chain, settings: Settings) -> VibratedCut:
         end_revolutions=settings.vibration.end_revolutions,
         form=cast(Literal["tick", "stroke"], form),
     )
+
+
+def _check_size(cut: Cut) -> None:
     moves = cut.vibrations * (2 if cut.form == "stroke" else cut.ticks)
     if moves > MOST_MOVES:
         message = f"this cut would become {moves} blocks; no program may have more than {MOST_MOVES} of them"
         raise RefusalError("VIB021", message, 'take output.segments "stroke", a lower f, or a higher feed')
-    time_s, distance_mm = sample(cut)
-    if speed is None and state.speed is not None and state.speed.value != solution.speed_rpm:
-        mode = " (G96)" if state.modes["speed_mode"] == "surface" else ""
-        reasons.append(f"S {state.speed.value:g}{mode} -> {solution.speed_rpm:g} rpm, which N and f fix")
-    given = {k: g for k, g in (("S", speed), ("N", per_rev), ("F", frequency)) if g is not None}
-    all_reasons = (*reasons, *solution.reasons)
-    return VibratedCut(chain, path, solution, given, cut, edges, time_s, distance_mm, all_reasons)
 
 
 def _active_speed(

@@ -1,0 +1,128 @@
+"""What must not vibrate is refused, whoever asks; what does not ask is left alone.
+
+The single cases with their places are the files in tests/bad; here is what holds for all of them.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+import chipbreak
+from machine_reader import filtered, rejected, run_program
+
+HEAD = "G97 S3000 M3\nG0 X20. Z2.\n"
+# What stands before the cut, what stands in it beside its end and feed, and the refusal.
+REFUSED = [
+    pytest.param("G41", "G1 Z-30. F0.05", "VIB040", id="nose compensation left"),
+    pytest.param("G42", "G1 Z-30. F0.05", "VIB040", id="nose compensation right"),
+    pytest.param("G68 X0. Z0. R30.\nG0 X20. Z2.", "G1 Z-30. F0.05", "VIB041", id="rotation"),
+    pytest.param("G112\nG0 X20. Z2.", "G1 Z-30. F0.05", "VIB041", id="polar"),
+    pytest.param("G107 C20.\nG0 X20. Z2.", "G1 Z-30. F0.05", "VIB041", id="cylinder"),
+    pytest.param("G66 P9100\nG0 X20. Z2.", "G1 Z-30. F0.05", "VIB042", id="modal macro"),
+    pytest.param("", "G1 Z#100 F0.05", "VIB047", id="end by variable"),
+    pytest.param("", "G1 Z[2*3] F0.05", "VIB047", id="end by expression"),
+    pytest.param("", "G1 Z-30. F#1", "VIB047", id="feed by variable"),
+    pytest.param("F#1", "G1 Z-30.", "VIB050", id="modal feed by variable"),
+    pytest.param("", "G1 Z-30. F0.05 M9", "VIB048", id="coolant off"),
+    pytest.param("", "G1 Z-30. F0.05 M0", "VIB048", id="stop"),
+    pytest.param("", "G1 Z-30. F0.05 B5.", "VIB048", id="another axis"),
+    pytest.param("", "G9 G1 Z-30. F0.05", "VIB048", id="exact stop"),
+    pytest.param("G93", "G1 Z-30. F5.", "VIB049", id="inverse time"),
+    pytest.param("", "G1 Z-30.", "VIB050", id="no feed"),
+    pytest.param("F0.", "G1 Z-30.", "VIB050", id="feed zero"),
+    pytest.param("F-0.1", "G1 Z-30.", "VIB050", id="feed negative"),
+    pytest.param("M5", "G1 Z-30. F0.05", "VIB046", id="spindle stopped"),
+    pytest.param("M19", "G1 Z-30. F0.05", "VIB046", id="spindle orientated"),
+    pytest.param("", "/G1 Z-30. F0.05", "VIB045", id="block delete"),
+    pytest.param("", "/2 G1 Z-30. F0.05", "VIB045", id="block delete by number"),
+    pytest.param("G92 X0. Z0.", "G1 Z-30. F0.05", "VIB051", id="origin set"),
+    pytest.param("G52 Z5.", "G1 Z-30. F0.05", "VIB051", id="origin shifted"),
+    pytest.param("G10 P0 Z1.", "G1 Z-30. F0.05", "VIB051", id="offset changed"),
+    pytest.param("M98 P100", "G1 Z-30. F0.05", "VIB051", id="subprogram"),
+    pytest.param("G0 Z#1", "G1 Z-30. F0.05", "VIB051", id="start by variable"),
+    pytest.param("G31 Z0. F0.1", "G1 Z-30. F0.05", "VIB051", id="behind a skip move"),
+    pytest.param("G71 P100 Q110 U0.2 W0.1 F0.2", "G1 Z-30. F0.05", "VIB051", id="behind a cycle"),
+]
+
+
+@pytest.mark.parametrize(("before", "cut", "code"), REFUSED)
+@pytest.mark.parametrize("how", ["word", "directive", "profile"])
+def test_refused_whoever_asks(before: str, cut: str, code: str, how: str) -> None:
+    before = before and before + "\n"
+    ask = "(VIB N1.5)\n" if how == "directive" else ""
+    word = " N1.5" if how == "word" else ""
+    sets = ("vibration.n=1.5",) if how == "profile" else ()
+    errors = rejected(f"{HEAD}{before}{ask}{cut}{word}\nM30\n", "generic-lathe", *sets)
+    line = 3 + before.count("\n") + ask.count("\n")
+    assert [(found, at) for found, at, _ in errors] == [(code, line)]
+
+
+@pytest.mark.parametrize(("before", "cut", "code"), REFUSED)
+def test_off_is_a_way_out(before: str, cut: str, code: str) -> None:
+    program = f"{HEAD}{before}\n(VIB OFF)\n{cut}\nM30\n"
+    assert filtered(program, "generic-lathe", "vibration.n=1.5") == program, code
+
+
+@pytest.mark.parametrize(
+    ("line", "profile"),
+    [
+        pytest.param("G33 Z-30. F1.5", "generic-lathe", id="thread"),
+        pytest.param("G90 X18. Z-30. F0.2", "fanuc-lathe", id="turning cycle"),
+        pytest.param("G92 X18. Z-30. F1.5", "fanuc-lathe", id="threading cycle"),
+        pytest.param("G83 Z-30. Q5. F0.1", "generic-lathe", id="drilling cycle"),
+        pytest.param("G76 P010060 Q100 R0.05", "fanuc-lathe", id="compound thread"),
+        pytest.param("G0 Z5.", "generic-lathe", id="rapid"),
+    ],
+)
+def test_a_directive_passes_over_what_it_cannot_mean(line: str, profile: str) -> None:
+    program = f"G99 G97 S3000 M3\nG0 X20. Z2.\n(VIB N1.5)\n{line}\n(VIB OFF)\nM30\n".replace("G99 ", "", 1)
+    assert filtered(program, profile) == program
+
+
+def test_the_words_of_a_contour_are_refused_and_its_directive_is_not() -> None:
+    shape = "G71 P100 Q110 U0.5 W0.1 F0.2\nN100 G0 X20.\nG1 Z-30. F0.1{0}\nN110 X40.\nG70 P100 Q110\nM30\n"
+    head = "G97 S3000 M3\nG0 X40. Z2.\n"
+    assert rejected(head + shape.format(" N1.5")) == [("VIB043", 5, 15)]
+    program = head + "(VIB N1.5)\n" + shape.format("")
+    assert filtered(program) == program
+
+
+def test_an_unbroken_cut_passes_only_when_allowed() -> None:
+    program = f"{HEAD}G1 Z-30. F0.05 N1.5 Q0.5\nM30\n"
+    assert rejected(program) == [("VIB060", 3, 1)]
+    assert len(run_program(filtered(program, allow_unbroken=True)).cuts) == 1
+
+
+def test_the_way_out_of_an_unbroken_cut_works() -> None:
+    program = f"{HEAD}G1 Z-30. F0.05 N1.5 Q0.5\nM30\n"
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        chipbreak.rewrite(program.encode(), chipbreak.load("generic-lathe"))
+    (error,) = caught.value.diagnostics
+    ratio = error.help.split("give Q ")[1].split()[0]
+    assert len(run_program(filtered(program.replace("Q0.5", f"Q{ratio}"))).cuts) == 1
+
+
+def test_vibration_on_a_finishing_operation_is_warned_of() -> None:
+    program = f"(FINISH TURN)\nT0101\n{HEAD}G1 Z-30. F0.05 N1.5\nM30\n"
+    result = chipbreak.rewrite(program.encode(), chipbreak.load("generic-lathe"))
+    assert [d.code for d in result.diagnostics] == ["VIB061"]
+    assert result.changed
+
+
+def test_one_refused_cut_stops_the_whole_program() -> None:
+    good = "G1 Z-30. F0.05 N1.5\nG0 Z2.\n"
+    errors = rejected(f"{HEAD}{good}G1 Z-20. N2\nG0 Z2.\nG1 Z-10. N3\nM30\n")
+    assert [(code, line) for code, line, _ in errors] == [("VIB005", 5), ("VIB005", 7)]
+
+
+@pytest.mark.parametrize(
+    "words",
+    ["N1.5 Q0", "N1.5 E-2", "N1.5 f-62.5", "N1.5 Q-0.5", "N0.", "E0.", "f0.", "N-0.5"],
+)
+def test_words_out_of_range(words: str) -> None:
+    assert [code for code, *_ in rejected(f"{HEAD}G1 Z-30. F0.05 {words}\nM30\n")] == ["VIB017"]
+
+
+@pytest.mark.parametrize("item", ["N0", "E0", "F0", "Q0", "A0", "K0", "ALPHA0", "ALPHA1", "EDGES0", "S0", "RAMP-1"])
+def test_directive_values_out_of_range(item: str) -> None:
+    assert rejected(f"{HEAD}(VIB {item})\nG1 Z-30. F0.05\nM30\n") == [("VIB017", 3, 1)]

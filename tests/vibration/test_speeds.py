@@ -1,0 +1,206 @@
+"""Where spindle speeds are commanded, and V and D as a peripheral speed."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import chipbreak
+from machine_reader import filtered, rejected, run_program
+
+HEAD = "G97 S3000 M3\nG0 X20. Z2.\n"
+CUT = "G1 Z-10. F0.05 N1.5\nG0 Z2.\n"
+
+
+def commands(program: str, *sets: str) -> list[str]:
+    """Every line of the output that says S, without the lines of the original that were kept in comments."""
+    lines = re.sub(r"\([^)]*\)", "", filtered(program, "generic-lathe", *sets)).splitlines()
+    return [line.strip() for line in lines if "S" in line]
+
+
+# --- one change where one will do -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        pytest.param(CUT * 3 + "M30", ["S2500", "S3000"], id="a run of cuts shares one change"),
+        pytest.param(CUT + "G1 X30. F0.1\n" + CUT + "M30", ["S2500", "S3000"] * 2, id="back for a plain cut"),
+        pytest.param(CUT + "G33 Z-10. F1.\nM30", ["S2500", "S3000"], id="back for a thread"),
+        pytest.param(CUT + "G83 Z-10. F0.1\nM30", ["S2500", "S3000"], id="back for a cycle"),
+        pytest.param(CUT + "M98 P100\nM30", ["S2500", "S3000"], id="back for a subprogram"),
+        pytest.param(CUT + "G65 P9100\nM30", ["S2500", "S3000"], id="back for a macro"),
+        pytest.param(CUT + "M5\nM3\nM30", ["S2500", "S3000"], id="back for a spindle start"),
+        pytest.param(CUT + "M99", ["S2500", "S3000"], id="back at the end of a subprogram"),
+        pytest.param(CUT + "WHILE[#1 LT 3]DO1\nEND1\nM30", ["S2500", "S3000"], id="back for a loop"),
+        pytest.param(CUT + "S1000\nG1 X30. F0.1\nM30", ["S2500", "S1000"], id="the program's own S is enough"),
+        pytest.param(CUT + "M3 S1000\nG1 X30. F0.1\nM30", ["S2500", "M3 S1000"], id="also with M3"),
+        pytest.param(CUT + "G96 S120\nG1 X30. F0.1\nM30", ["S2500", "G96 S120"], id="also with G96"),
+        pytest.param(CUT.replace("1.5", "2.5") + CUT + "M30", ["S1500", "S2500", "S3000"], id="two speeds"),
+        pytest.param(CUT.replace("N", "S2500 N") + "G1 X30. F0.1\nM30", ["S2500"], id="S in the block, right"),
+        pytest.param(CUT.replace("N", "S2000 N") + "M30", ["S2000"], id="S in the block, f 50"),
+        pytest.param(
+            CUT.replace("N", "S2400 N") + "G1 X30. F0.1\nM30",
+            ["S2500", "S2400"],
+            id="S in the block, corrected, comes back as written there",
+        ),
+        pytest.param(CUT + "M5", ["S2500"], id="nothing needs it any more"),
+        pytest.param(CUT + "M8\nG4 X1.\nT0101\n(X)\nG28 U0.\nM5\nM30", ["S2500", "S3000"], id="not for these"),
+    ],
+)
+def test_speed_commands(lines: str, said: list[str]) -> None:
+    assert commands(f"{HEAD}{lines}\n") == ["G97 S3000 M3", *said]
+
+
+def test_the_speed_is_back_before_a_block_that_is_jumped_to() -> None:
+    program = f"{HEAD}{CUT}N100 G0 X50.\nG1 X60. F0.1\nIF[#1 EQ 1]GOTO100\nM30\n"
+    lines = [line for line in filtered(program).splitlines() if not line.startswith("(")]
+    assert lines[lines.index("S3000") + 1].startswith("N100"), "who jumps there must not meet S3000 twice"
+
+
+def test_a_speed_that_needs_no_change_is_not_commanded() -> None:
+    assert commands(f"{HEAD}G1 Z-10. F0.05 E2\nM30\n") == ["G97 S3000 M3"]
+
+
+def test_the_speed_stands_before_the_first_move() -> None:
+    lines = filtered(f"{HEAD}{CUT}M30\n").splitlines()
+    assert lines.index("S2500") < next(i for i, line in enumerate(lines) if line.startswith("G1 "))
+
+
+def test_a_spindle_speed_in_the_programs_own_digits_comes_back() -> None:
+    assert commands(f"G97 S03000. M3\nG0 X20. Z2.\n{CUT}M30\n")[-1] == "S03000."
+
+
+# --- constant surface speed -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("head", "rpm_at_start"),
+    [
+        pytest.param("G96 S120 M3\nG0 X20. Z2.\n", 1910, id="no clamp"),
+        pytest.param("G50 S1000\nG96 S120 M3\nG0 X20. Z2.\n", 1000, id="clamped by G50"),
+        pytest.param("G92 S1000\nG96 S120 M3\nG0 X20. Z2.\n", 1000, id="clamped by G92"),
+        pytest.param("G50 S3000\nG96 S120 M3\nG0 X0. Z2.\n", 3000, id="on the axis the clamp holds"),
+        pytest.param("G20 G96 S400 M3\nG0 X1. Z.1\n", 1528, id="feet per minute"),
+    ],
+)
+def test_surface_speed_becomes_rpm_at_the_start_diameter(head: str, rpm_at_start: int) -> None:
+    cut = "G1 Z-.4 F.002 N1.5\n" if head.startswith("G20") else CUT
+    settings = chipbreak.load("generic-lathe", ("vibration.correct=count",))
+    result = chipbreak.rewrite(f"{head}{cut}G1 X30.\nM30\n".encode(), settings)
+    text = result.data.decode()
+    assert f"{rpm_at_start} rpm" in result.cuts[0].planned.cut.reasons[0]
+    spoken = re.findall(r"(?m)^G97 S([0-9.]+)", text)
+    assert float(spoken[0]) == pytest.approx(rpm_at_start, abs=1)
+    assert re.search(r"(?m)^G96 S(?:120|400)\n", text.split("CHIPBREAK END")[1])
+
+
+def test_facing_under_g96_runs_in_g97_and_g96_comes_back() -> None:
+    run = run_program(filtered("G50 S3500\nG96 S180 M3\nG0 X50. Z0.\nG1 X1. F0.1 N1.5\nG0 Z2.\nG1 X20.\nM30\n"))
+    (cut,) = run.cuts
+    assert len({move.speed_rpm for move in cut}) == 1
+    assert run.state.speed_mode == 96
+    assert run.moves[-1].speed_rpm == 180.0, "m/min again"
+
+
+def test_a_bare_s_behind_a_g96_cut_is_not_taken_for_rpm() -> None:
+    lines = filtered("G50 S3000\nG96 S120 M3\nG0 X20. Z2.\nG1 Z-5. F0.05 N1.5\nS150\nG1 X30.\nM30\n").splitlines()
+    assert lines.index("G96 S120") < lines.index("S150")
+
+
+def test_g96_in_the_block_itself_never_meets_the_rpm_before_it() -> None:
+    out = filtered(f"{HEAD}G96 G1 Z-10. S120 F0.05 N1.5\nG1 X30.\nM30\n")
+    code = re.sub(r"\([^)]*\)", "", out)
+    assert re.findall(r"G96.*", code) == ["G96 S120"], "G96 without its S would take 3000 for m/min"
+
+
+@pytest.mark.parametrize(
+    ("program", "code"),
+    [
+        ("G50 S2400\n" + HEAD + CUT, "VIB006"),
+        ("G92 S2400\n" + HEAD + CUT, "VIB006"),
+        (HEAD + CUT.replace("N1.5", "N1.5 f62.5").replace("G1", "G50 S2400\nG1"), "VIB006"),
+    ],
+)
+def test_a_clamp_is_never_crossed(program: str, code: str) -> None:
+    assert [found for found, *_ in rejected(program + "M30\n")] == [code]
+
+
+def test_the_clamp_itself_is_allowed() -> None:
+    assert "S2500" in filtered("G50 S2500\n" + HEAD + CUT + "M30\n")
+
+
+def test_the_clamp_of_linuxcnc_stands_with_g96() -> None:
+    program = "G7 G95 G96 D1500 S120 M3\nG0 X20. Z2.\nG1 Z-10. F0.05 E2\nM2\n"
+    result = chipbreak.rewrite(program.encode(), chipbreak.load("linuxcnc-lathe"))
+    assert "1500 rpm" in result.cuts[0].planned.cut.reasons[0]
+
+
+# --- V and D ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("line", "new"),
+    [
+        ("G97 V120. D20. M3", "G97 S1910 M3"),
+        ("G97 D20. V120. M3", "G97 S1910 M3"),
+        ("N10 G97V120.D20.M3 (GO)", "N10 G97S1910M3 (GO)"),
+        ("V120 D20", "S1910"),
+        ("g97 v120. d20. m3", "g97 S1910 m3"),
+        ("G97 V120. M3 D20.", "G97 S1910 M3"),
+    ],
+)
+def test_peripheral_speed_words(line: str, new: str) -> None:
+    lines = filtered(f"{line}\nM30\n").splitlines()
+    assert new in lines
+    assert sum("S1910" in text and "CHIPBREAK" not in text for text in lines) == 1
+
+
+def test_peripheral_speed_directive() -> None:
+    lines = filtered("G97\n(SPEED V120 D20)\nM3\nM30\n").splitlines()
+    assert lines.index("(SPEED V120 D20)") < lines.index("S1910") < lines.index("M3")
+    lines = filtered("G97 M3 (SPEED V120 D20)\nM30\n").splitlines()
+    assert lines.index("S1910") < lines.index("G97 M3 (SPEED V120 D20)"), "before the spindle starts"
+
+
+@given(v=st.floats(1.0, 900.0), d=st.floats(0.5, 900.0), resolution=st.sampled_from(["1", "0.1", "10"]))
+def test_peripheral_speed_formula(v: float, d: float, resolution: str) -> None:
+    out = filtered(f"G97 V{v:.3f} D{d:.3f} M3\nM30\n", "generic-lathe", f"spindle.resolution_rpm={resolution}")
+    (speed,) = re.findall(r"(?m)^G97 S([0-9.]+) M3$", out)
+    wanted = 1000.0 * float(f"{v:.3f}") / (math.pi * float(f"{d:.3f}"))
+    assert abs(float(speed) - wanted) <= float(resolution) / 2 + 1e-6
+
+
+def test_a_cut_counts_with_the_peripheral_speed() -> None:
+    run = run_program(filtered("G97 V188.5 D20. M3\nG0 X20. Z2.\nG1 Z-10. F0.05 N1.5\nG1 X30.\nM30\n"))
+    assert run.cuts[0][-1].speed_rpm == 2500.0
+    assert run.moves[-1].speed_rpm == 3000.0
+
+
+@pytest.mark.parametrize(
+    ("line", "profile"),
+    [
+        ("G65 P9100 V12. D20.", "fanuc-lathe"),
+        ("G65 P9100 D20.", "fanuc-lathe"),
+        ("G28 U0 V0", "fanuc-lathe"),
+        ("G0 V5.", "fanuc-lathe"),
+        ("G41 D1", "fanuc-mill"),
+        ("G41 D1 X5. Y5. F100.", "fanuc-mill"),
+        ("G43 H1 D1", "fanuc-mill"),
+        ("G96 D2500 S200 M3", "linuxcnc-lathe"),
+        ("G97 S1000 D5 M3", "generic-lathe"),
+        ("G10 L12 P1 R5. D2.", "fanuc-mill"),
+        ("(SPEED V120 D20 RPM)", "generic-lathe"),
+        ("(CUTTING SPEED V120 D20)", "generic-lathe"),
+        ("(SPEED: V120, D20)", "generic-lathe"),
+        ("(SPEED AND FEED)", "generic-lathe"),
+        ("V12.", "generic-lathe"),
+    ],
+)
+def test_v_and_d_that_are_not_ours(line: str, profile: str) -> None:
+    program = f"{line}\nM30\n"
+    assert filtered(program, profile) == program
