@@ -20,8 +20,7 @@ _CODE = re.compile(r"[\"']([A-Z]{3}[0-9]{3})[\"']")
 
 # Codes that no input can reach through the whole way, with the reason.
 UNREACHABLE = {
-    "VIB003": "values that are not above zero are refused as VIB017 or VIB053 before the solver sees them",
-    "VIB010": "the same of ramps, shares and feeds: VIB017, VIB050 and the profile's own limits come first",
+    "VIB010": "ramps, shares and feeds: VIB017, VIB050 and the profile's own limits come first",
     "VIB012": "a whole N is refused by the solver (VIB005) before its stroke is asked for",
     "VIB020": "the knots of a planned cut always rise in time",
     "SLF002": "an internal fault or too little memory",

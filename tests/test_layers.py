@@ -69,6 +69,7 @@ vibration.path
 vibration.planner
 vibration.timing
 vibration.verdict
+vibration.load
 vibration.directive
 vibration.request
 vibration.chain

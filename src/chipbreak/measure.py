@@ -12,7 +12,7 @@ from chipbreak.model.trace import Trace
 from chipbreak.passes.vibrate import PlannedCut
 from chipbreak.restore import Region
 from chipbreak.units import MM_PER_INCH
-from chipbreak.vibration.blocks import CHORD_MM
+from chipbreak.vibration.load import flank_clearance_deg, least_acceleration_mm_s2, servo_share
 from chipbreak.vibration.readback import ReadBack, read_moves
 from chipbreak.vibration.timing import control_model, times_of
 from chipbreak.vibration.verdict import Verdict, judge
@@ -31,12 +31,20 @@ class SelfCheckError(Exception):
 
 @dataclass(frozen=True, eq=False)
 class CheckedCut:
-    """A vibrated cut with what its emitted moves do: seconds, and the verdict on its chips."""
+    """A vibrated cut with what its emitted moves do: seconds, and the verdict on its chips.
+
+    ``acceleration_mm_s2`` is the least that can run it; ``servo_share`` what the position loops leave of the
+    stroke, None without a gain; ``clearance_deg`` the flank clearance that the forward stroke uses up, None
+    without a diameter.
+    """
 
     planned: PlannedCut
     duration_s: float
     move_count: int
     verdict: Verdict
+    acceleration_mm_s2: float
+    servo_share: float | None
+    clearance_deg: float | None
 
 
 def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCut:
@@ -67,7 +75,26 @@ def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCu
         waveform=cut.cut.waveform,
         alpha_share=cut.cut.alpha_share,
     )
-    return CheckedCut(planned, float(time_s[-1]), count, verdict)
+    clearance = None
+    if diameter_mm > 0.0:
+        clearance = flank_clearance_deg(verdict.peak_speed_mm_s, diameter_mm, cut.solution.speed_rpm)
+    return CheckedCut(
+        planned,
+        float(time_s[-1]),
+        count,
+        verdict,
+        least_acceleration_mm_s2(cut.cut, cut.solution.per_rev),
+        _servo_share(result, planned),
+        clearance,
+    )
+
+
+def _servo_share(result: Trace, planned: PlannedCut) -> float | None:
+    """The weakest position loop among the axes that move."""
+    axes = result.settings.axes
+    gains = [axes[axis].position_gain_1_s for axis in planned.cut.chain.axes]
+    known = [gain for gain in gains if gain is not None]
+    return servo_share(planned.cut.solution.frequency_hz, min(known)) if known else None
 
 
 def _steady_s(planned: PlannedCut, time_s: Floats) -> tuple[float, float]:
@@ -102,7 +129,7 @@ def _check_path(result: Trace, moves: ReadBack, planned: PlannedCut) -> Floats:
     along, away = moves.along(cut.path, planned.expansion.distance_mm)
     # Half an increment in each of up to three axes.
     tolerance = math.sqrt(3.0) * 0.5 * increment + 1e-6
-    if away.max() > tolerance + CHORD_MM:
+    if away.max() > tolerance + result.settings.vibration.chord_mm:
         raise SelfCheckError(f"a point lies {away.max():.4f} mm off the path")
     if along.min() < -tolerance or along.max() > cut.path.length_mm + tolerance:
         raise SelfCheckError("a point lies before the start or past the end of the cut")

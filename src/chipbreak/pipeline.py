@@ -18,7 +18,7 @@ from chipbreak.source import Source, read
 from chipbreak.syntax.parse import parse
 from chipbreak.verify import verify
 
-UNBROKEN, FINISHING, UNREAD_WORD = "VIB060", "VIB061", "MOD001"
+UNBROKEN, FINISHING, SERVO, UNREAD_WORD = "VIB060", "VIB061", "VIB062", "MOD001"
 _MOST_ALIKE = 5
 
 
@@ -148,6 +148,7 @@ def _chip_diagnostics(
             )
             severity = Severity.WARNING if allow_unbroken else Severity.ERROR
             found.append(trace.program.diagnose(line, UNBROKEN, message, help_text, severity=severity))
+        found += _servo_diagnostics(trace, checked, allow_unbroken=allow_unbroken)
         kind = next((o.kind for o in operations if o.first_line <= line < o.last_line), Kind.UNKNOWN)
         if kind in (Kind.FINISH, Kind.SEMI_FINISH):
             message = (
@@ -159,3 +160,18 @@ def _chip_diagnostics(
                 trace.program.diagnose(line, FINISHING, message, help_text, severity=Severity.WARNING)
             )
     return found
+
+
+def _servo_diagnostics(trace: Trace, checked: CheckedCut, *, allow_unbroken: bool) -> list[Diagnostic]:
+    """A cut whose stroke would break chips, if the servo did not leave too little of it."""
+    share, margin = checked.servo_share, checked.verdict.margin
+    if share is None or margin < 1.0 or margin * share >= 1.0:
+        return []
+    message = (
+        f"the servo leaves {share:.0%} of the stroke at {checked.planned.cut.solution.frequency_hz:.4g} Hz:"
+        f" the margin of {margin:.2f} becomes {margin * share:.2f}, and the chips do not break"
+    )
+    help_text = f"take a lower f, or vibration.margin {1.05 / share:.2f}, if the machine allows such a stroke"
+    severity = Severity.WARNING if allow_unbroken else Severity.ERROR
+    line = checked.planned.cut.chain.first
+    return [trace.program.diagnose(line, SERVO, message, help_text, severity=severity)]

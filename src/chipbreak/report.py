@@ -68,6 +68,12 @@ def _cut_text(result: Result, checked: CheckedCut) -> Iterator[str]:
     if verdict.speed_band_rpm:
         low, high = verdict.speed_band_rpm
         yield f"    band     breaks from {low:.0f} to {high:.0f} rpm at this frequency"
+    needs = f"    machine  needs {checked.acceleration_mm_s2:.0f} mm/s2"
+    if checked.servo_share is not None:
+        needs += f", the servo leaves {checked.servo_share:.0%} of the stroke"
+    if checked.clearance_deg is not None:
+        needs += f"; the forward stroke uses {checked.clearance_deg:.2f} degrees of flank clearance"
+    yield needs
     yield (
         f"    output   {checked.move_count} moves, {checked.duration_s:.2f} s,"
         f" axis up to {verdict.peak_speed_mm_s * 60.0:.0f} mm/min"
@@ -127,5 +133,8 @@ def _cut_json(result: Result, checked: CheckedCut) -> dict[str, Any]:
         "alpha_share": cut.cut.alpha_share,
         "moves": checked.move_count,
         "duration_s": checked.duration_s,
+        "acceleration_mm_s2": checked.acceleration_mm_s2,
+        "servo_share": checked.servo_share,
+        "clearance_deg": checked.clearance_deg,
         "verdict": {name: getattr(verdict, name) for name in verdict.__dataclass_fields__},
     }

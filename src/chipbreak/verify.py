@@ -52,6 +52,8 @@ def verify(
         _check_return(trace, result, edit, region, stop)
         if planned is not None:
             checked.append(measure_cut(result, region, planned))
+        elif edit.pass_name == vibrate.NAME:
+            _check_speed_back(trace, result, edit, region)
     return checked
 
 
@@ -102,6 +104,14 @@ def _check_states(trace: Trace, result: Trace, edit: Edit, region: Region, motio
             wrong = _moved(was, now, trace)
         if wrong:
             raise SelfCheckError(f"{where} line {line + 1} {wrong} differs from the original")
+
+
+def _check_speed_back(trace: Trace, result: Trace, edit: Edit, region: Region) -> None:
+    """What gives the programmed spindle speed back gives back that speed, in its mode."""
+    was, now = trace.before(edit.last), result.before(region.last)
+    spoken = [(state.modes["speed_mode"], _value(state.speed)) for state in (was, now)]
+    if spoken[0] != spoken[1]:
+        raise SelfCheckError(f"before line {edit.last + 1} the spindle speed is not the programmed one")
 
 
 def _check_return(trace: Trace, result: Trace, edit: Edit, region: Region, stop: int) -> None:

@@ -161,7 +161,7 @@ def same_cuts(paired: list[tuple[Step, Step | None]], rules: Settings) -> None:
             if goes_down:
                 assert other.offset_is_in_force == one.offset_is_in_force, text
             assert end["Z"] >= one.at["Z"] or _equal(end["Z"], one.at["Z"]), text
-            assert not start["X"] != end["X"] or end["Z"] == 500.0, text
+            assert start["X"] == end["X"] or end["Z"] == 500.0, text
             continue
         before, after = one.run(old, in_call=is_call)
         start, end = other.run(new, in_call=is_call)

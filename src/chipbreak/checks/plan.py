@@ -134,6 +134,8 @@ class _Planner:
             self._check_tool(call, visit[0], tool)
             for operation in visit:
                 self._check_chips(operation, tool)
+        if all(check.event is Event.CALIBRATE for check in self.planned):
+            self.planned.clear()  # a beam that nobody looks at
 
     def _is_wanted(self, tool: int) -> bool:
         return tool not in self.checks.ignore and (not self.checks.only or tool in self.checks.only)

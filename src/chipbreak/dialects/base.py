@@ -26,6 +26,7 @@ class Dialect:
     ``incremental``   letters that always move incrementally -> the axis (U -> X); empty where they are axes
     ``tool_change``   "T" where a T word changes the tool at once, "M6" where M6 does
     ``speed_limit``   G codes (times ten) that limit the spindle when they stand with S
+    ``dwell_word``    the letter of seconds in a G4 block
     ``machine_retract`` blocks that take the tool to the machine's safe end of travel, in order
     """
 
@@ -39,6 +40,7 @@ class Dialect:
     incremental: Mapping[str, str] = field(default_factory=dict)
     speed_limit: frozenset[int] = frozenset()
     machine_retract: tuple[str, ...] = ()
+    dwell_word: str = "X"
     reads_comments_in_lower_case: bool = False
 
     def code(self, group: str, value: str, like: Collection[int] = ()) -> str:

@@ -53,6 +53,7 @@ LINUXCNC_LATHE = Dialect(
     g_codes=_CODES,
     initial=MappingProxyType(_INITIAL | {"plane": "ZX"}),
     tool_change="M6",
+    dwell_word="P",
     machine_retract=("G53 G0 X0", "G53 G0 Z0"),
     reads_comments_in_lower_case=True,
 )
@@ -64,6 +65,7 @@ LINUXCNC_MILL = Dialect(
     g_codes=_CODES,
     initial=MappingProxyType(_INITIAL | {"plane": "XY"}),
     tool_change="M6",
+    dwell_word="P",
     machine_retract=("G53 G0 Z0",),
     reads_comments_in_lower_case=True,
 )

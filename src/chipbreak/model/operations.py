@@ -247,7 +247,8 @@ class _Judge:
             kind, remark = draft.ordered
             return kind, f'directive "{remark.text.strip()}", {self._line(remark.line)}'
         tools = [r for r in draft.remarks if self._is_about_tool(r, draft)]
-        said = draft.titles[::-1] + [r for r in draft.remarks if r not in tools]
+        others = [r for r in draft.remarks if r not in tools and tool_text(r.text) is None]
+        said = draft.titles[::-1] + others
         if draft.tool in self.tool_list:
             tools.append(self.tool_list[draft.tool])
         for remark in said + tools:

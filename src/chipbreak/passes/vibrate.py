@@ -115,6 +115,8 @@ def _expansion(
     mode = settings.output.feed_mode
     was = chain.before.modes["feed_mode"]
     head = [*comments, chain.preamble(), speed]
+    if speed and settings.spindle.settle_s > 0.0:
+        head.append(f"G4 {settings.dialect.dwell_word}{print_number(settings.spindle.settle_s, 3)}")
     feed_back = f"F{chain.after.feed.text}" if chain.after.feed else ""
     if mode != was:
         like = {n for s in trace.events for n in codes_of(s.block, "feed_mode", settings.dialect)}

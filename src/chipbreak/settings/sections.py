@@ -69,6 +69,7 @@ class Vibration:
     ramp_s: float | None = _at_least(None)
     ramp_exponent: float = _above(1.0)
     end_revolutions: float = _at_least(1.0)
+    chord_mm: float = _above(0.001)
     edges: int = _at_least(1, 1)
 
 
@@ -88,6 +89,7 @@ class Axis:
 
     max_velocity_mm_min: float | None = _above(None)
     max_acceleration_mm_s2: float | None = _above(None)
+    position_gain_1_s: float | None = _above(None)
 
 
 @dataclass(frozen=True)
@@ -108,6 +110,7 @@ class Spindle:
     min_rpm: float = _at_least(0.0)
     max_rpm: float | None = _above(None)
     resolution_rpm: float = _above(1.0)
+    settle_s: float = _at_least(0.0)
 
 
 @dataclass(frozen=True)

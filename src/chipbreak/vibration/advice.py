@@ -19,7 +19,7 @@ _TRIES = 80
 
 
 def with_advice(error: RefusalError, cut: VibratedCut, settings: Settings) -> RefusalError:
-    """The same refusal; where the control's limits are the cause, with the next slower frequency that works."""
+    """The same refusal; where a limit of the control is the cause, with a slower frequency that works."""
     if error.code not in LIMITS:
         return error
     model = control_model(settings, cut.path)

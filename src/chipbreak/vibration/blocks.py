@@ -24,7 +24,6 @@ from chipbreak.vibration.plan import VibratedCut
 from chipbreak.vibration.timing import control_model, feeds_for_spans
 
 Floats = NDArray[np.float64]
-CHORD_MM = 0.001
 _SAME_MM = 1e-6
 _LEAST_STEPS = 4
 _TIME_SHARE = 0.004
@@ -61,7 +60,8 @@ def moves_of(cut: VibratedCut, settings: Settings) -> Expansion:
     VIB059 for a stroke or feeds too fine for them.
     """
     chain = cut.chain
-    time_s, distance_mm = split_at(cut.time_s, cut.distance_mm, cut.path.breakpoints(CHORD_MM))
+    breakpoints_mm = cut.path.breakpoints(settings.vibration.chord_mm)
+    time_s, distance_mm = split_at(cut.time_s, cut.distance_mm, breakpoints_mm)
     words = _axis_words(cut, distance_mm, settings)
     step_mm = 10.0**-words.decimals * (MM_PER_INCH if chain.before.is_inch else 1.0)
     if cut.cut.stroke_mm < _LEAST_STEPS * step_mm:

@@ -23,6 +23,7 @@ PLANE_AXES = {"XY": (0, 1), "ZX": (2, 0), "YZ": (1, 2)}
 # How far start and end may differ in their distance from an arc's centre: two roundings of 0.001 mm, as
 # posts write them, with room for inch programs.
 _RADIUS_TOLERANCE_MM = 0.02
+_NO_LENGTH_MM = 1e-9
 
 
 class Leg(NamedTuple):
@@ -140,7 +141,7 @@ def path_of(legs: Sequence[Leg]) -> Path:
         length = math.dist(leg.start, leg.end)
         if arc is not None:
             length = math.hypot(arc.radius_mm * arc.sweep_rad, arc.rise_mm)
-        if length > 0.0:
+        if length > _NO_LENGTH_MM:
             kept.append(leg)
             arcs.append(arc)
             lengths.append(length)

@@ -145,8 +145,11 @@ def _active_speed(
     if math.isnan(rpm) or (math.isinf(rpm) and limit is None):
         message = "constant surface speed (G96) has no finite speed where this cut starts"
         raise RefusalError("VIB054", message, "give G97 S, or limit the spindle (G50 S, G92 S, G96 D)")
+    step = settings.spindle.resolution_rpm
+    rpm = math.floor(min(rpm, limit or math.inf) / step + 0.5) * step
     if limit is not None and rpm > limit:
-        rpm = limit
+        rpm = math.floor(limit / step) * step
+    rpm = round(rpm, 9)  # 25862 * 0.1 is not 2586.2 in binary
     reasons.append(f"G96 S{speed.value:g} -> G97 at the start diameter {diameter_mm:g} mm: {rpm:.0f} rpm")
     return Given(rpm, f"G96 at diameter {diameter_mm:g} mm, {speed.origin}")
 

@@ -66,8 +66,8 @@ def _programmed(state: State) -> tuple[str, float] | None:
 def _speed_words(
     now: tuple[str, float] | None, wanted: tuple[str, float], settings: Settings
 ) -> str:
-    decimals = 0 if settings.spindle.resolution_rpm >= 1.0 else 3
-    speed = f"S{print_number(wanted[1], decimals, point=False)}"
+    # A speed is on the resolution of the spindle, or the program's own.
+    speed = f"S{print_number(wanted[1], 3, point=False)}"
     if now is not None and now[0] == wanted[0]:
         return speed
     return f"{settings.dialect.code('speed_mode', wanted[0])} {speed}"

@@ -1,0 +1,41 @@
+"""What a vibration asks of the machine and of the tool: acceleration, servo, flank clearance."""
+
+from __future__ import annotations
+
+import math
+
+from chipbreak.units import S_PER_MIN
+from chipbreak.vibration.waveform import Cut
+
+
+def least_acceleration_mm_s2(cut: Cut, per_rev: float) -> float:
+    """The acceleration below which no control can run the strokes [mm/s^2].
+
+    A sine needs (2 pi V)^2 P / 2.  A straight stroke of length d from rest to rest in time t needs 4 d / t^2;
+    the forward stroke is P + alpha f_r / N long and takes alpha / V, the return P - (1 - alpha) f_r / N and
+    (1 - alpha) / V.
+    """
+    frequency_hz = 1.0 / cut.period_s
+    if cut.waveform == "sine":
+        return (2.0 * math.pi * frequency_hz) ** 2 * cut.stroke_mm / 2.0
+    alpha, advance_mm = cut.alpha_share, cut.feed_mm_rev / per_rev
+    forward = 4.0 * (cut.stroke_mm + alpha * advance_mm) * (frequency_hz / alpha) ** 2
+    back = 4.0 * (cut.stroke_mm - (1.0 - alpha) * advance_mm) * (frequency_hz / (1.0 - alpha)) ** 2
+    return max(forward, back)
+
+
+def servo_share(frequency_hz: float, position_gain_1_s: float) -> float:
+    """What a position loop of gain Kp leaves of an oscillation: 1 / sqrt(1 + (2 pi V / Kp)^2).
+
+    >>> round(servo_share(62.5, 50.0), 2)
+    0.13
+    """
+    return 1.0 / math.hypot(1.0, 2.0 * math.pi * frequency_hz / position_gain_1_s)
+
+
+def flank_clearance_deg(forward_mm_s: float, diameter_mm: float, speed_rpm: float) -> float:
+    """How far the forward stroke turns the path of the edge into the flank: atan(v / (pi D S / 60)) [deg].
+
+    The tool's clearance angle must be larger.
+    """
+    return math.degrees(math.atan2(forward_mm_s, math.pi * diameter_mm * speed_rpm / S_PER_MIN))

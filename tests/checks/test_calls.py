@@ -1,0 +1,95 @@
+"""Call templates: what the built-in sets say, and what a profile's own set may not say."""
+
+from __future__ import annotations
+
+import pytest
+
+from chipbreak import settings
+from chipbreak.checks.calls import BUILT_IN, CallValues, Event, calls_of
+from chipbreak.diagnostics import RefusalError
+
+VALUES = CallValues(tool=2, speed_rpm=5300.0, height_mm=20.0, limit_mm=0.02, operation="FINISH")
+
+
+def texts(profile: str, *options: str, is_inch: bool = False) -> dict[str, tuple[str, ...]]:
+    calls = calls_of(settings.load(profile, options))
+    return {event.value: calls.text(event, VALUES, is_inch=is_inch) for event in calls.blocks}
+
+
+def test_fanuc_calls_macros_with_letters() -> None:
+    assert texts("fanuc-mill") == {
+        "calibrate": ("G65 P9810",),
+        "tool_check": ("G65 P9811 T2 S5300",),
+        "trace": ("G65 P9812 T2 Z20.",),
+        "chip_check": ("G65 P9813 T2 W0.02 Z20.",),
+    }
+
+
+def test_linuxcnc_calls_o_words() -> None:
+    assert texts("linuxcnc-mill") == {
+        "calibrate": ("o<cb_calibrate> call",),
+        "tool_check": ("o<cb_tool_check> call [2] [5300]",),
+        "trace": ("o<cb_trace> call [2] [20.]",),
+        "chip_check": ("o<cb_chip_check> call [2] [0.02] [20.]",),
+    }
+
+
+def test_lengths_are_in_the_units_of_the_program() -> None:
+    assert texts("fanuc-mill", is_inch=True)["chip_check"] == ("G65 P9813 T2 W0.000787 Z0.787402",)
+
+
+@pytest.mark.parametrize("profile", ["fanuc-mill", "fanuc-lathe", "linuxcnc-mill", "linuxcnc-lathe"])
+def test_every_built_in_set_calls_every_event(profile: str) -> None:
+    assert set(calls_of(settings.load(profile)).blocks) == set(Event)
+    assert profile in BUILT_IN
+
+
+def test_a_turning_tool_has_no_speed() -> None:
+    assert not calls_of(settings.load("fanuc-lathe")).needs(Event.TOOL_CHECK, "speed_rpm")
+    assert calls_of(settings.load("fanuc-mill")).needs(Event.TOOL_CHECK, "speed_rpm")
+
+
+def test_a_shop_may_call_its_own_cycles() -> None:
+    shop = 'calls.shop={chip_check=["G53 Z0.", "G65 P9858 T{tool} H{limit} ({operation} {limit_mm} MM)"]}'
+    found = texts("fanuc-mill", shop, "checks.calls=shop", is_inch=True)
+    assert found == {"chip_check": ("G53 Z0.", "G65 P9858 T2 H0.000787 (FINISH 0.02 MM)")}
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "message", "help_text"),
+    [
+        (["checks.calls=renishaw"], "SET030", "renishaw", "builtin"),
+        (["calls.blum={trace=[]}", "checks.calls=blun"], "SET030", "blun", "did you mean blum?"),
+        (['calls.a={chip_chek=["G65 P1"]}'], "SET031", "chip_chek", "did you mean chip_check?"),
+        (['calls.a={chip_check=["G65 P1 H{limt}"]}'], "SET032", "{limt}", "did you mean limit?"),
+        (['calls.a={calibrate=["G65 P1 T{tool}"]}'], "SET032", "calibrate does not have", "no fields"),
+        (['calls.a={trace=["G65 P1 H{limit}"]}'], "SET032", "{limit}", "known: tool"),
+        (['calls.a={trace=["G65 P1 T{}"]}'], "SET032", "{}", "known: tool"),
+        (['calls.a={trace=["G65 P1 T{tool"]}'], "SET033", "T{tool", "in braces"),
+        (['calls.a={trace=["G65 P1 Z{height:.2f}"]}'], "SET033", "takes no format", "in braces"),
+        (['calls.a={trace=["G65 P1 ? T{tool}"]}'], "SET033", "'?' is not expected", "one block"),
+        (['calls.a={trace=["(TRACE)"]}'], "SET033", "no words", "one block"),
+        (['calls.a={trace=[""]}'], "SET033", "no words", "one block"),
+        (['calls.a={trace=["G65 P1\\nM30"]}'], "SET033", "no control reads", "one block"),
+        (['calls.a={trace=["G65 P1 (MÜHLE)"]}'], "SET033", "no control reads", "one block"),
+        ([f'calls.a={{trace=["G65 P1 ({"X" * 70})"]}}'], "SET034", "81 characters", "split"),
+        (['calls.a={trace=["G65 P1 T{tool} Z{height} (' + "X" * 30 + ')"]}'], "SET034", "60", "split"),
+    ],
+)
+def test_a_call_that_could_write_nonsense_is_refused(
+    options: list[str], code: str, message: str, help_text: str
+) -> None:
+    chosen = [] if options[-1].startswith("checks.calls") else ["checks.calls=a", "control.max_line_chars=60"]
+    if "81" in message:
+        chosen[1] = "control.max_line_chars=255"
+    with pytest.raises(RefusalError) as caught:
+        calls_of(settings.load("fanuc-mill", options + chosen))
+    assert caught.value.code == code
+    assert message in caught.value.message
+    assert help_text in caught.value.help
+
+
+def test_a_control_without_built_in_calls_says_so() -> None:
+    with pytest.raises(RefusalError) as caught:
+        calls_of(settings.load("generic-lathe"))
+    assert caught.value.code == "SET030"

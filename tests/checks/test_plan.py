@@ -1,0 +1,225 @@
+"""Which check stands where, and the limit that depends on what the tool does next."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from checks.filtered import Filtered, check, filtered
+
+SAMPLE = (Path(__file__).parents[2] / "samples" / "fusion-mill.nc").read_bytes()
+HEAD = "G90 G94 G17 G49 G40 G80\nG21\nG28 G91 Z0.\nG90\n"
+END = "G28 G91 Z0.\nG90\nM30\n"
+
+
+def visit(tool: int, *operations: str, speed: str = "S1000 M3\n") -> str:
+    """A tool call with its operations, each a title or "" for none."""
+    text = f"T{tool} M6\n{speed}"
+    for title in operations:
+        text += f"({title})\n" if title else ""
+        text += f"G0 X1. Y2.\nG43 Z15. H{tool}\nG1 Z-1. F100.\nX9.\nG0 Z15.\n"
+    return text + "M5\nG28 G91 Z0.\nG90\nG49\n"
+
+
+def run(*visits: str, options: tuple[str, ...] = (), profile: str = "fanuc-mill") -> Filtered:
+    result = filtered((HEAD + "".join(visits) + END).encode(), profile, *options)
+    check(result)
+    return result
+
+
+def limits(result: Filtered) -> list[str]:
+    return [title for edit in result.titles for title in edit.split(", ") if title.startswith("CHIP")]
+
+
+def test_the_sample_checks_between_two_operations_of_one_tool() -> None:
+    result = filtered(SAMPLE)
+    check(result)
+    assert result.titles == [
+        "CALIBRATE",
+        "TOOL CHECK T1, TRACE T1",
+        "CHIP CHECK T1 W0.02",
+        "TOOL CHECK T2, TRACE T2",
+        "CHIP CHECK T2 W0.02",
+        "CHIP CHECK T2 W0.05",
+        "TOOL CHECK T3, TRACE T3",
+        "CHIP CHECK T3 W0.02",
+    ]
+    assert result.diagnostics == []
+    assert not any(d.code == "SYN001" for d in result.trace.program.unreadable())
+    between, last = result.edits[4], result.edits[5]
+    assert result.trace.program.source.text(between.first) == "(2D CONTOUR3 FINISH)"
+    assert between.reason.startswith('T2 is used next for FINISH ("FINISH" in the comment')
+    assert last.reason.startswith("last use of T2; the next workpiece starts with ROUGH")
+
+
+def swapped(data: bytes) -> bytes:
+    """The two operations of T2 change places; the tool call stays where it was."""
+    rough = re.search(rb"N160 G0 X-11.*?N300 G0 Z15\.\r\n", data, re.DOTALL)
+    finish = re.search(rb"N305 G0 X0.*?N385 G0 Z15\.\r\n", data, re.DOTALL)
+    assert rough and finish
+    moved_g43 = rough[0].replace(b"G43 Z15. H2", b"Z15."), finish[0].replace(b"Z5.", b"G43 Z15. H2", 1)
+    data = data.replace(rough[0], b"@").replace(finish[0], moved_g43[0]).replace(b"@", moved_g43[1])
+    data = data.replace(b"(2D ADAPTIVE2)", b"@").replace(b"(2D CONTOUR3 FINISH)", b"(2D ADAPTIVE2)")
+    return data.replace(b"@", b"(2D CONTOUR3 FINISH)")
+
+
+def test_swapped_operations_swap_the_limits() -> None:
+    result = filtered(swapped(SAMPLE))
+    check(result)
+    assert [op.kind.value for op in result.operations] == ["unknown", "finish", "rough", "drill"]
+    assert result.titles[4:6] == ["CHIP CHECK T2 W0.05", "CHIP CHECK T2 W0.02"]
+
+
+@pytest.mark.parametrize(
+    ("title", "w_mm"),
+    [
+        ("ROUGH", "0.05"),
+        ("FINISH", "0.02"),
+        ("SEMI-FINISH", "0.02"),
+        ("2D CONTOUR2", "0.02"),
+        ("DRILL4", "0.02"),
+    ],
+)
+def test_the_next_operation_sets_the_limit(title: str, w_mm: str) -> None:
+    assert limits(run(visit(1, "ADAPTIVE1", title)))[0] == f"CHIP CHECK T1 W{w_mm}"
+    assert (
+        limits(run(visit(1, "ADAPTIVE1"), visit(2, "FACE1"), visit(1, title)))[0] == f"CHIP CHECK T1 W{w_mm}"
+    )
+
+
+def test_an_unknown_operation_takes_the_stricter_limit_whichever_it_is() -> None:
+    options = ("checks.w_rough_mm=0.01", "checks.w_finish_mm=0.03")
+    assert limits(run(visit(1, "ADAPTIVE1", "TRACE7"), options=options))[0] == "CHIP CHECK T1 W0.01"
+
+
+def test_the_limit_may_be_set_per_tool() -> None:
+    result = run(visit(1, "ADAPTIVE1", "FINISH"), visit(2, "FINISH"), options=("checks.w_mm.1=0.04",))
+    assert limits(result) == ["CHIP CHECK T1 W0.04", "CHIP CHECK T1 W0.04", "CHIP CHECK T2 W0.02"]
+    assert "checks.w_mm gives T1" in result.edits[2].reason
+
+
+@pytest.mark.parametrize(
+    ("policy", "expected"),
+    [
+        ("next-part", ["CHIP CHECK T1 W0.02", "CHIP CHECK T1 W0.05"]),
+        ("none", ["CHIP CHECK T1 W0.02"]),
+        ("0.1", ["CHIP CHECK T1 W0.02", "CHIP CHECK T1 W0.1"]),
+    ],
+)
+def test_the_last_use_of_a_tool(policy: str, expected: list[str]) -> None:
+    result = run(visit(1, "ADAPTIVE1", "FINISH"), options=(f"checks.last_use={policy}",))
+    assert limits(result) == expected
+
+
+def test_the_next_part_starts_with_the_first_operation_not_the_last() -> None:
+    result = run(visit(1, "FINISH"), visit(2, "ADAPTIVE1"), visit(1, "ADAPTIVE2"))
+    assert limits(result) == ["CHIP CHECK T1 W0.05", "CHIP CHECK T2 W0.05", "CHIP CHECK T1 W0.02"]
+
+
+def test_a_tool_called_again_is_checked_again_but_its_shape_is_kept() -> None:
+    result = run(visit(1, "ADAPTIVE1"), visit(2, "FACE1"), visit(1, "FINISH"))
+    assert [t for t in result.titles if not t.startswith("CHIP")] == [
+        "CALIBRATE",
+        "TOOL CHECK T1, TRACE T1",
+        "TOOL CHECK T2, TRACE T2",
+        "TOOL CHECK T1",
+    ]
+
+
+def test_only_and_ignore() -> None:
+    visits = (visit(1, "FACE1"), visit(2, "FACE2"), visit(3, "FACE3"))
+
+    def tools(*options: str) -> set[str]:
+        return set(re.findall(r"T\d", " ".join(run(*visits, options=options).titles)))
+
+    assert tools("checks.ignore=[2]") == {"T1", "T3"}
+    assert tools("checks.only=[2, 3]") == {"T2", "T3"}
+    assert tools("checks.only=[2, 3]", "checks.ignore=[3]") == {"T2"}
+
+
+def test_the_beam_is_measured_straight_before_the_first_checked_tool() -> None:
+    result = run(visit(1, "FACE1"), visit(2, "FACE2"), options=("checks.only=[2]",))
+    assert result.titles[0] == "CALIBRATE"
+    assert result.trace.program.source.text(result.edits[0].first) == "T2 M6"
+
+
+def test_nothing_happens_unless_asked() -> None:
+    result = run(visit(1, "FACE1"), options=("checks.enabled=false",))
+    assert (result.edits, result.diagnostics) == ([], [])
+
+
+def test_a_lathe_checks_when_the_profile_asks() -> None:
+    program = b"G28 U0 W0\nT0101 (ROUGH TURN)\nG97 S800 M3\nG0 X50. Z2.\nG1 Z-20. F0.2\nG28 U0 W0\nM30\n"
+    assert filtered(program, "fanuc-lathe").edits == []
+    result = filtered(program, "fanuc-lathe", "checks.enabled=true")
+    assert result.titles == ["CALIBRATE", "TOOL CHECK T1, TRACE T1", "CHIP CHECK T1 W0.05"]
+    assert [edit.content[:2] for edit in result.edits] == [("G28 U0", "G28 W0")] * 3
+
+
+def test_a_probe_is_not_checked() -> None:
+    probing = "T9 M6\n(PROBE)\nG0 X1. Y2.\nG43 Z15. H9\nG31 Z-5. F100.\nG0 Z50.\nG28 G91 Z0.\nG90\n"
+    assert "T9" not in " ".join(run(probing, visit(1, "FACE1")).titles)
+
+
+def test_a_tool_that_never_cuts_is_not_checked() -> None:
+    result = run(visit(1, "FACE1"), "T2 M6\n")
+    assert "T2" not in " ".join(result.titles)
+
+
+def test_an_own_set_without_trace_needs_no_shape() -> None:
+    shop = ('calls.shop={chip_check=["G65 P9858 T{tool} H{limit}"]}', "checks.calls=shop")
+    result = run(visit(1, "ADAPTIVE1", "FINISH", speed=""), options=shop)
+    assert result.titles == ["CHIP CHECK T1 W0.02", "CHIP CHECK T1 W0.05"]
+    assert "G65 P9858 T1 H0.02" in result.edits[0].content
+
+
+# --- what cannot be done is said -----------------------------------------------------------------------
+
+
+def only_code(result: Filtered, code: str) -> str:
+    (found,) = (d for d in result.diagnostics if d.code == code)
+    assert found.place is not None
+    return f"{found.place.line}: {found.message}"
+
+
+def test_no_tool_call() -> None:
+    result = run("S1000 M3\nG0 Z5.\nG1 X5. F100.\n")
+    assert result.edits == []
+    assert only_code(result, "CHK001").startswith("1: no tool is called")
+
+
+def test_no_safe_border() -> None:
+    bad = "T1 M6\nS1000 M3\nG0 X1. Y2.\nG43 Z15. H1\nG41 D1 X5.\nG1 Z-1. F100.\n(FINISH)\nX9.\nG0 Z15.\nG40 X1.\n"
+    result = run(bad)
+    message = only_code(result, "CHK002")
+    assert message.startswith("11: left out: CHIP CHECK T1 W0.02; nothing can be inserted here, because")
+    assert message.endswith("cutter compensation (G41, G42) is on")
+
+
+def test_no_speed_at_the_first_cut() -> None:
+    result = run(visit(1, "ADAPTIVE1", "FINISH", speed=""))
+    assert only_code(result, "CHK003").endswith("TOOL CHECK T1; the spindle speed of this cut is not known")
+    assert result.titles[:2] == ["CALIBRATE", "TRACE T1"]
+
+
+def test_no_shape_to_compare_with() -> None:
+    result = run(
+        "T1 M6\nS1000 M3\nG1 X5. Z-1. F100.\nX9.\nG0 Z15.\n(FINISH)\nG0 X1. Y2.\nZ1.\nG1 Z-1.\nG0 Z50.\n"
+    )
+    assert result.codes == ["CHK002", "CHK004"]
+    assert result.edits == []  # and no beam is measured for nothing
+
+
+def test_another_program_behind_the_end() -> None:
+    result = filtered((HEAD + visit(1, "FACE1") + "M30\nO2\n" + visit(2, "FACE2") + "M99\n").encode())
+    check(result)
+    assert "T2" not in " ".join(result.titles)
+    assert only_code(result, "CHK005").startswith("17: another program")
+
+
+def test_a_tool_without_a_number() -> None:
+    result = run("S1000 M3\nG0 X1. Y1.\nG0 Z1.\nG1 Z-1. F100.\nG0 Z50.\n", visit(1, "FACE1"))
+    assert only_code(result, "CHK006").startswith("8: this operation cuts with a tool whose number")
+    assert any(title.startswith("CHIP CHECK T1") for title in result.titles)

@@ -1,0 +1,244 @@
+"""Numbers in bulk, untouched bytes, line ends, and the self-check that distrusts them."""
+
+from __future__ import annotations
+
+import re
+from decimal import ROUND_HALF_EVEN, Decimal
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import chipbreak
+from chipbreak.edits import Edit, MoveTable, OverlapError
+from chipbreak.emit import print_moves, render
+from chipbreak.model.trace import Trace, interpret
+from chipbreak.passes import vibrate
+from chipbreak.passes.vibrate import VibrationPlan
+from chipbreak.source import read
+from chipbreak.syntax.parse import parse
+from chipbreak.verify import verify
+
+SETTINGS = chipbreak.load("generic-lathe")
+CUT = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5\nG1 X30.\nM30\n"
+
+
+# --- numbers ----------------------------------------------------------------------------------------------
+
+
+@given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=40), st.integers(0, 6))
+def test_a_column_prints_as_decimal_does(values: list[float], decimals: int) -> None:
+    table = MoveTable(("Z",), (np.array(values),), (decimals,))
+    lines = print_moves(table, b"\n").decode().splitlines()
+    for line, value in zip(lines, values, strict=True):
+        assert re.fullmatch(r"Z-?[0-9]+\.[0-9]*", line), "a point, no exponent"
+        assert len(line.split(".")[1]) == decimals
+        printed = Decimal(line[1:])
+        exact = Decimal(float(np.rint(value * 10.0**decimals))).scaleb(-decimals)
+        assert printed == exact.quantize(Decimal(1).scaleb(-decimals), ROUND_HALF_EVEN)
+        assert not re.fullmatch(r"Z-0*\.0*", line), "no negative zero"
+        assert not re.match(r"Z-?0[0-9]", line), "no leading zeros"
+
+
+@given(st.lists(st.tuples(st.floats(-99, 99), st.floats(-99, 99)), min_size=1, max_size=9), st.sampled_from([b"\n", b"\r\n", b"\r"]))
+def test_a_table_prints_a_block_a_row(rows: list[tuple[float, float]], end: bytes) -> None:
+    x, z = np.array(rows).T
+    data = print_moves(MoveTable(("X", "Z"), (x, z), (3, 2)), end)
+    assert data.endswith(end)
+    lines = data.decode().split(end.decode())[:-1]
+    assert lines == [_row(a, b) for a, b in rows]
+
+
+def _row(x: float, z: float) -> str:
+    def text(value: float, decimals: int) -> str:
+        rounded = float(np.rint(value * 10.0**decimals)) / 10.0**decimals + 0.0
+        return f"{rounded:.{decimals}f}"
+
+    return f"X{text(x, 3)} Z{text(z, 2)}"
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), 1e20])
+def test_a_number_that_cannot_be_written_is_never_written(value: float) -> None:
+    with pytest.raises(ValueError, match="cannot be written"):
+        print_moves(MoveTable(("Z",), (np.array([value]),), (3,)), b"\n")
+
+
+# --- bytes ------------------------------------------------------------------------------------------------
+
+
+def edit(first: int, last: int, *content: str, name: str = "a") -> Edit:
+    return Edit(first, last, content, "TEST", "a reason", name)
+
+
+@given(st.binary(max_size=200))
+def test_without_edits_every_byte_stays(data: bytes) -> None:
+    assert b"".join(render(parse(read(data)), [], SETTINGS)) == data
+
+
+@given(st.lists(st.sampled_from([b"G1 X1.\n", b"(a)\r\n", b"\r", b"N5 Z2.\r\n", b"x\x00\xe9\n"]), max_size=12), st.data())
+def test_bytes_outside_an_edit_stay(lines: list[bytes], data: st.DataObject) -> None:
+    program = parse(read(b"".join(lines)))
+    count = program.source.line_count
+    first = data.draw(st.integers(0, count))
+    last = data.draw(st.integers(first, count))
+    out = b"".join(render(program, [edit(first, last, "G4 X1.")], SETTINGS))
+    assert out.startswith(b"".join(program.source.raw(i) for i in range(first)))
+    assert out.endswith(b"".join(program.source.raw(i) for i in range(last, count)))
+    assert b"G4 X1." in out
+
+
+def test_edits_that_overlap_name_both_passes() -> None:
+    program = parse(read(b"G1 X1.\n" * 6))
+    with pytest.raises(OverlapError) as caught:
+        render(program, [edit(1, 4, name="one"), edit(3, 5, name="two")], SETTINGS)
+    assert "one (lines 2 to 4)" in str(caught.value)
+    assert "two (lines 4 to 5)" in str(caught.value)
+
+
+def test_insertions_stand_before_a_replacement_of_the_same_line() -> None:
+    program = parse(read(b"G1 X1.\nG1 X2.\n"))
+    edits = [edit(1, 2, "X5."), edit(1, 1, "M8"), edit(1, 1, "M9")]
+    lines = b"".join(render(program, edits, SETTINGS)).decode().splitlines()
+    assert [line for line in lines if not line.startswith("(")] == ["G1 X1.", "M8", "M9", "X5."]
+
+
+@pytest.mark.parametrize("end", [b"\n", b"\r\n", b"\r"], ids=["LF", "CRLF", "CR"])
+def test_new_blocks_take_the_line_end_of_the_file(end: bytes) -> None:
+    out = chipbreak.rewrite(CUT.replace(b"\n", end), SETTINGS).data
+    rest = out.replace(end, b"")
+    assert b"\r" not in rest
+    assert b"\n" not in rest
+
+
+@given(data=st.binary(max_size=300))
+def test_a_program_that_asks_nothing_comes_out_byte_for_byte(data: bytes) -> None:
+    try:
+        result = chipbreak.rewrite(data, SETTINGS)
+    except chipbreak.ProgramRejectedError:
+        return
+    assert result.data == data
+    assert not result.changed
+
+
+_LINES = st.sampled_from(
+    ["%", "O1000", "G0 X20. Z2.", "G1 Z-3. F0.1", "N10 X5", "(note)", "", "/M8", "G97 S500 M3", "#1=#2+3", "G71 P1 Q2", "IF[#1EQ2]GOTO10", "x1 y2", "T0101", "?!", "G2 X1. R5.", "M30", "\xe9\x00"]
+)
+
+
+@given(st.lists(_LINES, max_size=25), st.sampled_from(["\n", "\r\n", "\r"]), st.booleans())
+def test_a_likely_program_that_asks_nothing_comes_out_byte_for_byte(
+    lines: list[str], end: str, last: bool
+) -> None:
+    data = (end.join(lines) + (end if last else "")).encode("latin-1")
+    for profile in ("generic-lathe", "fanuc-lathe", "linuxcnc-lathe"):
+        result = chipbreak.rewrite(data, chipbreak.load(profile))
+        assert result.data == data
+        assert not result.changed
+
+
+# --- the self-check ---------------------------------------------------------------------------------------
+
+
+def planned(data: bytes, *sets: str) -> tuple[Trace, VibrationPlan, bytes]:
+    settings = chipbreak.load("generic-lathe", sets)
+    trace = interpret(parse(read(data)), settings)
+    plan = vibrate.plan(trace, settings)
+    return trace, plan, b"".join(render(trace.program, list(plan.edits), settings))
+
+
+def resealed(output: bytes) -> bytes:
+    """The output with checksums that fit again, so that only what the blocks do can give it away."""
+    from chipbreak.bracket import checksum
+
+    text = output.decode("latin-1")
+
+    def seal(match: re.Match[str]) -> str:
+        content = match[2].encode("latin-1")
+        return f"{match[1]}{match[2]}(CHIPBREAK END {checksum(content)})"
+
+    pattern = r"(\(CHIPBREAK BEGIN[^\n]*\n)(.*?)\(CHIPBREAK END [0-9A-F]+\)"
+    return re.sub(pattern, seal, text, flags=re.DOTALL).encode("latin-1")
+
+
+def caught(trace: Trace, plan: VibrationPlan, output: bytes) -> bool:
+    """True when the self-check stops the output."""
+    try:
+        verify(trace, output, list(plan.edits), plan.cuts)
+    except Exception as error:
+        assert type(error).__name__ in ("SelfCheckError", "ProgramRejectedError"), error
+        return True
+    return False
+
+
+TRACE, PLAN, OUTPUT = planned(CUT)
+_BODY = range(OUTPUT.index(b"(CHIPBREAK BEGIN VIB"), OUTPUT.index(b"G1 X30."))
+
+
+def test_the_output_as_it_is_passes() -> None:
+    assert resealed(OUTPUT) == OUTPUT
+    assert not caught(TRACE, PLAN, OUTPUT)
+
+
+@given(st.data())
+def test_a_lost_line_is_caught(data: st.DataObject) -> None:
+    lines = OUTPUT.splitlines(keepends=True)
+    index = data.draw(st.integers(0, len(lines) - 1))
+    assert caught(TRACE, PLAN, resealed(b"".join(lines[:index] + lines[index + 1 :]))), lines[index]
+
+
+@given(st.data())
+def test_a_doubled_line_is_caught(data: st.DataObject) -> None:
+    lines = OUTPUT.splitlines(keepends=True)
+    index = data.draw(st.integers(0, len(lines) - 1))
+    doubled = resealed(b"".join(lines[: index + 1] + lines[index:]))
+    # A modal word said twice does the same, inside a change.
+    assert caught(TRACE, PLAN, doubled) or lines[index] in (b"S2500\n", b"S3000\n")
+
+
+@given(st.data())
+def test_a_changed_digit_of_a_position_is_caught(data: st.DataObject) -> None:
+    words = re.finditer(rb"(?m)^(?:G1 )?Z-?[0-9.]+", OUTPUT[: _BODY.stop])
+    places = [m.start() + i for m in words for i in range(m[0].index(b"Z"), len(m[0])) if m[0][i:i+1].isdigit()]
+    at = data.draw(st.sampled_from([place for place in places if place in _BODY]))
+    digit = OUTPUT[at : at + 1]
+    other = data.draw(st.sampled_from([b"0", b"3", b"6", b"9"]).filter(lambda d: d != digit))
+    mutant = resealed(OUTPUT[:at] + other + OUTPUT[at + 1 :])
+    assert caught(TRACE, PLAN, mutant), mutant[at - 12 : at + 12]
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b"S2500\n", b"S2400\n"),
+        (b"S3000\n(C", b"S2999\n(C"),
+        (b"Z-3. F0.05\n", b"Z-3.1 F0.05\n"),
+        (b"Z-3. F0.05\n", b"Z-3. F0.06\n"),
+        (b"Z-3. F0.05\n", b"Z-3. F0.05\nM9\nM8\n"),
+        (b"Z-3. F0.05\n", b"Z-3. F0.05\nG91\n"),
+        (b"Z-3. F0.05\n", b"Z-3. F0.05\nT0202\n"),
+        (b"S2500\n", b"S2500\nG0 X21.\n"),
+        (b"S2500\n", b"S2500\nG0 Z5.\n"),
+        (b"S2500\n", b"G96 S2500\n"),
+        (b"S3000\n(C", b"G96 S3000\n(C"),
+        (b"S2500\n", b"S2500\nG94\n"),
+        (b"(CHIPBREAK WAS G1 Z-3. F0.05 N1.5)", b"(CHIPBREAK WAS G1 Z-3. F0.05 N2.5)"),
+        (b"G1 X30.\n", b"G1 X31.\n"),
+        (b"M30", b"M02"),
+    ],
+)
+def test_a_mutant_is_caught(old: bytes, new: bytes) -> None:
+    assert OUTPUT.count(old) >= 1
+    mutant = resealed(OUTPUT.replace(old, new, 1))
+    assert caught(TRACE, PLAN, mutant)
+
+
+def test_feeds_that_take_another_time_are_caught() -> None:
+    slower = re.sub(rb"F0\.1([0-9]+)", rb"F0.2\1", OUTPUT)
+    assert slower != OUTPUT
+    assert caught(TRACE, PLAN, resealed(slower))
+
+
+def test_a_line_too_long_for_the_control_is_caught() -> None:
+    mutant = OUTPUT.replace(b"S2500\n", b"S2500 (" + b"X" * 80 + b")\n", 1)
+    assert caught(TRACE, PLAN, resealed(mutant))

@@ -1,0 +1,142 @@
+"""Lines and arcs as one path by arc length: closed forms, joints, chords, and arcs that cannot be."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from chipbreak.diagnostics import RefusalError
+from chipbreak.vibration.path import Leg, path_of, split_at
+
+NAN = math.nan
+coordinates = st.floats(-50.0, 50.0)
+places = st.tuples(coordinates, coordinates, coordinates)
+
+
+def refused(*legs: Leg) -> str:
+    with pytest.raises(RefusalError) as caught:
+        path_of(legs)
+    assert caught.value.help
+    return caught.value.code
+
+
+@given(st.lists(places, min_size=2, max_size=6), st.floats(0.0, 1.0))
+def test_a_polyline_is_its_own_arc_length(corners: list[tuple[float, float, float]], share: float) -> None:
+    lengths = [math.dist(a, b) for a, b in zip(corners, corners[1:], strict=False)]
+    assume(sum(lengths) > 1e-3)
+    path = path_of([Leg(a, b) for a, b in zip(corners, corners[1:], strict=False)])
+    assert path.length_mm == pytest.approx(sum(lengths))
+    s = np.array([0.0, share * path.length_mm, path.length_mm])
+    knots = path.points(s)
+    assert knots[0] == pytest.approx(corners[0], abs=1e-8)
+    assert knots[-1] == pytest.approx(corners[-1], abs=1e-8)
+    assert math.dist(knots[0], knots[1]) <= s[1] + 1e-9, "no chord is longer than its path"
+    assert np.linalg.norm(path.tangents(s), axis=1) == pytest.approx(np.ones(3))
+
+
+@given(
+    st.floats(0.5, 40.0),
+    st.floats(-math.pi, math.pi),
+    st.floats(0.05, 2 * math.pi - 0.05),
+    st.sampled_from([-1, 1]),
+    st.sampled_from(["XY", "ZX", "YZ"]),
+    st.floats(-5.0, 5.0),
+)
+def test_an_arc_is_a_circle(
+    radius: float, first: float, sweep: float, turn: int, plane: str, rise: float
+) -> None:
+    a, b = {"XY": (0, 1), "ZX": (2, 0), "YZ": (1, 2)}[plane]
+    start, end, offset = [0.0] * 3, [0.0] * 3, [0.0] * 3
+    start[a], start[b] = radius * math.cos(first), radius * math.sin(first)
+    last = first + turn * sweep
+    end[a], end[b], end[3 - a - b] = radius * math.cos(last), radius * math.sin(last), rise
+    offset[a], offset[b] = -start[a], -start[b]
+    by_centre = path_of([Leg(tuple(start), tuple(end), turn, plane, tuple(offset))])
+    assert by_centre.length_mm == pytest.approx(math.hypot(radius * sweep, rise), rel=1e-9)
+    s = np.linspace(0.0, by_centre.length_mm, 50)
+    knots = by_centre.points(s)
+    assert np.hypot(knots[:, a], knots[:, b]) == pytest.approx(np.full(50, radius), rel=1e-9)
+    assert knots[-1] == pytest.approx(end, abs=1e-9)
+    tangents = by_centre.tangents(s[1:-1])
+    slope = (by_centre.points(s[1:-1] + 1e-6) - by_centre.points(s[1:-1] - 1e-6)) / 2e-6
+    assert tangents == pytest.approx(slope, abs=1e-5)
+
+    # R reaches the same arc, negative for more than half a turn.
+    assume(abs(sweep - math.pi) > 1e-3)
+    r = math.copysign(radius, math.pi - sweep)
+    by_radius = path_of([Leg(tuple(start), tuple(end), turn, plane, (NAN, NAN, NAN), r)])
+    assert by_radius.points(s) == pytest.approx(knots, abs=1e-5 * radius)
+
+
+@pytest.mark.parametrize("turn", [-1, 1])
+def test_a_full_circle(turn: int) -> None:
+    path = path_of([Leg((10.0, 0.0, 0.0), (10.0, 0.0, 0.0), turn, "ZX", (-4.0, NAN, NAN))])
+    assert path.length_mm == pytest.approx(8 * math.pi)
+    quarter = path.points(np.array([path.length_mm / 4]))[0]
+    assert quarter == pytest.approx([6.0, 0.0, -4.0 * turn])
+
+
+def test_clockwise_in_the_turning_plane() -> None:
+    """From Z to X is counter-clockwise: G3 from the face outwards goes round a convex corner."""
+    path = path_of([Leg((10.0, 0.0, 0.0), (12.0, 0.0, -2.0), 1, "ZX", (NAN, NAN, NAN), 2.0)])
+    middle = path.points(np.array([path.length_mm / 2]))[0]
+    assert middle == pytest.approx([10.0 + 2 * math.sin(math.pi / 4), 0.0, -2.0 + 2 * math.cos(math.pi / 4)])
+
+
+@given(st.floats(0.1, 200.0), st.floats(0.1, 6.2), st.floats(1e-4, 0.1))
+def test_chords_stay_close(radius: float, sweep: float, chord: float) -> None:
+    end = (radius * math.cos(sweep), radius * math.sin(sweep), 0.0)
+    path = path_of([Leg((radius, 0.0, 0.0), end, 1, "XY", (-radius, 0.0, NAN))])
+    s = np.concatenate(([0.0], path.breakpoints(chord), [path.length_mm]))
+    middles = path.points(s)[:-1] / 2 + path.points(s)[1:] / 2
+    away = radius - np.hypot(middles[:, 0], middles[:, 1])
+    assert away.max() <= chord * 1.0001
+
+
+@pytest.mark.parametrize(
+    ("leg", "code"),
+    [
+        pytest.param(Leg((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), "VIB023", id="no length"),
+        pytest.param(Leg((0.0, 0.0, 0.0), (9.0, 0.0, 0.0), 1), "VIB022", id="neither centre nor radius"),
+        pytest.param(
+            Leg((0.0, 0.0, 0.0), (9.0, 0.0, 0.0), 1, radius_mm=4.0), "VIB022", id="radius too small"
+        ),
+        pytest.param(
+            Leg((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 1, radius_mm=4.0), "VIB022", id="full circle by radius"
+        ),
+        pytest.param(
+            Leg((0.0, 0.0, 0.0), (9.0, 0.0, 0.0), 1, "XY", (4.0, 0.0, NAN)), "VIB022", id="end off the circle"
+        ),
+        pytest.param(
+            Leg((0.0, 0.0, 0.0), (9.0, 0.0, 0.0), 1, "XY", (0.0, 0.0, NAN)), "VIB022", id="centre at start"
+        ),
+    ],
+)
+def test_what_cannot_be(leg: Leg, code: str) -> None:
+    assert refused(leg) == code
+
+
+def test_a_radius_short_by_rounding_is_half_a_circle() -> None:
+    path = path_of([Leg((0.0, 0.0, 0.0), (10.003, 0.0, 0.0), 1, "XY", (NAN, NAN, NAN), 5.001)])
+    assert path.length_mm == pytest.approx(5.0015 * math.pi, rel=1e-3)
+
+
+@given(
+    st.lists(st.floats(-1.0, 3.0), min_size=1, max_size=30),
+    st.lists(st.floats(-5.0, 60.0), unique=True, max_size=15),
+)
+def test_splitting_adds_knots_and_keeps_the_motion(steps: list[float], cuts: list[float]) -> None:
+    time_s = np.arange(len(steps) + 1, dtype=float)
+    distance = np.concatenate(([0.0], np.cumsum(steps)))
+    breakpoints = np.sort(np.array(cuts))
+    new_time, new_distance = split_at(time_s, distance, breakpoints)
+    assert np.interp(new_time, time_s, distance) == pytest.approx(new_distance, abs=1e-9)
+    assert set(time_s) <= set(new_time)
+    low = np.minimum(new_distance[:-1], new_distance[1:])
+    high = np.maximum(new_distance[:-1], new_distance[1:])
+    for at in breakpoints:
+        assert not np.any((low + 1e-9 < at) & (at < high - 1e-9)), "a move runs across a breakpoint"
