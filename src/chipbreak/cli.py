@@ -25,6 +25,7 @@ from chipbreak.options import (
     rewrite_program,
     run_filter,
     settings_of,
+    verify_program,
 )
 from chipbreak.streams import Reporter, read_input, replace_file, write_stdout
 
@@ -135,6 +136,38 @@ def explain(
     reporter.show(result.diagnostics)
     for line in explain_text(result, settings.name):
         click.echo(line)
+
+
+@cli.command()
+@click.argument("source", metavar="INPUT", default="-")
+@common_options
+def verify(
+    source: str,
+    profile: str | None,
+    sets: tuple[str, ...],
+    allow_unbroken: bool,
+    as_json: bool,
+    quiet: bool,
+    color: str,
+) -> None:
+    """Judge a filtered program as it stands: end points, times, states and chips.
+
+    Exit 0: it does what was promised; 1: a cut does not break its chips; 3 and 4: it is not as it was written.
+    """
+    from chipbreak.diagnostics import has_errors
+    from chipbreak.report import explain_json, explain_text
+
+    reporter = make_reporter(as_json, quiet, color)
+    settings = settings_of(profile, sets, source, reporter)
+    result = verify_program(read_input(source), settings, source, reporter)
+    if as_json:
+        click.echo(json.dumps(explain_json(result, settings.name), indent=2))
+    else:
+        reporter.show(result.diagnostics)
+        for line in explain_text(result, settings.name):
+            click.echo(line)
+    broken = not allow_unbroken and any(not cut.verdict.breaks for cut in result.cuts)
+    sys.exit(DIFFERENT if broken or has_errors(result.diagnostics) else DONE)
 
 
 @cli.command()

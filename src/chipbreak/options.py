@@ -102,13 +102,36 @@ def run_filter(
 
 def rewrite_program(data: bytes, settings: Settings, source: str, allow_unbroken: bool) -> Result:
     """Filter a program; exits with 4 when the self-check fails.  Raises ProgramRejectedError."""
-    from chipbreak.measure import SelfCheckError
     from chipbreak.pipeline import rewrite
+
+    name = _shown(source)
+    return _guarded(name, lambda: rewrite(data, settings, name, allow_unbroken=allow_unbroken))
+
+
+def verify_program(data: bytes, settings: Settings, source: str, reporter: Reporter) -> Result:
+    """Judge a filtered program; exits with 3 or 4 when it is not as it was written."""
+    from chipbreak.diagnostics import ProgramRejectedError
+    from chipbreak.pipeline import verify_filtered
+
+    name = _shown(source)
+    try:
+        return _guarded(name, lambda: verify_filtered(data, settings, name))
+    except ProgramRejectedError as error:
+        reporter.show(error.diagnostics)
+        sys.exit(REJECTED)
+
+
+def _shown(source: str) -> str:
+    return "<stdin>" if source == "-" else source
+
+
+def _guarded(name: str, work: Callable[[], Result]) -> Result:
+    """Run, and turn what is not the program's fault into a message and an exit code."""
+    from chipbreak.measure import SelfCheckError
     from chipbreak.settings import SettingsError
 
-    name = "<stdin>" if source == "-" else source
     try:
-        return rewrite(data, settings, name, allow_unbroken=allow_unbroken)
+        return work()
     except SettingsError as error:
         click.echo(error.diagnostic.render(), err=True)
         sys.exit(USAGE)

@@ -48,8 +48,24 @@ def rewrite(
     not do what was promised; then nothing may be written.  Raises SettingsError for a profile whose rules or
     calls cannot be used.
     """
-    given = read(data, name)
-    source = restore(given)
+    source = restore(read(data, name))
+    return _run(source, data, settings, output=None, allow_unbroken=allow_unbroken)
+
+
+def verify_filtered(data: bytes, settings: Settings, name: str = "<stdin>") -> Result:
+    """Judge a filtered program as it stands, instead of writing a new one.
+
+    Raises what :func:`rewrite` raises; SelfCheckError also for a program that another profile or version has
+    written, whose changes are not those that would be made now.
+    """
+    source = restore(read(data, name))
+    return _run(source, data, settings, output=data, allow_unbroken=True)
+
+
+def _run(
+    source: Source, data: bytes, settings: Settings, *, output: bytes | None, allow_unbroken: bool
+) -> Result:
+    """All stages on an unfiltered source; ``output`` is the program to judge, None to write one."""
     trace = interpret(parse(source), settings)
     diagnostics = trace.program.unreadable() + unread_words(trace)
     operations, check_edits, found = _tool_checks(trace, settings)
@@ -61,8 +77,9 @@ def rewrite(
     if has_errors(diagnostics):
         raise ProgramRejectedError(in_place_order(diagnostics))
     edits = [*speed_edits, *vibration.edits, *check_edits]
-    output = b"".join(render(trace.program, edits, settings)) if edits else source.data
-    cuts = verify(trace, output, edits, vibration.cuts) if edits else []
+    if output is None:
+        output = b"".join(render(trace.program, edits, settings)) if edits else source.data
+    cuts = verify(trace, output, edits, vibration.cuts) if edits or output != source.data else []
     diagnostics += _chip_diagnostics(trace, cuts, operations, allow_unbroken=allow_unbroken)
     if has_errors(diagnostics):
         raise ProgramRejectedError(in_place_order(diagnostics))

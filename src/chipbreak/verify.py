@@ -18,6 +18,7 @@ from chipbreak.measure import CheckedCut, SelfCheckError, measure_cut
 from chipbreak.model.modal import Setting, State
 from chipbreak.model.trace import Trace, interpret
 from chipbreak.model.words import codes_of
+from chipbreak.passes import vibrate
 from chipbreak.passes.vibrate import PlannedCut
 from chipbreak.restore import Region, regions, restored_bytes
 from chipbreak.source import Source, read

@@ -72,8 +72,13 @@ def test_a_shop_may_call_its_own_cycles() -> None:
         (['calls.a={trace=[""]}'], "SET033", "no words", "one block"),
         (['calls.a={trace=["G65 P1\\nM30"]}'], "SET033", "no control reads", "one block"),
         (['calls.a={trace=["G65 P1 (MÜHLE)"]}'], "SET033", "no control reads", "one block"),
-        ([f'calls.a={{trace=["G65 P1 ({"X" * 70})"]}}'], "SET034", "81 characters", "split"),
-        (['calls.a={trace=["G65 P1 T{tool} Z{height} (' + "X" * 30 + ')"]}'], "SET034", "60", "split"),
+        ([f'calls.a={{trace=["G65 P1 ({"X" * 72})"]}}'], "SET034", "81 characters", "split"),
+        (
+            ['calls.a={trace=["G65 P1 T{tool} Z{height} (' + "X" * 31 + ')"]}'],
+            "SET034",
+            "61 characters",
+            "split",
+        ),
     ],
 )
 def test_a_call_that_could_write_nonsense_is_refused(

@@ -191,8 +191,8 @@ def test_no_tool_call() -> None:
 
 
 def test_no_safe_border() -> None:
-    bad = "T1 M6\nS1000 M3\nG0 X1. Y2.\nG43 Z15. H1\nG41 D1 X5.\nG1 Z-1. F100.\n(FINISH)\nX9.\nG0 Z15.\nG40 X1.\n"
-    result = run(bad)
+    start = "T1 M6\nS1000 M3\nG0 X1. Y2.\nG43 Z15. H1\n"
+    result = run(start + "G41 D1 X5.\nG1 Z-1. F100.\n(FINISH)\nX9.\nG0 Z15.\nG40 X1.\n")
     message = only_code(result, "CHK002")
     assert message.startswith("11: left out: CHIP CHECK T1 W0.02; nothing can be inserted here, because")
     assert message.endswith("cutter compensation (G41, G42) is on")
@@ -216,7 +216,7 @@ def test_another_program_behind_the_end() -> None:
     result = filtered((HEAD + visit(1, "FACE1") + "M30\nO2\n" + visit(2, "FACE2") + "M99\n").encode())
     check(result)
     assert "T2" not in " ".join(result.titles)
-    assert only_code(result, "CHK005").startswith("17: another program")
+    assert only_code(result, "CHK005").startswith("24: another program")
 
 
 def test_a_tool_without_a_number() -> None:

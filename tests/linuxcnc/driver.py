@@ -74,8 +74,9 @@ class Screen:
             subprocess.Popen(["halsampler", "-t"], stdout=out) as sampler,
         ):
             set_pin("sampler.0.enable", 1)
-            time.sleep(0.02)
-            drained(1000)  # halsampler is reading
+            wait_for(
+                lambda: Path(job["samples"]).stat().st_size > 0
+            )  # halsampler reads, and has filled a buffer
             command.auto(api.AUTO_RUN, 0)
             # A short program can be over before the first look at it: do not wait for its start for ever.
             seen = time.monotonic() + 0.5
@@ -89,7 +90,7 @@ class Screen:
                 self.tell(command.abort)
             time.sleep(0.02)
             set_pin("sampler.0.enable", 0)
-            drained(0)
+            wait_for(lambda: get_pin("sampler.0.curr-depth") == "0")
             time.sleep(0.05)
             sampler.terminate()
         self.listen()
@@ -100,13 +101,13 @@ def set_pin(name, value):
     subprocess.run(["halcmd", "setp", name, str(value)], check=True)
 
 
-def drained(most, limit_s=10.0):
-    """Wait until halsampler has left no more than ``most`` samples."""
+def get_pin(name):
+    return subprocess.run(["halcmd", "getp", name], check=True, capture_output=True, text=True).stdout.strip()
+
+
+def wait_for(condition, limit_s=10.0):
     end = time.monotonic() + limit_s
-    while time.monotonic() < end:
-        depth = subprocess.run(["halcmd", "getp", "sampler.0.curr-depth"], check=True, capture_output=True)
-        if int(depth.stdout) <= most:
-            return
+    while not condition() and time.monotonic() < end:
         time.sleep(POLL_S)
 
 

@@ -27,7 +27,7 @@ def vibration_words(
     """
     if not any(w.letter in _LETTERS for w in block.words):
         return ()
-    if has_once or block.controls or not any(w.letter in axis_letters for w in block.words):
+    if has_once or block.controls or not any(w.address in axis_letters for w in block.words):
         return ()
     words = [w for w in block.words if w.letter == "N" or (cuts and w.letter in "EQ")]
     has_feed = any(w.letter == "F" for w in block.words)
