@@ -12,7 +12,7 @@ from pathlib import Path
 import programs
 from peers import Missing
 from rows import Goal, Table
-from subject import LATHE, Context, add_memory, add_subject, filtering, insertions, output_of, title
+from subject import LATHE, Context, add_memory, filtering, insertions, output_of, rate_goal, title
 from timing import BenchmarkError, Contestant, in_turn, ratio, run
 
 _MOVES = 1_000_000
@@ -44,7 +44,7 @@ def expansion(context: Context) -> Table:
     subject = filtering(program, LATHE, moves)
     table = Table("expansion", title(program, blocks, f"{moves:,} moves come out, {LATHE}"))
     (samples,) = in_turn([subject], context.rounds)
-    add_subject(table, subject, samples, 0.7e6, "moves/s", f"{changes} cuts")
+    table.add(subject, samples, rate_goal(subject, samples, 0.7e6, "moves/s"), f"{changes} insertions")
     add_memory(table, program, samples)
     return table
 

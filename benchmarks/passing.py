@@ -8,7 +8,7 @@ from pathlib import Path
 import peers
 import programs
 from rows import Goal, Table
-from subject import MILL, Context, add_memory, add_subject, filtering, insertions, title
+from subject import MILL, Context, add_memory, filtering, insertions, rate_goal, title
 from timing import Contestant, in_turn, ratio, run
 
 _BLOCKS = 1_000_000
@@ -53,7 +53,8 @@ def _compare(
     run(subject)
     found = [(peer, limit) for peer, limit in wanted if isinstance(peer, Contestant)]
     samples, *others = in_turn([subject, *(peer for peer, _ in found)], context.rounds)
-    add_subject(table, subject, samples, 1e6, "blocks/s", f"{insertions(program)} insertions")
+    goal = rate_goal(subject, samples, 1e6, "blocks/s")
+    table.add(subject, samples, goal, f"{insertions(program)} insertions")
     add_memory(table, program, samples)
     for (peer, limit), theirs in zip(found, others, strict=True):
         times = ratio(theirs, samples, peer.units / subject.units)

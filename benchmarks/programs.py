@@ -12,6 +12,7 @@ from pathlib import Path
 OPERATIONS = 50
 # Tools that come back, so that a tool is measured again when its next operation asks for another limit.
 TOOLS = 5
+_LEAST_BLOCKS = 20
 _CUT_MM = 166.0
 _MOVES_A_CUT = 10_000
 
@@ -32,6 +33,7 @@ def milling(
 
 
 def _milling_lines(blocks: int, operations: int, comments: bool, code: str) -> Iterator[str]:
+    operations = max(1, min(operations, blocks // _LEAST_BLOCKS))
     number, cuts = 0, blocks // operations
     for operation in range(operations):
         for text in _head(operation, comments):

@@ -61,10 +61,11 @@ class Row:
     def text(self) -> str:
         times = sorted(s.wall_s for s in self.samples)
         cells = [f"{t:8.3f}" for t in (times[0], median(times), times[-1])] if times else [" " * 8] * 3
+        cells.append(f"{median(s.cpu_s for s in self.samples):8.3f}" if times else " " * 8)
         cells.append(f"{self.rate:11,.0f}" if self.rate else " " * 11)
         cells.append(f"{self.peak_bytes / MB:8.1f}" if self.peak_bytes else " " * 8)
         goal = self.goal.text() if self.goal else ""
-        line = f"  {self.name:26} {' '.join(cells)} {goal:42} {self.note}"
+        line = f"  {self.name:29} {' '.join(cells)} {goal:42} {self.note}"
         return line.rstrip()
 
     def as_json(self) -> dict[str, object]:
@@ -95,11 +96,11 @@ class Table:
         self.rows.append(Row(peer.name, note=note))
 
     def text(self) -> str:
-        columns = ("min s", "median s", "max s", "a second", "peak MB")
-        widths = (8, 8, 8, 11, 8)
+        columns = ("min s", "median s", "max s", "cpu s", "a second", "peak MB")
+        widths = (8, 8, 8, 8, 11, 8)
         head = " ".join(f"{c:>{w}}" for c, w in zip(columns, widths, strict=True))
         title = f"{self.name}: {self.title}"
-        return "\n".join([title, f"  {'':26} {head}  measured    target", *(row.text() for row in self.rows)])
+        return "\n".join([title, f"  {'':29} {head}  measured    target", *(row.text() for row in self.rows)])
 
 
 def machine() -> dict[str, object]:

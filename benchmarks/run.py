@@ -39,6 +39,7 @@ def _arguments() -> argparse.Namespace:
         description=summary, epilog=usage, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--quick", action="store_true", help="ten times smaller, one round")
+    parser.add_argument("--smaller", type=int, default=10, help="with --quick: how many times smaller (10)")
     parser.add_argument("--only", metavar="NAME", action="append", choices=CASES, help=", ".join(CASES))
     parser.add_argument("--rounds", type=int, default=5, help="how often each is run (5)")
     parser.add_argument("--large", action="store_true", help="scaling up to ten million blocks")
@@ -51,10 +52,11 @@ def _arguments() -> argparse.Namespace:
 def main() -> int:
     """Run the cases; 0 when every target is met, 1 when one is missed, 2 when a case could not be run."""
     options = _arguments()
-    rounds, smaller = (1, 10) if options.quick else (options.rounds, 1)
+    rounds = 1 if options.quick else options.rounds
+    smaller = options.smaller if options.quick else 1
     print(", ".join(f"{key} {value}" for key, value in machine().items()), f"rounds {rounds}", sep=", ")
     if options.quick:
-        print("quick: the programs are ten times smaller than the targets are meant for")
+        print(f"quick: the programs are {smaller} times smaller than the targets are meant for")
     tables: list[Table] = []
     broken = False
     for name in options.only or CASES:

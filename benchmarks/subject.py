@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import median
 
 from rows import MB, Goal, Row, Table
 from timing import BenchmarkError, Contestant, Sample
@@ -55,13 +56,10 @@ def insertions(program: Path) -> int:
     return count
 
 
-def add_subject(
-    table: Table, subject: Contestant, samples: Sequence[Sample], per_second: float, unit: str, note: str = ""
-) -> None:
-    """The row of chipbreak itself, with the rate it should reach."""
-    row = Row(subject.name, None, tuple(samples), subject.units, note)
-    goal = Goal((row.rate or 0.0) / 1e6, per_second / 1e6, at_least=True, unit=f"M {unit}")
-    table.rows.append(Row(subject.name, goal, tuple(samples), subject.units, note))
+def rate_goal(subject: Contestant, samples: Sequence[Sample], per_second: float, unit: str) -> Goal:
+    """Blocks or moves a second, against those wanted."""
+    rate = subject.units / median(s.wall_s for s in samples)
+    return Goal(rate / 1e6, per_second / 1e6, at_least=True, unit=f"M {unit}")
 
 
 def add_memory(table: Table, program: Path, samples: Sequence[Sample]) -> None:

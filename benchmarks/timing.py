@@ -9,11 +9,14 @@ from __future__ import annotations
 import os
 import subprocess
 import tempfile
+import threading
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
+
+_LONGEST_S = 300.0
 
 
 class BenchmarkError(Exception):
@@ -38,9 +41,10 @@ class Contestant:
 
 @dataclass(frozen=True)
 class Sample:
-    """One run: seconds, and the most memory the process held."""
+    """One run: seconds on the wall, seconds of the processor, and the most memory the process held."""
 
     wall_s: float
+    cpu_s: float
     peak_bytes: int
 
 
@@ -57,17 +61,21 @@ def run(contestant: Contestant) -> Sample:
             stdout=said,
             stderr=complained,
         )
+        patience = threading.Timer(_LONGEST_S, process.kill)
+        patience.start()
         _, status, usage = os.wait4(process.pid, 0)
         wall_s = time.perf_counter() - start
+        patience.cancel()
         process.returncode = os.waitstatus_to_exitcode(status)
         if process.returncode != 0:
             complained.seek(0)
             text = complained.read(2000).decode("utf-8", "replace")
-            raise BenchmarkError(f"{contestant.name} ended with {process.returncode}: {text}")
+            late = f" after {wall_s:.0f} s" if wall_s > _LONGEST_S else ""
+            raise BenchmarkError(f"{contestant.name} ended with {process.returncode}{late}: {text}")
         if contestant.own_clock:
             said.seek(0)
             wall_s = float(said.read())
-    return Sample(wall_s, usage.ru_maxrss * 1024)
+    return Sample(wall_s, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024)
 
 
 def in_turn(contestants: Sequence[Contestant], rounds: int) -> list[list[Sample]]:

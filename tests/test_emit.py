@@ -202,7 +202,9 @@ def test_a_changed_digit_of_a_position_is_caught(data: st.DataObject) -> None:
     places = [m.start() + i for m in words for i in range(m[0].index(b"Z"), len(m[0])) if m[0][i:i+1].isdigit()]
     at = data.draw(st.sampled_from([place for place in places if place in _BODY]))
     digit = OUTPUT[at : at + 1]
-    other = data.draw(st.sampled_from([b"0", b"3", b"6", b"9"]).filter(lambda d: d != digit))
+    # One step of the last digit may still be a rounding of the right place.
+    far = [b"%d" % other for other in range(10) if abs(other - int(digit)) > 1]
+    other = data.draw(st.sampled_from(far))
     mutant = resealed(OUTPUT[:at] + other + OUTPUT[at + 1 :])
     assert caught(TRACE, PLAN, mutant), mutant[at - 12 : at + 12]
 

@@ -113,3 +113,13 @@ def test_a_diagnostic_code_belongs_to_one_module() -> None:
     assert set(several) <= set(SHARED_CODES), (
         f"one code, one meaning: {several}; take a free number, or import a constant from one module"
     )
+
+
+def test_every_code_is_in_the_list_of_diagnostics() -> None:
+    listed = (CHECKOUT / "docs" / "diagnostics.md").read_text("utf-8")
+    for first, last in re.findall(r"([A-Z]{3}\d{3}) to ([A-Z]{3}\d{3})", listed):
+        listed += " ".join(f"{first[:3]}{n:03}" for n in range(int(first[3:]), int(last[3:]) + 1))
+    used = {code for path in SOURCES for code in re.findall(r'"([A-Z]{3}\d{3})"', path.read_text("utf-8"))}
+    assert used
+    missing = sorted(code for code in used if code not in listed)
+    assert not missing, f"docs/diagnostics.md does not say what {missing} mean"

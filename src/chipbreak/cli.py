@@ -152,7 +152,8 @@ def verify(
 ) -> None:
     """Judge a filtered program as it stands: end points, times, states and chips.
 
-    Exit 0: it does what was promised; 1: a cut does not break its chips; 3 and 4: it is not as it was written.
+    Exit 0: it does what was promised; 1: a cut does not break its chips; 3 or 4: it is not as it was
+    written.
     """
     from chipbreak.diagnostics import has_errors
     from chipbreak.report import explain_json, explain_text

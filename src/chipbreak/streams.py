@@ -50,7 +50,10 @@ def read_input(source: str) -> bytes:
 def write_stdout(pieces: Iterable[bytes]) -> None:
     """Bytes to stdout, as they are."""
     try:
-        sys.stdout.buffer.writelines(pieces)
+        for piece in pieces:
+            rest = memoryview(piece)
+            while rest:  # with PYTHONUNBUFFERED a write may take a part only
+                rest = rest[sys.stdout.buffer.write(rest) or 0 :]
         sys.stdout.buffer.flush()
     except BrokenPipeError:
         # The reader has gone; keep Python from complaining when it closes stdout at exit.

@@ -163,6 +163,8 @@ def same_cuts(paired: list[tuple[Step, Step | None]], rules: Settings) -> None:
             assert end["Z"] >= one.at["Z"] or _equal(end["Z"], one.at["Z"]), text
             assert start["X"] == end["X"] or end["Z"] == 500.0, text
             continue
+        if old.after.ended:
+            break  # what follows is another program
         before, after = one.run(old, in_call=is_call)
         start, end = other.run(new, in_call=is_call)
         if old.move is None and not old.once - {"data-setting", "shift", "dwell", "exact-stop"}:

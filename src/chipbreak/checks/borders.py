@@ -67,7 +67,7 @@ class _Spot:
 
     ``mover``   "nothing" yet, "rapid", "home" (or the machine's own tool change), or "cut" for all else
     ``homed``   axes that the program sent to a fixed place where our own retract does not take them
-    ``z_is_home``  the last move of Z left the program's coordinates, and the length offset with them
+    ``z_is_home``  the last move of Z was a reference return, which ends the length offset as ours does
     ``spindle_is_open``  M3 was active at a tool change; some machines stop the spindle there, some do not
     """
 
@@ -131,11 +131,10 @@ class BorderFinder:
         if codes & {3.0, 4.0, 5.0, 19.0}:
             is_open = False
         if calls_tool(step, self.dialect.tool_change):
-            mover, homed, z_is_home = "home", frozenset(), True
+            mover, homed = "home", frozenset()
             is_open = state.turns and not codes & {3.0, 4.0}
         elif "home" in step.once or ("machine" in step.once and state.modes["motion"] == "rapid"):
             mover, homed = "home", homed | (named - self._reproducible(step))
-            z_is_home = z_is_home or "Z" in named
         elif calls_subprogram(step) or "macro-call" in step.once or "service" in step.once:
             mover = "cut"
         elif step.move is not None:
@@ -143,6 +142,7 @@ class BorderFinder:
             rapid = step.move.kind == "rapid" or (state.modes["motion"] == "cycle" and not step.once)
             mover, homed = ("rapid" if rapid else "cut"), homed - named
             z_is_home = z_is_home and "Z" not in named
+        z_is_home = z_is_home or ("home" in step.once and "Z" in named)
         return _Spot(line, state, mover, homed, z_is_home, is_open)
 
     def _reproducible(self, step: Step) -> set[str]:

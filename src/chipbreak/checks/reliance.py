@@ -84,6 +84,7 @@ class _Look:
     placed: set[str] = field(default_factory=set)
     length_offset: bool = False
     offset_is_new: bool = False
+    is_changed: bool = False  # another tool: where the old one stood is of no account any more
 
     def __post_init__(self) -> None:
         dialect = self.trace.settings.dialect
@@ -95,11 +96,14 @@ class _Look:
         block = step.block
         if block.is_empty:
             return False
+        if self.is_changed:
+            return self._is_offset_decided_by(step)
         if block.opaque or block.controls or calls_subprogram(step):
             return self.rely_on_rest()
         if step.after.ended or calls_tool(step, self.dialect.tool_change):
             self.axes |= self.homed - self.placed - self._named(step)
-            return not block.skip
+            self.is_changed |= not block.skip
+            return step.after.ended
         self.offset_is_new |= bool(codes_of(block, "length_offset", self.dialect))
         if "home" in step.once:
             return self._home(step)
@@ -116,8 +120,20 @@ class _Look:
             return self.rely_on_rest()
         return self._rapid(frozenset(step.move.axes), bool(block.skip))
 
+    def _is_offset_decided_by(self, step: Step) -> bool:
+        """Behind a tool change: some programs leave the length offset in force for the next tool."""
+        goes_home = "home" in step.once and "Z" in homed_axes(step, self.trace.settings)
+        if goes_home or step.after.ended or codes_of(step.block, "length_offset", self.dialect):
+            return True
+        uses = step.move is not None and ("Z" in step.move.axes or step.move.kind != "rapid")
+        uses |= bool(step.block.opaque or step.block.controls) or calls_subprogram(step)
+        self.length_offset |= uses
+        return uses
+
     def rely_on_rest(self) -> bool:
         """All axes that are not in place yet."""
+        if self.is_changed:
+            return True
         rest = set(self.all_axes) - self.placed
         self.axes |= rest
         self.length_offset |= "Z" in rest and not self.offset_is_new

@@ -43,17 +43,19 @@ def plan(trace: Trace, settings: Settings) -> tuple[list[Edit], list[Diagnostic]
             message = f"V{asked.v_m_min:g} at D{asked.d_mm:g} needs {speed}, above the limit of {limit:g} rpm"
             diagnostics.append(trace.program.diagnose(line, "VIB072", message, "lower V", at=asked.at))
             continue
-        edits.append(_edit(step, asked, speed))
+        edits.append(_edit(trace, step, asked, speed))
     return edits, diagnostics
 
 
-def _edit(step: Step, asked: Peripheral, speed: str) -> Edit:
+def _edit(trace: Trace, step: Step, asked: Peripheral, speed: str) -> Edit:
     line, text = step.block.line, step.block.text
     title = f"SPEED {speed}"
     reason = f"V {asked.v_m_min:g} m/min at D {asked.d_mm:g} mm: S = 1000 V / (pi D)"
     if not asked.words:
         # The comment stays.  Beside other words its speed must be there before they act.
         at = line + 1 if step.block.is_empty else line
+        if at == trace.program.source.line_count and not trace.program.source.raw(line).endswith((b"\n", b"\r")):
+            return Edit(line, line + 1, (text, speed), title, reason, NAME)
         return Edit(at, at, (speed,), title, reason, NAME)
     first, second = asked.words
     rest = text[second.end :]

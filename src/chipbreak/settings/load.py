@@ -50,7 +50,7 @@ def profile_text(profile: str) -> tuple[str, str]:
         raise SettingsError(Diagnostic(UNKNOWN_PROFILE, Severity.ERROR, message, known))
     try:
         return profile, path.read_text("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:
         message = f"profile {profile} cannot be read: {_os_reason(error)}"
         help_text = "check the path; a profile is a TOML file in UTF-8"
         raise SettingsError(Diagnostic(UNREADABLE, Severity.ERROR, message, help_text)) from None
@@ -164,4 +164,6 @@ def _check_sections(layer: Layer) -> None:
 
 
 def _os_reason(error: Exception) -> str:
-    return (error.strerror or str(error)) if isinstance(error, OSError) else "it is not UTF-8 text"
+    if isinstance(error, OSError):
+        return error.strerror or str(error)
+    return "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else str(error)

@@ -44,13 +44,22 @@ def _joint_speeds(lengths: Sequence[float], limits: Sequence[float], acceleratio
 
 @lru_cache(maxsize=4096)
 def linuxcnc(
-    lengths: Numbers, speeds: Numbers, acceleration: float, period: float, ramp: float
+    lengths: Numbers,
+    speeds: Numbers,
+    acceleration: float,
+    period: float,
+    ramp: float,
+    before: float | None = None,
 ) -> tuple[Numbers, Numbers]:
     """Time of each block as LinuxCNC 2.9 runs it, and the distance covered after each servo period.
 
     ``ramp`` [s]: a block run through in less is one even change of speed (1 / ARC_BLEND_RAMP_FREQ).
+    ``before``: with feed per revolution, the speed of the block before these, 0 where there was none.
     """
-    stretch = _Stretch(lengths, speeds, acceleration, period, ramp)
+    if before is None:
+        stretch = _Stretch(lengths, speeds, acceleration, period, ramp)
+    else:
+        stretch = _PerRevolution(lengths, speeds, acceleration, period, ramp, before)
     while not stretch.finished:
         stretch.advance()
     return tuple(stretch.times), tuple(stretch.places)
@@ -73,6 +82,9 @@ class _Stretch:
         joints = [min(pair) for pair in pairwise(self.speeds)]
         self.ends = _joint_speeds(lengths, joints, acceleration)
         self.times, self.places = [0.0] * len(lengths), list[float]()
+        self._start()
+
+    def _start(self) -> None:
         self.block, self.done, self.speed, self.before = 0, 0.0, 0.0, 0.0
         self.leaving: tuple[float, float] | None = None  # time to the end of the block, and the speed there
         self.finished = False
@@ -83,16 +95,21 @@ class _Stretch:
         if self.leaving is None:
             self._cruise()
             self._step(self.period, even=self.even)
+            self.leaving = self._end_in_sight()
         else:
             rest, self.speed = self.leaving
             self.times[self.block] += rest
             self.before += self.lengths[self.block]
             self.block, self.done = self.block + 1, 0.0
-            self._step(self.period - rest, even=False)
-            self._enter()
+            self._begin(self.period - rest)
         self.places.append(self.before + self.done)
-        self.leaving = self._end_in_sight()
         self.finished = self.leaving is not None and self.block == len(self.lengths) - 1
+
+    def _begin(self, time: float) -> None:
+        """What is left of a period when a block ends in it belongs to the next one."""
+        self._step(time, even=False)
+        self._enter()
+        self.leaving = self._end_in_sight()
 
     def _enter(self) -> None:
         """A block whose speed changes evenly in less than ``ramp`` is run so."""
@@ -149,6 +166,49 @@ class _Stretch:
             end = sqrt(root)
             time = (end - self.speed) / change
         return (time, end) if time < self.period else None
+
+
+class _PerRevolution(_Stretch):
+    """Feed per revolution: until a block is begun, LinuxCNC takes its feed to be that of the one before.
+
+    So a block runs out at its own feed, whatever the next one's is, and that of the block before decides
+    whether it is run as one even change of speed.
+    """
+
+    def __init__(
+        self,
+        lengths: Numbers,
+        speeds: Numbers,
+        acceleration: float,
+        period: float,
+        ramp: float,
+        feed_before: float,
+    ) -> None:
+        super().__init__(lengths, speeds, acceleration, period, ramp)
+        self.caps = [lengths[0] / period, *(way / (_LEAST_PERIODS * period) for way in lengths[1:])]
+        self.feeds, self.feed_before = speeds, feed_before
+        self.reachable = _joint_speeds(lengths, [min(pair) for pair in pairwise(self.caps)], acceleration)
+        own = zip(self.reachable, speeds, [*self.caps[1:], inf], strict=True)
+        self.ends = [min(speeds) for speeds in own]
+        self._start()
+
+    def _begin(self, time: float) -> None:
+        block = self.block
+        own_speed, own_end = self.speeds[block], self.ends[block]
+        self.feed_before = self.feeds[block - 1]
+        # For the rest of this period nothing is known of the block after this one.
+        self.speeds[block], self.ends[block] = min(self.feed_before, self.caps[block]), 0.0
+        self._step(time, even=False)
+        self.leaving = self._end_in_sight()
+        self.speeds[block], self.ends[block] = own_speed, own_end
+        self._enter()
+
+    def _enter(self) -> None:
+        if not hasattr(self, "caps"):
+            return
+        left = self.lengths[self.block] - self.done
+        both = self.speed + min(self.reachable[self.block], self.feed_before, self.caps[self.block])
+        self.even = self.block < len(self.lengths) - 1 and 2.0 * left < self.ramp * both
 
 
 def speed_for_time(length: float, time: float, acceleration: float) -> float:

@@ -74,6 +74,7 @@ class ControlModel:
     blocks_per_s: float | None = None
     ramp_s: float = 0.01
     axis: str = ""
+    per_revolution: bool = False
 
     def __post_init__(self) -> None:
         if not all(n > 0 for n in (self.velocity_mm_s, self.acceleration_mm_s2, self.servo_period_s)):
@@ -91,17 +92,20 @@ class ControlModel:
         return replace(self, velocity_mm_s=velocity, acceleration_mm_s2=acceleration, axis=name)
 
 
-def predict(lengths_mm: ArrayLike, feeds_mm_s: ArrayLike, model: ControlModel) -> Floats:
+def predict(
+    lengths_mm: ArrayLike, feeds_mm_s: ArrayLike, model: ControlModel, *, before_mm_s: float = 0.0
+) -> Floats:
     """Time [s] of each block, (n,), from rest before the first to rest after the last.
 
     ``lengths_mm`` (n,) are signed along the path, none of them zero; ``feeds_mm_s`` (n,) or one for all.
-    Give the feeds as the F words print them: at the edge of a period, rounding decides.  Errors: VIB033 when
-    the control could merge strokes away.
+    Give the feeds as the F words print them: at the edge of a period, rounding decides.  ``before_mm_s`` is
+    the feed of the block before, which counts for feed per revolution.  Errors: VIB033 when the control could
+    merge strokes away.
     """
     lengths, feeds = _checked(lengths_mm, feeds_mm_s, model)
     times = np.empty(len(lengths))
     for first, last in _runs(lengths, model):
-        times[first:last] = _run(lengths, feeds, first, last, model)[0]
+        times[first:last] = _run(lengths, feeds, first, last, model, before_mm_s)[0]
     return times
 
 
@@ -259,7 +263,9 @@ def _runs(lengths: Floats, model: ControlModel) -> Iterator[tuple[int, int]]:
     return pairwise([0, *_turns(lengths).tolist(), len(lengths)])
 
 
-def _run(lengths: Floats, feeds: Floats, first: int, last: int, model: ControlModel) -> tuple[Floats, Floats]:
+def _run(
+    lengths: Floats, feeds: Floats, first: int, last: int, model: ControlModel, before_mm_s: float = 0.0
+) -> tuple[Floats, Floats]:
     """Times of the blocks of one stretch, and where LinuxCNC is after each period of it."""
     ways = np.abs(lengths[first:last])
     speeds = np.minimum(feeds[first:last], model.velocity_mm_s)
@@ -269,7 +275,10 @@ def _run(lengths: Floats, feeds: Floats, first: int, last: int, model: ControlMo
         same = model.merge_mm > 0.0
         starts = np.flatnonzero(np.r_[True, (np.diff(speeds) != 0.0) | (not same)])
         joined, rates = np.add.reduceat(ways, starts), speeds[starts]
-        args = (model.acceleration_mm_s2, model.servo_period_s, model.ramp_s)
+        before: float | None = None
+        if model.per_revolution and len(joined) > 1:  # one block alone does not depend on it
+            before = float(feeds[first - 1]) if first else before_mm_s
+        args = (model.acceleration_mm_s2, model.servo_period_s, model.ramp_s, before)
         took, places = laws.linuxcnc(tuple(joined.tolist()), tuple(rates.tolist()), *args)
         times = np.repeat(np.array(took) / joined, np.diff(np.r_[starts, len(ways)])) * ways
     elif model.law == "trapezoid":

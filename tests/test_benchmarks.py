@@ -1,0 +1,80 @@
+"""The benchmarks still run.  Nothing here looks at a clock: how fast it is, is for ``make bench``."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
+sys.path.insert(0, str(BENCHMARKS))
+
+import programs  # noqa: E402
+from rows import Goal, Row  # noqa: E402
+from timing import Contestant, Sample, in_turn, ratio  # noqa: E402
+
+
+def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, str(BENCHMARKS / "run.py"), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+
+
+@pytest.mark.parametrize("case", ["pass-through", "expansion", "emit", "start-up"])
+def test_a_case_runs(case: str, tmp_path: Path) -> None:
+    results = tmp_path / "results.json"
+    done = run("--quick", "--smaller", "100", "--only", case, "--json", str(results))
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows = json.loads(results.read_text())["cases"][case]["rows"]
+    assert len(rows) > 1
+    assert all(sample["wall_s"] > 0.0 for row in rows for sample in row["samples"])
+    assert all(row["name"] in done.stdout for row in rows)
+
+
+def test_a_case_that_does_not_exist_is_refused() -> None:
+    done = run("--only", "dancing")
+    assert done.returncode == 2
+    assert "pass-through" in done.stderr
+
+
+def test_a_program_has_the_blocks_that_were_asked_for(tmp_path: Path) -> None:
+    path = tmp_path / "mill.nc"
+    programs.milling(path, 1000)
+    lines = path.read_text("ascii").split("\n")[1:-2]
+    assert len(lines) == 1000
+    assert [line.split(" ")[0] for line in lines] == [f"N{number + 1}" for number in range(1000)]
+    assert sum("FINISH" in line or "ROUGH" in line for line in lines) == programs.OPERATIONS
+    assert lines[-1].endswith("M30")
+
+
+def test_a_program_is_the_same_every_time(tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        programs.milling(tmp_path / name, 1000, modal=True)
+        programs.turning(tmp_path / f"{name}.turn", 20_000)
+        programs.long_line(tmp_path / f"{name}.line", 100_001)
+    for kind in ("", ".turn", ".line"):
+        assert (tmp_path / f"one{kind}").read_bytes() == (tmp_path / f"two{kind}").read_bytes()
+    assert (tmp_path / "one.line").stat().st_size == 100_001
+
+
+def test_everybody_runs_once_a_round_and_not_always_first(tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    code = "import sys; open(sys.argv[1], 'a').write(sys.argv[2])"
+    everybody = [Contestant(name, (sys.executable, "-c", code, str(log), name)) for name in "abc"]
+    samples = in_turn(everybody, 3)
+    assert [len(found) for found in samples] == [3, 3, 3]
+    assert log.read_text() == "abcbcacab"
+
+
+def test_only_runs_of_one_round_are_compared() -> None:
+    slow_machine = [Sample(wall_s, wall_s, 0) for wall_s in (2.0, 20.0, 2.0)]
+    same_machine = [Sample(wall_s, wall_s, 0) for wall_s in (1.0, 10.0, 1.0)]
+    assert ratio(slow_machine, same_machine) == 2.0
+    assert ratio(slow_machine, same_machine, units=0.5) == 4.0
+
+
+def test_a_missed_target_is_said() -> None:
+    assert "MISSED" in Row("filter", Goal(0.9, 1.0, at_least=True, unit="M blocks/s")).text()
+    assert "met" in Row("filter", Goal(0.9, 1.0, at_least=False, unit="x as long")).text()

@@ -1,0 +1,276 @@
+"""The command line as it is really called.
+
+A case is a folder in tests/cli: ``args`` (one line), ``exit``, and what else it needs: ``stdin``, ``stdout``,
+``stderr`` (empty when missing), ``env``, ``files/`` that stand in the current folder, and ``after/``, all that
+stands there afterwards (unchanged when missing).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+import click.testing
+import pytest
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+
+from chipbreak.cli import cli
+from chipbreak.settings import SettingsError, load, profile_names
+from chipbreak.settings.sections import SECTIONS
+
+FOLDER = Path(__file__).parent / "cli"
+CASES = sorted(path.parent for path in FOLDER.glob("*/args"))
+WORKED = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5\nM30\n"
+
+
+def run(
+    args: list[str], stdin: bytes = b"", cwd: Path | None = None, env: dict[str, str] | None = None
+) -> subprocess.CompletedProcess[bytes]:
+    clean = {k: v for k, v in os.environ.items() if not k.startswith("CHIPBREAK")}
+    command = [sys.executable, "-m", "chipbreak", *args]
+    return subprocess.run(command, input=stdin, capture_output=True, cwd=cwd, env=clean | (env or {}), check=False)
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    """Names and bytes of the files in a folder, and none without one."""
+    files = folder.iterdir() if folder.is_dir() else ()
+    return {path.name: path.read_bytes() for path in files if path.is_file()}
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_case(case: Path, tmp_path: Path) -> None:
+    wanted = content(case)
+    known = {"args", "exit", "stdin", "stdout", "stderr", "env"}
+    assert set(wanted) <= known
+    if (case / "files").is_dir():
+        shutil.copytree(case / "files", tmp_path, dirs_exist_ok=True)
+    env = dict(line.split("=", 1) for line in wanted.get("env", b"").decode().splitlines())
+    done = run(shlex.split(wanted["args"].decode()), wanted.get("stdin", b""), tmp_path, env)
+    assert done.stderr.decode() == wanted.get("stderr", b"").decode()
+    assert done.stdout == wanted.get("stdout", b"")
+    assert done.returncode == int(wanted["exit"])
+    after = "after" if (case / "after").is_dir() else "files"
+    assert content(tmp_path) == content(case / after)
+
+
+# --- streams ----------------------------------------------------------------------------------------------
+
+
+def test_no_byte_of_stdin_or_stdout_is_translated() -> None:
+    data = bytes(range(256)) + b"\r\n\x1a\n\r"
+    done = run(["filter", "-p", "generic-lathe"], data)
+    assert done.stdout == data
+
+
+def test_a_reader_that_leaves_is_no_fault() -> None:
+    program = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-300. F0.05 N1.5\nM30\n"
+    command = [sys.executable, "-m", "chipbreak", "filter", "-p", "generic-lathe"]
+    with subprocess.Popen(command, stdin=-1, stdout=-1, stderr=-1) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdin.write(program)
+        process.stdin.close()
+        process.stdout.read(10)
+        process.stdout.close()
+        assert process.stderr.read() == b""
+        process.wait()
+    assert process.returncode == 1
+
+
+@pytest.mark.parametrize("name", ["\udcff.nc", "\u8ef8.nc", "a b.nc"], ids=["no UTF-8", "Japanese", "a space"])
+@pytest.mark.parametrize("command", ["filter", "explain", "check", "restore", "diff", "verify"])
+def test_any_file_name_and_a_terminal_that_knows_ascii_only(name: str, command: str, tmp_path: Path) -> None:
+    file = tmp_path / name
+    data = run(["filter", "-p", "generic-lathe"], WORKED).stdout if command == "verify" else WORKED
+    file.write_bytes(data)
+    profile = [] if command in ("diff", "restore") else ["-p", "generic-lathe"]
+    second = [str(file)] if command == "diff" else []
+    done = run([command, *profile, str(file), *second], env={"PYTHONIOENCODING": "ascii", "LC_ALL": "C"})
+    assert done.returncode == 0
+    assert done.stderr == b""
+
+
+def test_the_mode_of_the_file_and_a_link_to_it_stay(tmp_path: Path) -> None:
+    file, link = tmp_path / "a.nc", tmp_path / "link.nc"
+    file.write_bytes(WORKED)
+    file.chmod(0o640)
+    link.symlink_to(file)
+    done = run(["filter", "-p", "generic-lathe", "-i", str(link)])
+    assert done.returncode == 0
+    assert link.is_symlink()
+    assert file.stat().st_mode & 0o777 == 0o640
+    assert b"CHIPBREAK" in file.read_bytes()
+
+
+@pytest.mark.parametrize("target", ["folder", "no/such/folder.nc"])
+def test_a_target_that_cannot_be_written(target: str, tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    done = run(["filter", "-p", "generic-lathe", "-o", target], WORKED, tmp_path)
+    assert done.returncode == 2
+    assert done.stdout == b""
+    assert b"cannot write" in done.stderr
+    assert [path.name for path in tmp_path.rglob("*")] == ["folder"]
+
+
+# --- JSON -------------------------------------------------------------------------------------------------
+
+
+def no_constants(name: str) -> None:
+    raise AssertionError(f"{name} is no JSON")
+
+
+def test_explain_json_is_json_and_complete() -> None:
+    done = run(["explain", "-p", "generic-lathe", "--json"], WORKED)
+    facts = json.loads(done.stdout, parse_constant=no_constants)
+    (cut,) = facts["cuts"]
+    assert facts["changed"] is True
+    assert (cut["first_line"], cut["last_line"]) == (3, 3)
+    assert (cut["speed_rpm"], cut["frequency_hz"]) == (2500.0, 62.5)
+    assert cut["per_rev"] == pytest.approx(1.5)
+    assert cut["given"]["N"] == {"value": 1.5, "origin": "N word, line 3"}
+    assert any("62.5 Hz" in reason for reason in cut["reasons"])
+    assert cut["verdict"]["breaks"] is True
+    assert cut["verdict"]["margin"] == pytest.approx(1.2, abs=0.01)
+
+
+def test_an_unbroken_cut_is_json_too() -> None:
+    program = WORKED.replace(b"N1.5", b"N1.5 Q0.2")
+    done = run(["explain", "-p", "generic-lathe", "--json", "--allow-unbroken"], program)
+    facts = json.loads(done.stdout, parse_constant=no_constants)
+    assert facts["cuts"][0]["verdict"]["breaks"] is False
+
+
+def test_diagnostics_in_json() -> None:
+    done = run(["filter", "-p", "generic-lathe", "--json"], WORKED.replace(b"N1.5", b"N2"))
+    (found,) = json.loads(done.stderr, parse_constant=no_constants)
+    assert found["code"] == "VIB005"
+    assert found["severity"] == "error"
+    assert found["span"] == {"line": 3, "column": 15, "end_column": 17}
+    assert found["message"]
+    assert found["help"]
+
+
+# --- whatever comes ---------------------------------------------------------------------------------------
+
+
+def invoke(args: list[str], stdin: bytes = b"") -> click.testing.Result:
+    """Run in this process; what ``main`` would turn into "internal fault" is raised."""
+    result = click.testing.CliRunner().invoke(cli, args, input=stdin)
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result
+
+
+_WORDS = st.sampled_from(
+    ["filter", "explain", "check", "diff", "restore", "profile", "show", "list", "verify", "-", "--", "-p", "-o"]
+    + ["--set", "--json", "-q", "--color", "never", "-i", "--backup", "--check", "generic-lathe", "nowhere.nc"]
+    + ["vibration.n=1.5", "vibration.n=x", "=", "control.dialect=1", "--allow-unbroken", "-h", "--version", "", "."]
+)
+
+
+@given(st.lists(_WORDS, max_size=6))
+def test_any_arguments(args: list[str]) -> None:
+    with contextlib.chdir(FOLDER):
+        before = sorted(FOLDER.rglob("*"))
+        assert invoke(args, WORKED).exit_code in (0, 1, 2, 3)
+        assert sorted(FOLDER.rglob("*")) == before
+
+
+_KEYS = [f"{section}.{key}" for section, cls in SECTIONS.items() for key in cls.__dataclass_fields__]
+_VALUES = st.one_of(
+    st.integers(),
+    st.floats().map(lambda x: str(x).replace("nan", "nan")),
+    st.booleans().map(lambda b: str(b).lower()),
+    st.sampled_from(['""', '"auto"', "[]", "[4]", "[4, 5.5]", "{}", "{a = 1}", "'x'", "1e308", "5e-324", "-1", "0"]),
+    st.text(max_size=8),
+)
+
+
+@given(st.lists(st.tuples(st.sampled_from(_KEYS), _VALUES), max_size=3))
+@hypothesis_settings(max_examples=250)
+def test_any_setting(sets: list[tuple[str, object]]) -> None:
+    args = [word for key, value in sets for word in ("--set", f"{key}={value}")]
+    assert invoke(["filter", "-p", "generic-lathe", *args], WORKED).exit_code in (0, 2, 3)
+
+
+@given(st.binary(max_size=200))
+def test_any_profile_file(data: bytes) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "x.toml")
+        file.write_bytes(data)
+        assert invoke(["filter", "-p", str(file)], WORKED).exit_code == 2, "no dialect, no profile"
+
+
+_LINES = st.sampled_from(
+    ["[control]", "[vibration]", "[axes.Z]", 'dialect = "generic-lathe"', "n = 1.5", "n = -1", "e = [1]", "x = 1"]
+    + ['base = "generic-lathe"', 'base = "x.toml"', 'base = "\\u0000.toml"', "base = 1", "[calls.a]", "[operations]"]
+    + ['rough = "("', 'rough = ["a"]', "ramp_s = 0.1", "multiples = []", "control = 1", "[[axes]]", "[tools]"]
+)
+
+
+@given(st.lists(_LINES, max_size=7))
+def test_any_likely_profile(lines: list[str]) -> None:
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        Path("x.toml").write_text("\n".join(lines))
+        assert invoke(["filter", "-p", "x.toml"], WORKED).exit_code in (0, 2, 3)
+
+
+@given(st.binary(max_size=300), st.sampled_from(["filter", "explain", "check", "restore"]))
+def test_any_program(data: bytes, command: str) -> None:
+    if command == "check":
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder, "x.nc")
+            file.write_bytes(data)
+            assert invoke(["check", "-p", "generic-lathe", str(file)]).exit_code in (0, 1)
+        return
+    profile = [] if command == "restore" else ["-p", "generic-lathe"]
+    assert invoke([command, *profile], data).exit_code in (0, 3)
+
+
+_PIECES = st.sampled_from(
+    ["G0", "G1", "G2", "G3", "G91", "G96", "G97", "G71", "G50", "M3", "M98", "X", "Z", "W", "I", "R", "F", "f", "S"]
+    + ["N", "E", "Q", "V", "D", "T", "1", "2.5", "-.5", "0", "99999999", "#1", "[1/0]", "(VIB N1.5)", "(VIB OFF)"]
+    + ["(VIB ALPHA.7 K2)", "(SPEED V1 D2)", "/", "%", "\n", "\n", "\n", "(CHIPBREAK BEGIN X)", "(CHIPBREAK END 0)"]
+)
+
+
+@given(st.lists(_PIECES, max_size=40))
+@hypothesis_settings(max_examples=300)
+def test_any_words_in_a_row(pieces: list[str]) -> None:
+    data = ("G97 S3000 M3 F0.1\nG0 X20. Z2.\n" + " ".join(pieces)).encode()
+    assert invoke(["filter", "-p", "generic-lathe"], data).exit_code in (0, 3)
+
+
+# --- profiles ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", profile_names())
+def test_a_shown_profile_is_a_profile_again(name: str, tmp_path: Path) -> None:
+    shown = run(["profile", "show", name])
+    assert shown.returncode == 0
+    file = tmp_path / "again.toml"
+    file.write_bytes(shown.stdout)
+    one, other = load(name), load(str(file))
+    assert replace(other, name=one.name, origins=one.origins) == one
+
+
+def test_the_list_names_every_profile() -> None:
+    listed = run(["profile", "list"]).stdout.decode().splitlines()
+    assert [line.split()[0] for line in listed] == profile_names()
+
+
+def test_a_profile_that_is_not_there_is_a_settings_error() -> None:
+    with pytest.raises(SettingsError) as caught:
+        load("generic-lath")
+    assert "did you mean generic-lathe?" in caught.value.diagnostic.help
