@@ -72,10 +72,12 @@ def test_no_byte_of_stdin_or_stdout_is_translated() -> None:
     assert done.stdout == data
 
 
-def test_a_reader_that_leaves_is_no_fault() -> None:
+@pytest.mark.parametrize("unbuffered", ["", "1"], ids=["buffered", "unbuffered"])
+def test_a_reader_that_leaves_is_no_fault(unbuffered: str) -> None:
     program = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-300. F0.05 N1.5\nM30\n"
     command = [sys.executable, "-m", "chipbreak", "filter", "-p", "generic-lathe"]
-    with subprocess.Popen(command, stdin=-1, stdout=-1, stderr=-1) as process:
+    env = os.environ | {"PYTHONUNBUFFERED": unbuffered}
+    with subprocess.Popen(command, stdin=-1, stdout=-1, stderr=-1, env=env) as process:
         assert process.stdin is not None
         assert process.stdout is not None
         assert process.stderr is not None

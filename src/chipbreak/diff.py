@@ -40,6 +40,10 @@ class Hunk:
     b_items: tuple[Item, ...]
 
 
+# What stands in both programs, only in the first, or only in the second.
+_Pair = tuple[Item | None, Item | None]
+
+
 def items_of(data: bytes, name: str, *, ignore_comments: bool = False) -> list[Item]:
     """The comparable items of a program.  Raises ProgramRejectedError for a broken bracket."""
     source = read(data, name)
@@ -152,30 +156,33 @@ def unified(hunks: Sequence[Hunk], name_a: str, name_b: str) -> Iterator[str]:
         return
     yield f"--- {name_a}"
     yield f"+++ {name_b}"
-    group: list[tuple[str, Item]] = []
+    group: list[_Pair] = []
     for index, hunk in enumerate(hunks):
         if hunk.tag == "change":
-            group += [("-", item) for item in hunk.a_items] + [("+", item) for item in hunk.b_items]
+            group += [(item, None) for item in hunk.a_items] + [(None, item) for item in hunk.b_items]
             continue
-        pairs = hunk.b_items
+        pairs: list[_Pair] = list(zip(hunk.a_items, hunk.b_items, strict=True))
         is_last = index == len(hunks) - 1
         if group and (is_last or len(pairs) > 2 * _CONTEXT):
-            yield from _print_group(group + [(" ", item) for item in pairs[:_CONTEXT]])
+            yield from _print_group(group + pairs[:_CONTEXT])
             group = []
         if not group and not is_last:
-            group = [(" ", item) for item in pairs[-_CONTEXT:]]
+            group = pairs[-_CONTEXT:]
         elif not is_last:
-            group += [(" ", item) for item in pairs]
-    if any(mark != " " for mark, _ in group):
+            group += pairs
+    if any(None in pair for pair in group):
         yield from _print_group(group)
 
 
-def _print_group(group: list[tuple[str, Item]]) -> Iterator[str]:
-    a = [item.line for mark, item in group if mark == "-"]
-    b = [item.line for mark, item in group if mark != "-"]
+def _print_group(group: Sequence[_Pair]) -> Iterator[str]:
+    a = [item.line for item, _ in group if item is not None]
+    b = [item.line for _, item in group if item is not None]
     yield f"@@ -{a[0] if a else 0},{len(a)} +{b[0] if b else 0},{len(b)} @@"
-    for mark, item in group:
-        yield mark + item.text
+    for one, other in group:
+        if one is not None:
+            yield (" " if other is not None else "-") + one.text
+        elif other is not None:
+            yield "+" + other.text
 
 
 def as_json(hunks: Sequence[Hunk]) -> list[dict[str, Any]]:

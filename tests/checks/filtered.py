@@ -112,7 +112,7 @@ class Machine:
 
     settings: Settings
     is_filtered: bool
-    at: dict[str, float] = field(default_factory=lambda: {"X": -311.0, "Y": 287.0, "Z": 500.0})
+    at: dict[str, float] = field(default_factory=lambda: {"X": -311.0, "Y": 287.0, "Z": 9000.0})
     offset_is_in_force: bool = False
 
     def run(self, step: Step, *, in_call: bool) -> tuple[dict[str, float], dict[str, float]]:
@@ -123,13 +123,13 @@ class Machine:
         if codes:
             self.offset_is_in_force = dialect.g_codes[codes[-1]].value == "on"
         if any(w.address == "M" and w.number == 6.0 for w in step.block.words):
-            self.at = {"X": -311.0, "Y": 287.0, "Z": 500.0}
+            self.at = {"X": -311.0, "Y": 287.0, "Z": 9000.0}
         elif in_call:
-            self.at = {"X": 777.0, "Y": -222.0, "Z": 500.0}  # over the laser
+            self.at = {"X": 777.0, "Y": -222.0, "Z": 9000.0}  # over the laser
         elif "home" in step.once or "machine" in step.once:
             named = [w.address for w in step.block.words if w.address in AXES]
             for axis in named:
-                self.at[axis] = {"X": -400.0, "Y": 300.0, "Z": 500.0}[axis]
+                self.at[axis] = {"X": -400.0, "Y": 300.0, "Z": 9000.0}[axis]
             if "home" in step.once and "Z" in named:
                 self.offset_is_in_force = False
         elif step.move is not None:
@@ -161,7 +161,7 @@ def same_cuts(paired: list[tuple[Step, Step | None]], rules: Settings) -> None:
             if goes_down:
                 assert other.offset_is_in_force == one.offset_is_in_force, text
             assert end["Z"] >= one.at["Z"] or _equal(end["Z"], one.at["Z"]), text
-            assert start["X"] == end["X"] or end["Z"] == 500.0, text
+            assert start["X"] == end["X"] or end["Z"] == 9000.0, text
             continue
         if old.after.ended:
             break  # what follows is another program

@@ -74,9 +74,8 @@ class Screen:
             subprocess.Popen(["halsampler", "-t"], stdout=out) as sampler,
         ):
             set_pin("sampler.0.enable", 1)
-            wait_for(
-                lambda: Path(job["samples"]).stat().st_size > 0
-            )  # halsampler reads, and has filled a buffer
+            # From here on halsampler reads: it has filled a buffer.
+            wait_for(lambda: Path(job["samples"]).stat().st_size > 0)
             command.auto(api.AUTO_RUN, 0)
             # A short program can be over before the first look at it: do not wait for its start for ever.
             seen = time.monotonic() + 0.5

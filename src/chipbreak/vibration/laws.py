@@ -76,19 +76,19 @@ class _Stretch:
         self, lengths: Numbers, speeds: Numbers, acceleration: float, period: float, ramp: float
     ) -> None:
         self.lengths, self.acceleration, self.period, self.ramp = lengths, acceleration, period, ramp
-        once = [min(pair) for pair in zip(speeds, (way / period for way in lengths), strict=True)]
-        slower = [min(v, way / (_LEAST_PERIODS * period)) for v, way in zip(once, lengths, strict=True)]
-        self.speeds = [once[0], *slower[1:]]
-        joints = [min(pair) for pair in pairwise(self.speeds)]
-        self.ends = _joint_speeds(lengths, joints, acceleration)
+        self.caps = [lengths[0] / period, *(way / (_LEAST_PERIODS * period) for way in lengths[1:])]
+        self.speeds = [min(pair) for pair in zip(speeds, self.caps, strict=True)]
+        self.ends = self._end_speeds()
         self.times, self.places = [0.0] * len(lengths), list[float]()
-        self._start()
-
-    def _start(self) -> None:
         self.block, self.done, self.speed, self.before = 0, 0.0, 0.0, 0.0
         self.leaving: tuple[float, float] | None = None  # time to the end of the block, and the speed there
         self.finished = False
         self._enter()
+
+    def _end_speeds(self) -> list[float]:
+        """The speed at the end of each block."""
+        joints = [min(pair) for pair in pairwise(self.speeds)]
+        return _joint_speeds(self.lengths, joints, self.acceleration)
 
     def advance(self) -> None:
         """One servo period, or as many as pass at an even speed far from the end of the block."""
@@ -184,13 +184,14 @@ class _PerRevolution(_Stretch):
         ramp: float,
         feed_before: float,
     ) -> None:
-        super().__init__(lengths, speeds, acceleration, period, ramp)
-        self.caps = [lengths[0] / period, *(way / (_LEAST_PERIODS * period) for way in lengths[1:])]
         self.feeds, self.feed_before = speeds, feed_before
-        self.reachable = _joint_speeds(lengths, [min(pair) for pair in pairwise(self.caps)], acceleration)
-        own = zip(self.reachable, speeds, [*self.caps[1:], inf], strict=True)
-        self.ends = [min(speeds) for speeds in own]
-        self._start()
+        super().__init__(lengths, speeds, acceleration, period, ramp)
+
+    def _end_speeds(self) -> list[float]:
+        joints = [min(pair) for pair in pairwise(self.caps)]
+        self.reachable = _joint_speeds(self.lengths, joints, self.acceleration)
+        own = zip(self.reachable, self.speeds, [*self.caps[1:], inf], strict=True)
+        return [min(speeds) for speeds in own]
 
     def _begin(self, time: float) -> None:
         block = self.block
@@ -204,8 +205,6 @@ class _PerRevolution(_Stretch):
         self._enter()
 
     def _enter(self) -> None:
-        if not hasattr(self, "caps"):
-            return
         left = self.lengths[self.block] - self.done
         both = self.speed + min(self.reachable[self.block], self.feed_before, self.caps[self.block])
         self.even = self.block < len(self.lengths) - 1 and 2.0 * left < self.ramp * both

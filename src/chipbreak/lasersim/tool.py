@@ -1,0 +1,159 @@
+"""A cutting tool as a laser sees it: edges as points on a profile of revolution, and a core that is thinner.
+
+Angles are degrees, counted counter-clockwise as seen from the spindle; heights are measured up from the tip.
+The edge of a right-hand tool turns counter-clockwise as it goes up.
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+# The core between two edges, as a share of the radius: thinner than the core of any usual tool, so that a
+# reading between two edges is as low as it can be.
+CORE_SHARE = 0.4
+NO_TOOL = -np.inf
+
+
+class Kind(enum.IntEnum):
+    """Tool types, with the numbers that the macros take."""
+
+    FLAT = 1
+    BALL = 2
+    DRILL = 3
+    REAMER = 4
+
+
+@dataclass(frozen=True)
+class Chip:
+    """A piece broken out of one edge: ``depth_mm`` inward along the normal, ``extent_mm`` long in height."""
+
+    tooth: int
+    height_mm: float
+    depth_mm: float
+    extent_mm: float = 1.0
+
+
+@dataclass(frozen=True)
+class SimulatedTool:
+    """A tool in the spindle; ``length_mm`` is from the holder to the tip, ``holder_mm`` from the spindle nose.
+
+    ``runout_mm`` is how far the tool's axis stands off the spindle's, toward ``runout_deg``.  ``dish_mm`` is
+    how much higher than its edges the middle of an end mill is.  ``phase_deg`` is where the first edge stands
+    at the tip when the spindle is at 0.  With ``is_missing`` the holder is empty.
+    """
+
+    kind: Kind = Kind.FLAT
+    diameter_mm: float = 10.0
+    length_mm: float = 50.0
+    teeth: int = 4
+    corner_mm: float = 0.0
+    helix_deg: float = 0.0
+    point_deg: float = 118.0
+    holder_mm: float = 80.0
+    runout_mm: float = 0.0
+    runout_deg: float = 0.0
+    phase_deg: float = 0.0
+    dish_mm: float = 0.0
+    chips: tuple[Chip, ...] = ()
+    is_missing: bool = False
+
+    @property
+    def radius_mm(self) -> float:
+        """Half the diameter."""
+        return self.diameter_mm / 2.0
+
+    @property
+    def gauge_mm(self) -> float:
+        """From the spindle nose to the tip."""
+        return self.holder_mm + self.length_mm
+
+    def profile(self, height_mm: ArrayLike) -> Floats:
+        """Radius [mm] at heights above the tip, without chips; minus infinity below the tip."""
+        height = np.asarray(height_mm, np.float64)
+        radius = self.radius_mm
+        if self.kind is Kind.DRILL:
+            shape = np.minimum(radius, height * np.tan(np.radians(self.point_deg / 2.0)))
+        else:
+            corner = radius if self.kind is Kind.BALL else self.corner_mm
+            below = np.clip(corner - height, 0.0, corner)
+            shape = radius - corner + np.sqrt(np.maximum(corner**2 - below**2, 0.0))
+        return np.where(height >= 0.0, shape, NO_TOOL)
+
+    def tooth_radius(self, tooth: int, height_mm: ArrayLike) -> Floats:
+        """Radius [mm] of one edge about the tool's own axis, chips taken out; shape of ``height_mm``."""
+        height = np.asarray(height_mm, np.float64)
+        radius = self.profile(height)
+        for chip in self.chips:
+            if chip.tooth == tooth:
+                hit = np.abs(height - chip.height_mm) <= chip.extent_mm / 2.0 + 1e-9
+                radius = np.where(hit, radius - chip.depth_mm / self._normal_share(height), radius)
+        return radius
+
+    def tooth_angle(self, tooth: int, height_mm: ArrayLike) -> Floats:
+        """Angle [deg] of one edge at heights, with the spindle at 0; shape of ``height_mm``."""
+        lead = np.degrees(np.tan(np.radians(self.helix_deg)) / self.radius_mm)
+        twist: Floats = np.asarray(height_mm, np.float64) * lead
+        return self.phase_deg + 360.0 * tooth / self.teeth + twist
+
+    def reach(self, height_mm: ArrayLike, spindle_deg: float, toward_deg: float) -> Floats:
+        """How far [mm] the standing tool reaches from the spindle's axis toward an angle, at heights.
+
+        The spindle's angle counts clockwise from above, the way M3 turns it.
+        """
+        height = np.asarray(height_mm, np.float64)
+        aim = toward_deg + spindle_deg
+        best = CORE_SHARE * self.profile(height)
+        for tooth in range(self.teeth):
+            off = np.radians(self.tooth_angle(tooth, height) - aim)
+            best = np.maximum(best, self._times(self.tooth_radius(tooth, height), np.cos(off)))
+        shift = self.runout_mm * np.cos(np.radians(self.runout_deg - aim))
+        return np.where(height >= 0.0, best + shift, NO_TOOL)
+
+    def envelope(self, height_mm: ArrayLike) -> Floats:
+        """Radius [mm] that the turning tool sweeps at heights."""
+        height = np.asarray(height_mm, np.float64)
+        swept = [CORE_SHARE * self.profile(height)]
+        for tooth in range(self.teeth):
+            off = np.radians(self.tooth_angle(tooth, height) - self.runout_deg)
+            radius = np.where(height >= 0.0, self.tooth_radius(tooth, height), 0.0)
+            swept.append(np.sqrt(radius**2 + self.runout_mm**2 + 2 * radius * self.runout_mm * np.cos(off)))
+        return np.where(height >= 0.0, np.max(swept, axis=0), NO_TOOL)
+
+    def hollow(self, height_mm: ArrayLike) -> Floats:
+        """Radius [mm] of the hollow under the tool at heights; 0 where there is none."""
+        height = np.asarray(height_mm, np.float64)
+        if self.dish_mm <= 0.0:
+            return np.zeros(height.shape)
+        return np.where(height >= 0.0, self.radius_mm * np.clip(1.0 - height / self.dish_mm, 0.0, 1.0), 0.0)
+
+    def _normal_share(self, height: Floats) -> Floats:
+        """The radial part of the profile's outward normal, 1 on a cylinder."""
+        step = 1e-4
+        low = np.maximum(height - step, 0.0)
+        rise = self.profile(height + step) - self.profile(low)
+        slope = np.where(height >= 0.0, rise / np.maximum(height + step - low, step), 0.0)
+        share: Floats = 1.0 / np.hypot(1.0, slope)
+        return share
+
+    @staticmethod
+    def _times(radius: Floats, share: Floats) -> Floats:
+        """A product that keeps "no tool" below the tip."""
+        return np.where(np.isfinite(radius), radius, 0.0) * share
+
+
+def table(tool: SimulatedTool, heights_mm: Iterable[float]) -> list[tuple[float, ...]]:
+    """The tool as rows of numbers for a simulation in another language.
+
+    One row a height: radius of the hollow, then radius [mm] and angle [rad] of every edge.
+    """
+    heights = np.fromiter(heights_mm, np.float64)
+    columns = [tool.hollow(heights)]
+    for tooth in range(tool.teeth):
+        columns += [tool.tooth_radius(tooth, heights), np.radians(tool.tooth_angle(tooth, heights))]
+    return [tuple(map(float, row)) for row in np.column_stack(columns)]

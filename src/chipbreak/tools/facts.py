@@ -1,0 +1,45 @@
+"""Facts about a tool that comments say beside its type and diameter: edges, stick-out."""
+
+from __future__ import annotations
+
+import re
+from typing import Final, NamedTuple
+
+from chipbreak.model.kinds import LONGEST_TEXT
+
+_DECIMAL: Final = r"\d+(?:\.\d*)?|\.\d+"
+# "4 FLUTE", "2-Flute", "3FL", "Number of Flutes: 4"
+_TEETH: Final = re.compile(
+    r"(?<![\w./-])(?P<before>\d{1,2})[\s-]*(?:FLUTES?|FLTS?|FL)\b\.?(?!\s*[:=])"
+    r"|\b(?:(?:NUMBER|NO\.?)\s+OF\s+(?:FLUTES|TEETH)|FLUTES)\s*[:=]\s*(?P<after>\d{1,2})\b",
+    re.IGNORECASE,
+)
+# "STICKOUT/OVERHANG: 42", "STICK-OUT = 1.5 IN", "OVERHANG 30MM"
+_STICK_OUT: Final = re.compile(
+    r"\b(?:STICK[\s-]?OUT|OVERHANG)(?:/(?:STICK[\s-]?OUT|OVERHANG))?\s*[:=]?\s*"
+    rf"(?P<length>{_DECIMAL})\s*(?P<unit>MM\b|\"|IN\b|INCH\b)?(?![\w.])",
+    re.IGNORECASE,
+)
+
+
+class Length(NamedTuple):
+    """A number, and its unit ("mm", "in") or None for the unit of the program."""
+
+    value: float
+    unit: str | None
+
+
+def teeth_said(text: str) -> int | None:
+    """The number of edges that a comment names."""
+    hit = _TEETH.search(text[:LONGEST_TEXT])
+    count = int(hit["before"] or hit["after"]) if hit else 0
+    return count or None
+
+
+def stick_out_said(text: str) -> Length | None:
+    """How far the tool sticks out of its holder, as a comment names it."""
+    hit = _STICK_OUT.search(text[:LONGEST_TEXT])
+    if hit is None or not float(hit["length"]) > 0.0:
+        return None
+    unit = (hit["unit"] or "").lower()
+    return Length(float(hit["length"]), ("mm" if unit == "mm" else "in") if unit else None)

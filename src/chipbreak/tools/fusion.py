@@ -1,0 +1,115 @@
+"""Tool libraries of Fusion: JSON with a list ``data``, and ``.tools``, a zip of such files.
+
+``geometry`` holds DC (diameter), NOF (edges), LB (length below the holder), RE (corner radius); ``unit`` is
+"millimeters" or "inches".  A zero stands for what the type does not have.  Fusion stores no helix angle.
+"""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Mapping
+from typing import Any, Final
+
+from chipbreak.tools.cells import decoded
+from chipbreak.tools.data import BAD_VALUE, NO_FORMAT, NO_UNIT, Errors, ToolData
+from chipbreak.tools.json_text import json_line, load_json
+from chipbreak.tools.values import name_of, number_of, type_of
+from chipbreak.units import MM_PER_INCH
+
+_GEOMETRY: Final = {"NOF": "teeth", "DC": "diameter_mm", "LB": "length_mm", "RE": "corner_radius_mm"}
+_UNITS: Final = {"millimeters": 1.0, "inches": MM_PER_INCH}
+MOST_BYTES = 64 * 1024 * 1024  # of one file, packed or not
+
+
+def read_tools_zip(name: str, data: bytes) -> list[ToolData]:
+    """Tools of a ``.tools`` file.  Raises ToolFileError."""
+    errors = Errors(name)
+    tools: list[ToolData] = []
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as packed:
+            members = [info.filename for info in packed.infolist() if info.filename.endswith(".json")]
+            texts = []
+            for member in members:
+                with packed.open(member) as file:
+                    texts.append(file.read(MOST_BYTES + 1))
+    except Exception as error:  # zipfile raises a dozen kinds for damaged, encrypted and odd archives
+        why = str(error) or type(error).__name__
+        errors.stop(NO_FORMAT, f"this zip cannot be read: {why[:80]}", "export the library again")
+    if not members:
+        errors.stop(NO_FORMAT, "there is no .json in this zip", "export the library again")
+    for member, text in zip(members, texts, strict=True):
+        if len(text) > MOST_BYTES:
+            errors.stop(NO_FORMAT, f"{member[:40]} is larger than any library", "is it the right file?")
+        tools += read_fusion(f"{name}/{member}", text)
+    return tools
+
+
+def read_fusion(name: str, data: bytes) -> list[ToolData]:
+    """Tools of a library as JSON.  Raises ToolFileError."""
+    errors = Errors(name, decoded(data))
+    library = load_json(errors)
+    entries = library.get("data") if isinstance(library, dict) else None
+    if not isinstance(entries, list):
+        errors.stop(NO_FORMAT, 'there is no list "data" in it', "a library of Fusion holds its tools in data")
+    tools = []
+    for index, entry in enumerate(entries):
+        if not isinstance(entry, dict):
+            line = json_line(errors, ("data", index))
+            errors.add(NO_FORMAT, f"data[{index}] is no tool", "export the library again", line)
+            continue
+        post = _table(entry, "post-process")
+        if entry.get("type") != "holder" and "number" in post:
+            tools += _tool(errors, index, entry, post)
+    errors.raise_if_any()
+    return tools
+
+
+def _tool(
+    errors: Errors, index: int, entry: Mapping[str, Any], post: Mapping[str, Any]
+) -> list[ToolData]:
+    """The tool of an entry, or nothing when something in it is wrong."""
+    before = len(errors.found)
+    number = _number(errors, (index, "post-process", "number"), "number", post["number"])
+    unit = entry.get("unit")
+    scale = _UNITS.get(unit) if isinstance(unit, str) else None
+    if scale is None:
+        line = json_line(errors, ("data", index, "unit"))
+        message = f"data[{index}] has no unit that is known"
+        errors.add(NO_UNIT, message, f"known: {', '.join(_UNITS)}", line)
+        return []
+    values: dict[str, Any] = {}
+    for key, field in _GEOMETRY.items():
+        given = _table(entry, "geometry").get(key)
+        if given is not None and given != 0:
+            factor = scale if field.endswith("_mm") else 1.0
+            values[field] = _number(errors, (index, "geometry", key), field, given, factor)
+        elif given == 0 and field == "corner_radius_mm":
+            values[field] = 0.0
+    said = entry.get("type")
+    if isinstance(said, str):
+        values["type"] = type_of(said) or name_of(said.lower())
+    text = entry.get("description")
+    values["name"] = name_of(text) if isinstance(text, str) else None
+    if len(errors.found) > before or number is None:
+        return []
+    origin = f"{errors.name}, data[{index}]"
+    return [ToolData.said(int(number), origin, values)]
+
+
+def _number(
+    errors: Errors, path: tuple[int, str, str], field: str, value: Any, factor: float = 1.0
+) -> float | int | None:
+    try:
+        is_number = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e9
+        return number_of(field, value * factor if is_number and factor != 1.0 else value)
+    except ValueError as error:
+        line = json_line(errors, ("data", *path))
+        message = f"data[{path[0]}].{path[1]}.{path[2]}: {error}"
+        errors.add(BAD_VALUE, message, "correct the tool in Fusion, and export again", line)
+        return None
+
+
+def _table(entry: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    value = entry.get(key)
+    return value if isinstance(value, dict) else {}
