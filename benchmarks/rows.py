@@ -61,7 +61,8 @@ class Row:
     def text(self) -> str:
         times = sorted(s.wall_s for s in self.samples)
         cells = [f"{t:8.3f}" for t in (times[0], median(times), times[-1])] if times else [" " * 8] * 3
-        cells.append(f"{median(s.cpu_s for s in self.samples):8.3f}" if times else " " * 8)
+        cpu_s = median(s.cpu_s for s in self.samples) if times else 0.0
+        cells.append(f"{cpu_s:8.3f}" if cpu_s else " " * 8)
         cells.append(f"{self.rate:11,.0f}" if self.rate else " " * 11)
         cells.append(f"{self.peak_bytes / MB:8.1f}" if self.peak_bytes else " " * 8)
         goal = self.goal.text() if self.goal else ""

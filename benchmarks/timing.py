@@ -41,7 +41,10 @@ class Contestant:
 
 @dataclass(frozen=True)
 class Sample:
-    """One run: seconds on the wall, seconds of the processor, and the most memory the process held."""
+    """One run: seconds on the wall, seconds of the processor, and the most memory the process held.
+
+    ``cpu_s`` is 0 with an own clock: it would count the start-up.
+    """
 
     wall_s: float
     cpu_s: float
@@ -75,7 +78,8 @@ def run(contestant: Contestant) -> Sample:
         if contestant.own_clock:
             said.seek(0)
             wall_s = float(said.read())
-    return Sample(wall_s, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024)
+    cpu_s = 0.0 if contestant.own_clock else usage.ru_utime + usage.ru_stime
+    return Sample(wall_s, cpu_s, usage.ru_maxrss * 1024)
 
 
 def in_turn(contestants: Sequence[Contestant], rounds: int) -> list[list[Sample]]:

@@ -58,6 +58,7 @@ def test_every_code_is_reached() -> None:
     sources = {c for f in (checkout / "src").rglob("*.py") for c in _CODE.findall(f.read_text("utf-8"))}
     by_file = {expectation(f.read_bytes().decode("latin-1"))[0] for f in FILES}
     tests = [f for f in (checkout / "tests").rglob("*.py") if f != Path(__file__)]
+    tests += (checkout / "tests" / "cli").glob("*/stderr")
     by_test = {c for f in tests for c in re.findall(r"\b[A-Z]{3}[0-9]{3}\b", f.read_text("utf-8"))}
     assert {"VIB001", "SYN001", "SET001"} <= sources
     assert not sources - by_file - by_test - set(UNREACHABLE), "a code that nothing reaches"

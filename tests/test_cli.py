@@ -1,8 +1,8 @@
 """The command line as it is really called.
 
-A case is a folder in tests/cli: ``args`` (one line), ``exit``, and what else it needs: ``stdin``, ``stdout``,
-``stderr`` (empty when missing), ``env``, ``files/`` that stand in the current folder, and ``after/``, all that
-stands there afterwards (unchanged when missing).
+A case is a folder in tests/cli: ``args`` (one line), ``exit``, and what else it needs: ``stdin``,
+``stdout``, ``stderr`` (empty when missing), ``env``, ``files/`` that stand in the current folder, and
+``after/``, all that stands there afterwards (unchanged when missing).
 """
 
 from __future__ import annotations
@@ -38,7 +38,9 @@ def run(
 ) -> subprocess.CompletedProcess[bytes]:
     clean = {k: v for k, v in os.environ.items() if not k.startswith("CHIPBREAK")}
     command = [sys.executable, "-m", "chipbreak", *args]
-    return subprocess.run(command, input=stdin, capture_output=True, cwd=cwd, env=clean | (env or {}), check=False)
+    return subprocess.run(
+        command, input=stdin, capture_output=True, cwd=cwd, env=clean | (env or {}), check=False
+    )
 
 
 def content(folder: Path) -> dict[str, bytes]:
@@ -90,7 +92,9 @@ def test_a_reader_that_leaves_is_no_fault(unbuffered: str) -> None:
     assert process.returncode == 1
 
 
-@pytest.mark.parametrize("name", ["\udcff.nc", "\u8ef8.nc", "a b.nc"], ids=["no UTF-8", "Japanese", "a space"])
+@pytest.mark.parametrize(
+    "name", ["\udcff.nc", "\u8ef8.nc", "a b.nc"], ids=["no UTF-8", "Japanese", "a space"]
+)
 @pytest.mark.parametrize("command", ["filter", "explain", "check", "restore", "diff", "verify"])
 def test_any_file_name_and_a_terminal_that_knows_ascii_only(name: str, command: str, tmp_path: Path) -> None:
     file = tmp_path / name
@@ -175,9 +179,12 @@ def invoke(args: list[str], stdin: bytes = b"") -> click.testing.Result:
 
 
 _WORDS = st.sampled_from(
-    ["filter", "explain", "check", "diff", "restore", "profile", "show", "list", "verify", "-", "--", "-p", "-o"]
-    + ["--set", "--json", "-q", "--color", "never", "-i", "--backup", "--check", "generic-lathe", "nowhere.nc"]
-    + ["vibration.n=1.5", "vibration.n=x", "=", "control.dialect=1", "--allow-unbroken", "-h", "--version", "", "."]
+    [
+        "filter", "explain", "check", "diff", "restore", "profile", "show", "list", "verify", "-", "--",
+        "-p", "-o", "--set", "--json", "-q", "--color", "never", "-i", "--backup", "--check",
+        "generic-lathe", "nowhere.nc", "vibration.n=1.5", "vibration.n=x", "=", "control.dialect=1",
+        "--allow-unbroken", "-h", "--version", "", ".",
+    ]
 )
 
 
@@ -194,7 +201,9 @@ _VALUES = st.one_of(
     st.integers(),
     st.floats().map(lambda x: str(x).replace("nan", "nan")),
     st.booleans().map(lambda b: str(b).lower()),
-    st.sampled_from(['""', '"auto"', "[]", "[4]", "[4, 5.5]", "{}", "{a = 1}", "'x'", "1e308", "5e-324", "-1", "0"]),
+    st.sampled_from(
+        ['""', '"auto"', "[]", "[4]", "[4, 5.5]", "{}", "{a = 1}", "'x'", "1e308", "5e-324", "-1", "0"]
+    ),
     st.text(max_size=8),
 )
 
@@ -215,9 +224,12 @@ def test_any_profile_file(data: bytes) -> None:
 
 
 _LINES = st.sampled_from(
-    ["[control]", "[vibration]", "[axes.Z]", 'dialect = "generic-lathe"', "n = 1.5", "n = -1", "e = [1]", "x = 1"]
-    + ['base = "generic-lathe"', 'base = "x.toml"', 'base = "\\u0000.toml"', "base = 1", "[calls.a]", "[operations]"]
-    + ['rough = "("', 'rough = ["a"]', "ramp_s = 0.1", "multiples = []", "control = 1", "[[axes]]", "[tools]"]
+    [
+        "[control]", "[vibration]", "[axes.Z]", 'dialect = "generic-lathe"', "n = 1.5", "n = -1",
+        "e = [1]", "x = 1", 'base = "generic-lathe"', 'base = "x.toml"', 'base = "\\u0000.toml"',
+        "base = 1", "[calls.a]", "[operations]", 'rough = "("', 'rough = ["a"]', "ramp_s = 0.1",
+        "multiples = []", "control = 1", "[[axes]]", "[tools]",
+    ]
 )
 
 
@@ -241,9 +253,12 @@ def test_any_program(data: bytes, command: str) -> None:
 
 
 _PIECES = st.sampled_from(
-    ["G0", "G1", "G2", "G3", "G91", "G96", "G97", "G71", "G50", "M3", "M98", "X", "Z", "W", "I", "R", "F", "f", "S"]
-    + ["N", "E", "Q", "V", "D", "T", "1", "2.5", "-.5", "0", "99999999", "#1", "[1/0]", "(VIB N1.5)", "(VIB OFF)"]
-    + ["(VIB ALPHA.7 K2)", "(SPEED V1 D2)", "/", "%", "\n", "\n", "\n", "(CHIPBREAK BEGIN X)", "(CHIPBREAK END 0)"]
+    [
+        "G0", "G1", "G2", "G3", "G91", "G96", "G97", "G71", "G50", "M3", "M98", "X", "Z", "W", "I", "R",
+        "F", "f", "S", "N", "E", "Q", "V", "D", "T", "1", "2.5", "-.5", "0", "99999999", "#1", "[1/0]",
+        "(VIB N1.5)", "(VIB OFF)", "(VIB ALPHA.7 K2)", "(SPEED V1 D2)", "/", "%", "\n", "\n", "\n",
+        "(CHIPBREAK BEGIN X)", "(CHIPBREAK END 0)",
+    ]
 )
 
 

@@ -40,7 +40,9 @@ def there_and_back(data: bytes, settings: chipbreak.Settings = SETTINGS) -> byte
         pytest.param(CUT.rstrip(), id="no last line end"),
         pytest.param(CUT.replace(b"N1.5", "N1.5 (荒加工)".encode("shift-jis")), id="Shift-JIS in the block"),
         pytest.param(
-            CUT.replace(b"G1", b"(VIB N1.5)\nG1 X21. F0.05\n(\x8dr\x89\xc1\x8dH)\nG1").replace(b" N1.5\nM", b"\nM"),
+            CUT.replace(b"G1", b"(VIB N1.5)\nG1 X21. F0.05\n(\x8dr\x89\xc1\x8dH)\nG1").replace(
+                b" N1.5\nM", b"\nM"
+            ),
             id="Shift-JIS in a chain",
         ),
         pytest.param(CUT.replace(b"G1 Z-3. F0.05 N1.5", b"g1 z-3. F0.05 N1.5"), id="lower-case words"),
@@ -57,7 +59,9 @@ def there_and_back(data: bytes, settings: chipbreak.Settings = SETTINGS) -> byte
         pytest.param(CUT.replace(b"N1.5\n", b"N1.5\nG0 Z2.\nG1 Z-4. N2.5\n"), id="two cuts"),
         pytest.param(CUT.replace(b"N1.5\n", b"N1.5\nX30. N1.5\n"), id="a chain"),
         pytest.param(CUT.replace(b"N1.5\n", b"N1.5\nX30. N2.5\n"), id="two chains, one behind the other"),
-        pytest.param(CUT.replace(b"N1.5\n", b"N1.5\n(CHIPBREAK IS FINE)\n(CHIPBREAK END)\n"), id="comments like ours"),
+        pytest.param(
+            CUT.replace(b"N1.5\n", b"N1.5\n(CHIPBREAK IS FINE)\n(CHIPBREAK END)\n"), id="comments like ours"
+        ),
     ],
 )
 def test_there_and_back(program: bytes) -> None:
@@ -72,7 +76,9 @@ def test_the_line_that_was_stands_readable_where_it_can() -> None:
 
 def test_lower_case_is_kept_readable_only_where_the_control_takes_it() -> None:
     program = b"G7 G95 G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 f25 E2\nM2\n".replace(b" E2", b" N0.5")
-    assert b"(CHIPBREAK WAS G1 Z-3. F0.05 f25 N0.5)" in there_and_back(program, chipbreak.load("linuxcnc-lathe"))
+    assert b"(CHIPBREAK WAS G1 Z-3. F0.05 f25 N0.5)" in there_and_back(
+        program, chipbreak.load("linuxcnc-lathe")
+    )
     assert b"HEX" in there_and_back(CUT.replace(b"N1.5", b"f62.5"))
 
 
@@ -80,19 +86,9 @@ def test_lower_case_is_kept_readable_only_where_the_control_takes_it() -> None:
     st.lists(
         st.sampled_from(
             [
-                b"G1 Z-3. F0.05 N1.5",
-                b"G1 X25. F0.1 N1.5 (up)",
-                b"N20 G1 W-2. F0.05 N2.5",
-                b"G0 X20. Z2.",
-                b"g0 z5.",
-                b"(\x83R\x83\x81\x83\x93\x83g)",
-                b"",
-                b"M8",
-                b"G97 V188.5 D20.",
-                b"S2500",
-                b"(VIB N1.5)",
-                b"(VIB OFF)",
-                b"G1 X30. F0.2",
+                b"G1 Z-3. F0.05 N1.5", b"G1 X25. F0.1 N1.5 (up)", b"N20 G1 W-2. F0.05 N2.5",
+                b"G0 X20. Z2.", b"g0 z5.", b"(\x83R\x83\x81\x83\x93\x83g)", b"", b"M8",
+                b"G97 V188.5 D20.", b"S2500", b"(VIB N1.5)", b"(VIB OFF)", b"G1 X30. F0.2",
             ]
         ),
         max_size=10,

@@ -28,6 +28,7 @@ from chipbreak.options import (
     verify_program,
 )
 from chipbreak.streams import Reporter, read_input, replace_file, write_stdout
+from chipbreak.tool_commands import inspect, tools
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -220,6 +221,10 @@ def restore(source: str, output: str | None, as_json: bool, quiet: bool, color: 
         write_stdout([original])
     else:
         replace_file(Path(output), [original])
+
+
+cli.add_command(tools)
+cli.add_command(inspect)
 
 
 @cli.group()

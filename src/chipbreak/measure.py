@@ -14,7 +14,7 @@ from chipbreak.restore import Region
 from chipbreak.units import MM_PER_INCH
 from chipbreak.vibration.load import flank_clearance_deg, least_acceleration_mm_s2, servo_share
 from chipbreak.vibration.readback import ReadBack, read_moves
-from chipbreak.vibration.timing import control_model, times_of
+from chipbreak.vibration.timing import bends_of, control_model, times_of
 from chipbreak.vibration.verdict import Verdict, judge
 from chipbreak.vibration.waveform import full_window
 
@@ -57,7 +57,9 @@ def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCu
     _check_speed(result, region, planned)
     distance_mm = _check_path(result, moves, planned)
     lengths = np.copysign(moves.lengths_mm, np.diff(distance_mm))
-    spans = times_of(lengths, moves.feed_mm_s, control_model(result.settings, cut.path))
+    moved = np.diff(np.vstack((cut.path.legs[0].start, moves.points_mm)), axis=0)
+    model = control_model(result.settings, cut.path)
+    spans, lost_mm = times_of(lengths, moves.feed_mm_s, bends_of(moved), model)
     if not np.all(spans > 0.0):
         raise SelfCheckError("a move takes no time")
     time_s = np.concatenate(([0.0], np.cumsum(spans)))
@@ -66,7 +68,7 @@ def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCu
     diameter_mm = 2.0 * max(abs(start.x), abs(cut.chain.after.position.x))
     verdict = judge(
         time_s,
-        distance_mm,
+        np.append(0.0, distance_mm[1:] - np.sign(lengths) * lost_mm),
         speed_rpm=cut.solution.speed_rpm,
         feed_mm_rev=cut.cut.feed_mm_rev,
         edges=cut.edges,

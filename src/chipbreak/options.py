@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
@@ -61,8 +62,17 @@ def make_reporter(as_json: bool, quiet: bool, color: str) -> Reporter:
     return Reporter(as_json=as_json, quiet=quiet, colour=colour)
 
 
-def settings_of(profile: str | None, sets: Sequence[str], source: str, reporter: Reporter) -> Settings:
-    """The profile by option, environment, or ``chipbreak.toml`` beside the input; exits with 2 if none."""
+def settings_of(
+    profile: str | None,
+    sets: Sequence[str],
+    source: str,
+    reporter: Reporter,
+    tool_files: Sequence[str] = (),
+) -> Settings:
+    """The profile by option, environment, or ``chipbreak.toml`` beside the input; exits with 2 if none.
+
+    ``tool_files`` come before those of the profile.
+    """
     from chipbreak.settings import SettingsError, load, profile_names
 
     if profile is None:
@@ -75,10 +85,19 @@ def settings_of(profile: str | None, sets: Sequence[str], source: str, reporter:
             )
         profile = str(beside)
     try:
-        return load(profile, sets)
+        settings = load(profile, sets)
     except SettingsError as error:
         reporter.show([error.diagnostic])
         sys.exit(USAGE)
+    return _with_tool_files(settings, tool_files) if tool_files else settings
+
+
+def _with_tool_files(settings: Settings, names: Sequence[str]) -> Settings:
+    """The settings with files of tools before those of the profile."""
+    from chipbreak.tools.files import files_of
+
+    tools = replace(settings.tools, files=(*names, *files_of(settings)))
+    return replace(settings, tools=tools, origins={**settings.origins, "tools.files": "--tools"})
 
 
 def run_filter(

@@ -21,11 +21,11 @@ def point(draw: DrawFn, axes: str) -> str:
     return " ".join(map(word, axes))
 
 
-def tool_call(draw: DrawFn, tool: int, *, preselects: bool) -> list[str]:
-    forms = [[f"T{tool} M6"], [f"M6 T{tool}"], [f"T{tool}", "M6"], [f"T{tool}", "G91 G28 Z0. M6", "G90"]]
-    if preselects:
-        forms.append([f"T{tool}", "M6", "T9"])
-    return draw(st.sampled_from(forms))
+def tool_call(draw: DrawFn, tool: int, *, waits: bool) -> list[str]:
+    """``waits``: the tool may be called into the magazine first, or another one behind it."""
+    at_once = [[f"T{tool} M6"], [f"M6 T{tool}"], [f"G91 G28 Z0. T{tool} M6", "G90"]]
+    later = [[f"T{tool}", "M6"], [f"T{tool}", "G91 G28 Z0. M6", "G90"], [f"T{tool}", "M6", "T9"]]
+    return draw(st.sampled_from(at_once + (later if waits else [])))
 
 
 def approach(draw: DrawFn, tool: int) -> list[str]:
@@ -110,7 +110,7 @@ def oddity(draw: DrawFn) -> list[str]:
 
 
 @st.composite
-def mill_programs(draw: DrawFn, *, preselects: bool = False) -> bytes:
+def mill_programs(draw: DrawFn, *, waits: bool) -> bytes:
     """A program with a few tools, each with a few operations."""
     lines = [
         pick(draw, "%", NOTHING),
@@ -119,7 +119,7 @@ def mill_programs(draw: DrawFn, *, preselects: bool = False) -> bytes:
     ]
     for _ in range(draw(st.integers(0, 4))):
         tool = draw(st.integers(1, 3))
-        lines += [pick(draw, *TITLES), *oddity(draw), *tool_call(draw, tool, preselects=preselects)]
+        lines += [pick(draw, *TITLES), *oddity(draw), *tool_call(draw, tool, waits=waits)]
         for at in range(draw(st.integers(1, 3))):
             title = [pick(draw, *TITLES)] if at else []
             parts = (approach(draw, tool), oddity(draw), work(draw), way_out(draw))

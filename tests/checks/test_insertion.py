@@ -52,14 +52,14 @@ def is_not_silent(result: Filtered) -> bool:
     return bool(result.edits or result.diagnostics)
 
 
-@given(mill_programs())
+@given(mill_programs(waits=False))
 def test_fanuc_programs_do_what_they_did(program: bytes) -> None:
     result = filtered(program, "fanuc-mill")
     check(result)
     assert is_not_silent(result)
 
 
-@given(mill_programs())
+@given(mill_programs(waits=True))
 def test_linuxcnc_programs_do_what_they_did(program: bytes) -> None:
     result = filtered(program, "linuxcnc-mill")
     check(result)

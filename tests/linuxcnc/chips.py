@@ -1,12 +1,13 @@
 """Chips rebuilt from where a machine really was: nothing here knows the filter or what it promised.
 
-The tool is followed along the programmed path.  At every angle of the spindle the part keeps the deepest place
-that the tool ever was at (full regeneration), and the uncut chip is as thick as the tool lies ahead of it.
+The tool is followed along the programmed path.  At every angle of the spindle the part keeps the deepest
+place that the tool ever was at (full regeneration), and the uncut chip is as thick as the tool lies ahead.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -130,7 +131,7 @@ def vibration(time_s: Floats, along_mm: Floats, window_s: tuple[float, float]) -
     first, last = crest[0], crest[-1]
     speed = (place[last] - place[first]) / (moment[last] - moment[first])
     ahead = place - speed * moment
-    strokes = np.array([np.ptp(ahead[a : b + 1]) for a, b in zip(crest[:-1], crest[1:], strict=True)])
+    strokes = np.array([np.ptp(ahead[a : b + 1]) for a, b in pairwise(crest)])
     trough = trough[(trough > first) & (trough < last)]
     back_s = float((moment[trough] - moment[crest[:-1]]).sum()) if len(trough) == len(crest) - 1 else np.nan
     whole_s = float(moment[last] - moment[first])

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -27,12 +28,13 @@ class Shape:
     units: str = "G8"
     ways: str = "G90"
 
-    def scaled_feed(self) -> float:
+    @property
+    def length_mm(self) -> float:
         return sum(leg.length_mm for leg in self.legs)
 
 
 def _line(*points: Point) -> tuple[Leg, ...]:
-    return tuple(Leg(a, b) for a, b in zip(points[:-1], points[1:], strict=True))
+    return tuple(Leg(a, b) for a, b in pairwise(points))
 
 
 TURNING = Shape("turning", _line((10, 1), (10, -3)), "G1 Z-3 {}")
@@ -75,7 +77,7 @@ class Job:
         blocks = self.shape.blocks.replace("{}", f"F{self.feed_mm_rev:g} {self.wish}")
         return (
             f"G21 G18 G90 {self.shape.units} G97 G95 G64 S{self.speed_rpm:g} M3\n"
-            f"G0 X{double * x:g} Z{z:g}\n{self.shape.ways}\n{blocks}\nG90\n"
+            f"G0 X{double * x:g} Z{z:g}\nG4 P0.02\n{self.shape.ways}\n{blocks}\nG4 P0.02\nG90\n"
             f"G0 X{double * end_x + 2:g} Z{end_z + 0.5:g}\nM2\n"
         ).encode()
 
@@ -120,10 +122,10 @@ def outcome(job: Job, result: chipbreak.Result, run: machine.Run) -> Outcome:
     first = next(i for i, line in enumerate(lines, 1) if "CHIPBREAK BEGIN" in line)
     last = next(i for i, line in enumerate(lines, 1) if "CHIPBREAK END" in line)
     inside = np.flatnonzero((run.lines > first) & (run.lines < last))
-    part = run.samples[inside[0] + 1 : inside[-1] + 4]
+    part = run.samples[inside[0] : inside[-1] + 4]
     along, off = follow(job.shape.legs, part[:, [1, 3]])
-    still = np.flatnonzero(np.diff(along) != 0.0)
-    part, along, off = (a[still[0] : still[-1] + 2] for a in (part, along, off))
+    moves = np.flatnonzero(np.diff(along) != 0.0)
+    part, along, off = (a[moves[0] : moves[-1] + 2] for a in (part, along, off))
     start, end = job.shape.legs[0].start, job.shape.legs[-1].end
     gap = max(np.linalg.norm(part[0, [1, 3]] - start), np.linalg.norm(part[-1, [1, 3]] - end))
     return Outcome(job, promise, part[:, 0] - part[0, 0], along, float(off.max()), float(gap), run.errors)
@@ -194,7 +196,3 @@ def grid() -> list[Job]:
     ]
     return jobs + weak
 
-
-def on_a_quiet_machine(job: Job) -> Job:
-    """The same cut on a machine with acceleration enough for everything."""
-    return replace(job, acceleration_mm_s2=100000.0)

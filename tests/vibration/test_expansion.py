@@ -48,7 +48,9 @@ def test_the_worked_example_runs_as_promised() -> None:
             1.45,
             id="S and f, tolerance, tenths of rpm",
         ),
-        pytest.param("f62.5", ("vibration.mn=0.05",), 2586.0, 3750 / 2586, id="S and f, tolerance, whole rpm"),
+        pytest.param(
+            "f62.5", ("vibration.mn=0.05",), 2586.0, 3750 / 2586, id="S and f, tolerance, whole rpm"
+        ),
         pytest.param("E2", (), 3000.0, 0.5, id="S and revolutions per vibration"),
         pytest.param("f62.5", ("vibration.rounding=claim-7",), 2500.0, 1.5, id="claim 7"),
         pytest.param("N1.5", ("vibration.correct=count",), 3000.0, 1.25, id="S stays, N gives way"),
@@ -208,8 +210,7 @@ def shapes(draw: st.DrawFn) -> Shape:
     start = (draw(st.floats(9.0, 30.0)), draw(st.floats(-5.0, 5.0)))
 
     def to_grid(mm: float, half: bool) -> Decimal:
-        words = Decimal(mm / unit * (2 if half else 1)).quantize(Decimal(1).scaleb(-digits))
-        return words
+        return Decimal(mm / unit * (2 if half else 1)).quantize(Decimal(1).scaleb(-digits))
 
     def words_of(point: tuple[float, float]) -> tuple[Decimal, Decimal]:
         return to_grid(point[0], diameter), to_grid(point[1], False)
@@ -229,7 +230,7 @@ def shapes(draw: st.DrawFn) -> Shape:
     for (x0, z0), (x, z), bulge in zip(written, written[1:], bulges, strict=False):
         xs, zs = (x, z) if style == "absolute" else (x - x0, z - z0)
         xl, zl = ("U", "W") if style == "UW" else ("X", "Z")
-        words = [f"G{ {0: 1, 1: 3, -1: 2}[bulge]}"]
+        words = [f"G{ {0: 1, 1: 3, -1: 2}[bulge] }"]
         words += [f"{xl}{xs}"] if x != x0 or bulge else []
         words += [f"{zl}{zs}"] if z != z0 or bulge else []
         words += [f"R{radius}"] if bulge else []
@@ -329,10 +330,12 @@ def test_any_cut_stays_on_its_path_and_in_its_time(shape: Shape) -> None:
     ahead = along - feed_mm_s * time_s
     assert ahead.max() <= stroke_mm + tolerance
     assert ahead.min() >= -tolerance - 0.003 * feed_mm_s * time_s[-1]
-    strong = vibration.crest_mm > 0.9 * stroke_mm
-    if strong.sum() > 5 and stroke_mm > 10 * tolerance:
-        gaps = np.diff(vibration.crest_s[strong])
-        assert np.median(gaps) == pytest.approx(period_s, rel=0.02)
+    strong_s = vibration.crest_s[vibration.crest_mm > 0.9 * stroke_mm]
+    # Rounding can split one crest into two.
+    strong_s = strong_s[np.append(True, np.diff(strong_s) > 0.5 * period_s)]
+    if len(strong_s) > 5 and stroke_mm > 10 * tolerance:
+        mean_s = (strong_s[-1] - strong_s[0]) / (len(strong_s) - 1)
+        assert mean_s == pytest.approx(period_s, rel=0.02)
 
 
 @given(shapes().filter(lambda s: s.incremental))
@@ -390,7 +393,9 @@ def test_the_control_is_as_it_was_at_every_line_of_the_original(shape: Shape) ->
     edges=st.sampled_from([1, 1, 2]),
 )
 @hypothesis_settings(max_examples=40)
-def test_verdict_is_the_closed_form(wave: str, alpha: float, per_rev: float, ratio: float, edges: int) -> None:
+def test_verdict_is_the_closed_form(
+    wave: str, alpha: float, per_rev: float, ratio: float, edges: int
+) -> None:
     alpha = 0.5 if wave == "sine" else alpha
     delta = per_rev / edges % 1.0
     assume(0.02 < delta < 0.98)
@@ -400,9 +405,8 @@ def test_verdict_is_the_closed_form(wave: str, alpha: float, per_rev: float, rat
     margin = ratio * edges * drop
     assume(abs(margin - 1.0) > 0.05)
     period_ms = 1 if wave == "sine" else 4
-    program = (
-        f"G97 S1000 M3\nG0 X20. Z2.\n(VIB N{per_rev} Q{ratio} ALPHA{alpha} EDGES{edges})\nG1 Z-18. F0.2\nM30\n"
-    )
+    asks = f"(VIB F62.5 N{per_rev} Q{ratio} ALPHA{alpha} EDGES{edges})"
+    program = f"G97 S1000 M3\nG0 X20. Z2.\n{asks}\nG1 Z-18. F0.2\nM30\n"
     sets = (
         f"vibration.waveform={wave}",
         "command.periods_ms=[16]",
@@ -411,7 +415,6 @@ def test_verdict_is_the_closed_form(wave: str, alpha: float, per_rev: float, rat
         "spindle.resolution_rpm=0.001",
         "vibration.phase=0.5",
     )
-    program = program.replace("(VIB", "(VIB F62.5")
     settings = chipbreak.load("generic-lathe", sets)
     result = chipbreak.rewrite(program.encode(), settings, allow_unbroken=True)
     (checked,) = result.cuts
@@ -464,7 +467,7 @@ def test_words_that_act_first_stand_before_the_cut() -> None:
 
 def test_comments_between_the_blocks_of_a_chain_stay() -> None:
     out = filtered(
-        "G97 S3000 M3\nG0 X20. Z2.\n(VIB N1.5)\nG1 Z-5. F0.05\n(the groove)\n\nX30.\n(VIB OFF)\nG0 X40.\nM30\n"
+        "G97 S3000 M3\nG0 X20. Z2.\n(VIB N1.5)\nG1 Z-5. F0.05\n(the groove)\n\nX30.\n(VIB OFF)\nM30\n"
     )
     assert out.count("\n(the groove)\n") == 1
     assert len(run_program(out).cuts) == 1

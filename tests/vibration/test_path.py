@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -26,9 +27,9 @@ def refused(*legs: Leg) -> str:
 
 @given(st.lists(places, min_size=2, max_size=6), st.floats(0.0, 1.0))
 def test_a_polyline_is_its_own_arc_length(corners: list[tuple[float, float, float]], share: float) -> None:
-    lengths = [math.dist(a, b) for a, b in zip(corners, corners[1:], strict=False)]
+    lengths = [math.dist(a, b) for a, b in itertools.pairwise(corners)]
     assume(sum(lengths) > 1e-3)
-    path = path_of([Leg(a, b) for a, b in zip(corners, corners[1:], strict=False)])
+    path = path_of([Leg(a, b) for a, b in itertools.pairwise(corners)])
     assert path.length_mm == pytest.approx(sum(lengths))
     s = np.array([0.0, share * path.length_mm, path.length_mm])
     knots = path.points(s)
@@ -39,15 +40,15 @@ def test_a_polyline_is_its_own_arc_length(corners: list[tuple[float, float, floa
 
 
 @given(
-    st.floats(0.5, 40.0),
-    st.floats(-math.pi, math.pi),
-    st.floats(0.05, 2 * math.pi - 0.05),
-    st.sampled_from([-1, 1]),
-    st.sampled_from(["XY", "ZX", "YZ"]),
-    st.floats(-5.0, 5.0),
+    radius=st.floats(0.5, 40.0),
+    first=st.floats(-math.pi, math.pi),
+    sweep=st.floats(0.05, 2 * math.pi - 0.05),
+    turn=st.sampled_from([-1, 1]),
+    plane=st.sampled_from(["XY", "ZX", "YZ"]),
+    rise=st.floats(-5.0, 5.0),
 )
 def test_an_arc_is_a_circle(
-    radius: float, first: float, sweep: float, turn: int, plane: str, rise: float
+    *, radius: float, first: float, sweep: float, turn: int, plane: str, rise: float
 ) -> None:
     a, b = {"XY": (0, 1), "ZX": (2, 0), "YZ": (1, 2)}[plane]
     start, end, offset = [0.0] * 3, [0.0] * 3, [0.0] * 3

@@ -123,6 +123,8 @@ def test_words_out_of_range(words: str) -> None:
     assert [code for code, *_ in rejected(f"{HEAD}G1 Z-30. F0.05 {words}\nM30\n")] == ["VIB017"]
 
 
-@pytest.mark.parametrize("item", ["N0", "E0", "F0", "Q0", "A0", "K0", "ALPHA0", "ALPHA1", "EDGES0", "S0", "RAMP-1"])
+@pytest.mark.parametrize(
+    "item", ["N0", "E0", "F0", "Q0", "A0", "K0", "ALPHA0", "ALPHA1", "EDGES0", "S0", "RAMP-1"]
+)
 def test_directive_values_out_of_range(item: str) -> None:
     assert rejected(f"{HEAD}(VIB {item})\nG1 Z-30. F0.05\nM30\n") == [("VIB017", 3, 1)]

@@ -119,8 +119,12 @@ def test_macro_lines(line: str) -> None:
     [
         pytest.param("(VIB N1.5)\nG1 Z-5. F0.05\nG0 X30.\nG1 Z-10.\n", 2, id="modal"),
         pytest.param("(VIB N1.5)\nG1 Z-5. F0.05\n(VIB OFF)\nG0 X30.\nG1 Z-10.\n", 1, id="off"),
-        pytest.param("(VIB N1.5)\nG1 Z-5. F0.05\nT0303\nG0 X30. Z2.\nG1 Z-10.\n", 1, id="the next tool ends it"),
-        pytest.param("(VIB N1.5)\nT0303\nG0 X30. Z2.\n(vib n1.5)\nG1 Z-10. F0.05\n", 1, id="again, lower case"),
+        pytest.param(
+            "(VIB N1.5)\nG1 Z-5. F0.05\nT0303\nG0 X30. Z2.\nG1 Z-10.\n", 1, id="the next tool ends it"
+        ),
+        pytest.param(
+            "(VIB N1.5)\nT0303\nG0 X30. Z2.\n(vib n1.5)\nG1 Z-10. F0.05\n", 1, id="again, lower case"
+        ),
         pytest.param(";VIB N1.5\nG1 Z-5. F0.05\n", 1, id="a semicolon comment"),
         pytest.param("G1 Z-5. F0.05 (VIB N1.5)\n", 1, id="on the line of the cut"),
         pytest.param("(VIBRATION CUTTING)\nG1 Z-5. F0.05\n", 0, id="another comment"),
@@ -133,7 +137,9 @@ def test_directive_reach(lines: str, cuts: int) -> None:
 
 
 def test_a_directive_ends_with_m6_where_that_changes_the_tool() -> None:
-    program = "G7 G95 G97 S3000 M3\nG0 X20. Z2.\n(VIB E2)\nT2\nG1 Z-5. F0.05\nT3 M6\nG0 X20. Z2.\nG1 Z-10.\nM2\n"
+    program = (
+        "G7 G95 G97 S3000 M3\nG0 X20. Z2.\n(VIB E2)\nT2\nG1 Z-5. F0.05\nT3 M6\nG0 X20. Z2.\nG1 Z-10.\nM2\n"
+    )
     assert cuts_of(program, profile="linuxcnc-lathe") == 1
 
 
@@ -144,7 +150,9 @@ def test_a_directive_ends_with_m6_where_that_changes_the_tool() -> None:
 def test_any_directive_reads_back(keys: list[str], data: st.DataObject) -> None:
     numbers = {key: data.draw(st.decimals(0, 99, places=2)) for key in keys}
     wave = data.draw(st.sampled_from(["", "TRIANGLE", "SINE"]))
-    items = [f"{key}{data.draw(st.sampled_from(['', ' ', '=', ' = ']))}{value}" for key, value in numbers.items()]
+    items = [
+        f"{key}{data.draw(st.sampled_from(['', ' ', '=', ' = ']))}{value}" for key, value in numbers.items()
+    ]
     items += [f"WAVE {wave}"] if wave else []
     text = "VIB " + data.draw(st.sampled_from([" ", ", "])).join(items)
     text = data.draw(st.sampled_from([text, text.lower()]))
@@ -232,7 +240,9 @@ def test_errors_name_every_value_and_its_line() -> None:
 
 
 def test_a_profile_that_fixes_n_makes_every_cut_vibrate() -> None:
-    program = f"{HEAD}G1 Z-5. F0.05\nG0 X30.\n(VIB OFF)\nG1 Z-10. F0.1\nT0303\nG0 X30. Z2.\nG1 Z-10. F0.05\nM30\n"
+    program = (
+        f"{HEAD}G1 Z-5. F0.05\nG0 X30.\n(VIB OFF)\nG1 Z-10. F0.1\nT0303\nG0 X30. Z2.\nG1 Z-10. F0.05\nM30\n"
+    )
     assert cuts_of(program, "vibration.n=1.5") == 2
 
 

@@ -37,11 +37,15 @@ def commands(program: str, *sets: str) -> list[str]:
         pytest.param(CUT + "M5\nM3\nM30", ["S2500", "S3000"], id="back for a spindle start"),
         pytest.param(CUT + "M99", ["S2500", "S3000"], id="back at the end of a subprogram"),
         pytest.param(CUT + "WHILE[#1 LT 3]DO1\nEND1\nM30", ["S2500", "S3000"], id="back for a loop"),
-        pytest.param(CUT + "S1000\nG1 X30. F0.1\nM30", ["S2500", "S1000"], id="the program's own S is enough"),
+        pytest.param(
+            CUT + "S1000\nG1 X30. F0.1\nM30", ["S2500", "S1000"], id="the program's own S is enough"
+        ),
         pytest.param(CUT + "M3 S1000\nG1 X30. F0.1\nM30", ["S2500", "M3 S1000"], id="also with M3"),
         pytest.param(CUT + "G96 S120\nG1 X30. F0.1\nM30", ["S2500", "G96 S120"], id="also with G96"),
         pytest.param(CUT.replace("1.5", "2.5") + CUT + "M30", ["S1500", "S2500", "S3000"], id="two speeds"),
-        pytest.param(CUT.replace("N", "S2500 N") + "G1 X30. F0.1\nM30", ["S2500"], id="S in the block, right"),
+        pytest.param(
+            CUT.replace("N", "S2500 N") + "G1 X30. F0.1\nM30", ["S2500"], id="S in the block, right"
+        ),
         pytest.param(CUT.replace("N", "S2000 N") + "M30", ["S2000"], id="S in the block, f 50"),
         pytest.param(
             CUT.replace("N", "S2400 N") + "G1 X30. F0.1\nM30",
@@ -49,7 +53,9 @@ def commands(program: str, *sets: str) -> list[str]:
             id="S in the block, corrected, comes back as written there",
         ),
         pytest.param(CUT + "M5", ["S2500"], id="nothing needs it any more"),
-        pytest.param(CUT + "M8\nG4 X1.\nT0101\n(X)\nG28 U0.\nM5\nM30", ["S2500", "S3000"], id="not for these"),
+        pytest.param(
+            CUT + "M8\nG4 X1.\nT0101\n(X)\nG28 U0.\nM5\nM30", ["S2500", "S3000"], id="not for these"
+        ),
     ],
 )
 def test_speed_commands(lines: str, said: list[str]) -> None:
@@ -100,7 +106,9 @@ def test_surface_speed_becomes_rpm_at_the_start_diameter(head: str, rpm_at_start
 
 
 def test_facing_under_g96_runs_in_g97_and_g96_comes_back() -> None:
-    run = run_program(filtered("G50 S3500\nG96 S180 M3\nG0 X50. Z0.\nG1 X1. F0.1 N1.5\nG0 Z2.\nG1 X20.\nM30\n"))
+    run = run_program(
+        filtered("G50 S3500\nG96 S180 M3\nG0 X50. Z0.\nG1 X1. F0.1 N1.5\nG0 Z2.\nG1 X20.\nM30\n")
+    )
     (cut,) = run.cuts
     assert len({move.speed_rpm for move in cut}) == 1
     assert run.state.speed_mode == 96
@@ -108,7 +116,9 @@ def test_facing_under_g96_runs_in_g97_and_g96_comes_back() -> None:
 
 
 def test_a_bare_s_behind_a_g96_cut_is_not_taken_for_rpm() -> None:
-    lines = filtered("G50 S3000\nG96 S120 M3\nG0 X20. Z2.\nG1 Z-5. F0.05 N1.5\nS150\nG1 X30.\nM30\n").splitlines()
+    lines = filtered(
+        "G50 S3000\nG96 S120 M3\nG0 X20. Z2.\nG1 Z-5. F0.05 N1.5\nS150\nG1 X30.\nM30\n"
+    ).splitlines()
     assert lines.index("G96 S120") < lines.index("S150")
 
 
@@ -169,7 +179,9 @@ def test_peripheral_speed_directive() -> None:
 
 @given(v=st.floats(1.0, 900.0), d=st.floats(0.5, 900.0), resolution=st.sampled_from(["1", "0.1", "10"]))
 def test_peripheral_speed_formula(v: float, d: float, resolution: str) -> None:
-    out = filtered(f"G97 V{v:.3f} D{d:.3f} M3\nM30\n", "generic-lathe", f"spindle.resolution_rpm={resolution}")
+    out = filtered(
+        f"G97 V{v:.3f} D{d:.3f} M3\nM30\n", "generic-lathe", f"spindle.resolution_rpm={resolution}"
+    )
     (speed,) = re.findall(r"(?m)^G97 S([0-9.]+) M3$", out)
     wanted = 1000.0 * float(f"{v:.3f}") / (math.pi * float(f"{d:.3f}"))
     assert abs(float(speed) - wanted) <= float(resolution) / 2 + 1e-6

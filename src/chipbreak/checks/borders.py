@@ -170,7 +170,7 @@ class BorderFinder:
             return NoBorder(spot.line, why)
         words = self._offset_words(spot.line) if offset_needed else ""
         if words is None:
-            why = "the length offset must be put back, and its G43 H cannot be known"
+            why = "the length offset must be put back, and which G43 H is in force cannot be known"
             return NoBorder(spot.line, why)
         needs_speed = state.turns or relies_on_speed(self.trace, spot.line)
         if needs_speed and (state.speed is None or not state.speed.value > 0.0):
@@ -195,7 +195,11 @@ class BorderFinder:
         number: str | None = None
         for step in reversed(self.trace.events):
             block = step.block
-            if block.line >= line or step.once:  # H of a macro call is an argument
+            if block.line >= line:
+                continue
+            if "home" in step.once and "Z" in homed_axes(step, self.trace.settings):
+                return None  # some controls have dropped it there, some have not
+            if step.once:  # H of a macro call is an argument
                 continue
             h = block.word("H")
             number = number or (h.value_text if h and h.number is not None and not block.has_macro else None)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from chipbreak.lasersim.tool import SimulatedTool
 
@@ -24,32 +24,24 @@ class Beam:
     is_blocked: bool = False
 
 
-@dataclass(frozen=True)
-class Spindle:
-    """A turning spindle, or one that stands at ``angle_deg`` (counted the way M3 turns)."""
-
-    is_turning: bool = False
-    angle_deg: float = 0.0
-
-
 def is_broken(
-    beam: Beam, tool: SimulatedTool, spindle: Spindle, x_mm: ArrayLike, y_mm: ArrayLike, z_mm: ArrayLike
+    beam: Beam, tool: SimulatedTool, angle_deg: float | None, points: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
-    """True where the tool breaks the beam, for positions of the spindle nose in machine coordinates [mm].
+    """True where the tool breaks the beam, for positions of the spindle nose; (n, 3) -> (n,).
 
-    The three positions broadcast; the answer has their common shape.  A turning tool counts with all it
-    sweeps.
+    ``points`` are machine coordinates [mm].  ``angle_deg`` is where the spindle stands, counted the way M3
+    turns it; None: it turns, and the tool counts with all it sweeps.
     """
-    x, y, z = np.broadcast_arrays(*(np.asarray(v, np.float64) for v in (x_mm, y_mm, z_mm)))
+    x, y, z = points.T
     if beam.is_blocked or tool.is_missing:
         return np.full(x.shape, beam.is_blocked)
     height = beam.z_mm - (z - tool.gauge_mm)
     off = beam.y_mm - y
-    if spindle.is_turning:
+    if angle_deg is None:
         reach = tool.envelope(height)
     else:
-        front = tool.reach(height, spindle.angle_deg, 90.0)
-        back = tool.reach(height, spindle.angle_deg, -90.0)
+        front = tool.reach(height, angle_deg, 90.0)
+        back = tool.reach(height, angle_deg, -90.0)
         reach = np.where(off >= 0.0, front, back)
     aside = np.abs(beam.x_mm - x)
     nearest = np.hypot(off, np.maximum(aside - beam.focus_half_mm, 0.0))
@@ -57,3 +49,16 @@ def is_broken(
     # A tolerance far below any measurement: the beam at a whole micrometre is met at that micrometre.
     found: NDArray[np.bool_] = (nearest <= reach + 1e-9) & (farthest >= tool.hollow(height) - 1e-9)
     return found
+
+
+@dataclass
+class Station:
+    """A barrier and the tools of the magazine by number; what is not in the magazine is an empty holder."""
+
+    beam: Beam
+    tools: dict[int, SimulatedTool]
+
+    def broken(self, tool: int, angle_deg: float | None, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """True where this tool breaks the beam; arguments as of :func:`is_broken`."""
+        found = self.tools.get(tool, SimulatedTool(is_missing=True))
+        return is_broken(self.beam, found, angle_deg, points)

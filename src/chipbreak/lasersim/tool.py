@@ -21,12 +21,13 @@ NO_TOOL = -np.inf
 
 
 class Kind(enum.IntEnum):
-    """Tool types, with the numbers that the macros take."""
+    """Tool types, with the numbers that the macros take, and the round bar that calibrates."""
 
     FLAT = 1
     BALL = 2
     DRILL = 3
     REAMER = 4
+    BAR = 5
 
 
 @dataclass(frozen=True)
@@ -41,8 +42,9 @@ class Chip:
 
 @dataclass(frozen=True)
 class SimulatedTool:
-    """A tool in the spindle; ``length_mm`` is from the holder to the tip, ``holder_mm`` from the spindle nose.
+    """A tool in the spindle.
 
+    ``length_mm`` is from the holder to the tip, ``holder_mm`` from the spindle nose to the holder's end.
     ``runout_mm`` is how far the tool's axis stands off the spindle's, toward ``runout_deg``.  ``dish_mm`` is
     how much higher than its edges the middle of an end mill is.  ``phase_deg`` is where the first edge stands
     at the tip when the spindle is at 0.  With ``is_missing`` the holder is empty.
@@ -108,7 +110,7 @@ class SimulatedTool:
         """
         height = np.asarray(height_mm, np.float64)
         aim = toward_deg + spindle_deg
-        best = CORE_SHARE * self.profile(height)
+        best = self._core * self.profile(height)
         for tooth in range(self.teeth):
             off = np.radians(self.tooth_angle(tooth, height) - aim)
             best = np.maximum(best, self._times(self.tooth_radius(tooth, height), np.cos(off)))
@@ -118,7 +120,7 @@ class SimulatedTool:
     def envelope(self, height_mm: ArrayLike) -> Floats:
         """Radius [mm] that the turning tool sweeps at heights."""
         height = np.asarray(height_mm, np.float64)
-        swept = [CORE_SHARE * self.profile(height)]
+        swept = [self._core * self.profile(height)]
         for tooth in range(self.teeth):
             off = np.radians(self.tooth_angle(tooth, height) - self.runout_deg)
             radius = np.where(height >= 0.0, self.tooth_radius(tooth, height), 0.0)
@@ -131,6 +133,10 @@ class SimulatedTool:
         if self.dish_mm <= 0.0:
             return np.zeros(height.shape)
         return np.where(height >= 0.0, self.radius_mm * np.clip(1.0 - height / self.dish_mm, 0.0, 1.0), 0.0)
+
+    @property
+    def _core(self) -> float:
+        return 1.0 if self.kind is Kind.BAR else CORE_SHARE
 
     def _normal_share(self, height: Floats) -> Floats:
         """The radial part of the profile's outward normal, 1 on a cylinder."""

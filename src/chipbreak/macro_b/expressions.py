@@ -48,7 +48,7 @@ class _Reader:
 
     def __init__(self, text: str) -> None:
         self.text = text
-        self.tokens = [token.upper() for token in _TOKEN.findall(text)]
+        self.tokens: list[str] = [token.upper() for token in _TOKEN.findall(text)]
 
     def take(self, expected: str = "") -> str:
         if not self.tokens or (expected and self.tokens[0] != expected):

@@ -56,7 +56,9 @@ class Library:
         if not found:
             raise fault(NO_PROGRAM, "the text holds no program number")
         for number, blocks in found:
-            self.programs[number] = MacroProgram(number, tuple(blocks), _labels(blocks), _loops(number, blocks))
+            self.programs[number] = MacroProgram(
+                number, tuple(blocks), _labels(blocks), _loops(number, blocks)
+            )
         return [number for number, _ in found]
 
     def get(self, number: int) -> MacroProgram:
@@ -81,6 +83,8 @@ def _loops(number: int, blocks: list[Block]) -> dict[int, int]:
     for index, block in enumerate(blocks):
         for control in block.controls:
             if control.keyword == "DO":
+                if control.label not in ("1", "2", "3"):
+                    raise fault(NO_LOOP, f"O{number:04}: DO{control.label}; there are DO1, DO2 and DO3")
                 if control.label in [label for label, _ in opened]:
                     raise fault(NO_LOOP, f"O{number:04}: DO{control.label} inside DO{control.label}")
                 opened.append((control.label, index))

@@ -59,6 +59,7 @@ _LOSES = {
     "thread-cycle": "a threading cycle moves the tool",
 }
 _COORDINATE_GROUPS = ("work_offset", "rotation", "polar", "scaling", "mirror", "interpolation")
+_CENTRE_GROUPS = ("rotation", "scaling", "mirror")  # the axis words of their codes are a centre, no move
 _LOSES_NAMED_AXES = ("home", "machine", "skip")
 _AXES_WITHOUT_V = frozenset("XYZUWABCH")
 _PLAIN_LETTERS = frozenset("GMTSFODHABC")
@@ -117,10 +118,12 @@ class Interpreter:
         reads_all = bool(once & _READS_ALL)
         # A full circle may name its centre only.
         moving = self.axis_letters | _CENTRE_LETTERS if motion in _ARCS else self.axis_letters
-        vibration = vibration_words(block, moving, cuts=motion in CUTTING, has_once=reads_all)
+        vibration = vibration_words(block, moving, cuts=motion in CUTTING and not unknown, has_once=reads_all)
         after = self._values(state, block, changes, once, vibration)
         after = self._machine_functions(after, block)
-        after, move = self._motion(after, block, once, unknown)
+        move = None
+        if not any(changes.get(group) == "on" for group in _CENTRE_GROUPS):
+            after, move = self._motion(after, block, once, unknown)
         after = self._flow_of_control(after, block)
         unread = () if reads_all or block.has_macro else self._unread(block, vibration, after, move)
         return Step(block, state, after, move, once, vibration, unread)

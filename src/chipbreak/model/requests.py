@@ -6,7 +6,8 @@ as a multiple of the feed) must never be mistaken for what they mean on the cont
 * the first N of a block is its sequence number, always, and never gets here;
 * a further N counts only beside an axis word and in no block with a jump or a cycle;
 * f is a frequency only in a block that also has an upper-case F or another of these words;
-* E and Q count only in a plain feed move, because cycles and macro calls have words of the same letters.
+* E and Q count only in a plain feed move without a G code that is not known, because cycles and macro calls
+  have words of the same letters.
 """
 
 from __future__ import annotations

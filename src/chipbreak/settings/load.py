@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import os
 import re
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
@@ -109,6 +110,8 @@ def _profile_layers(profile: str, seen: set[str]) -> Iterable[Layer]:
     name, text = profile_text(profile)
     try:
         values = tomllib.loads(text)
+    except RecursionError:
+        raise _too_deep(name) from None
     except tomllib.TOMLDecodeError as error:
         where = re.search(r"line (\d+), column (\d+)", str(error))
         line, column = (int(where[1]), int(where[2])) if where else (1, 1)
@@ -121,10 +124,23 @@ def _profile_layers(profile: str, seen: set[str]) -> Iterable[Layer]:
     base = values.pop("base", None)
     layer = Layer(name, text, _flat(values))
     if base is not None:
-        if not isinstance(base, str) or base in seen:
+        seen = seen | {_home(profile)}
+        path = _beside(profile, base) if isinstance(base, str) else ""
+        if not path or _home(path) in seen:
             raise layer.fail(IMPOSSIBLE, "base", f"base = {base!r} is not another profile", "name a profile")
-        yield from _profile_layers(base, seen | {profile})
+        yield from _profile_layers(path, seen)
     yield layer
+
+
+def _beside(profile: str, base: str) -> str:
+    """A shipped name, or a path that counts from the profile that says it."""
+    return base if base in profile_names() else str(Path(profile).parent / base)
+
+
+def _home(profile: str) -> str:
+    """One name for one profile, however its path is written."""
+    is_file = profile not in profile_names() and "\0" not in profile
+    return os.path.realpath(profile) if is_file else profile
 
 
 def _option_layer(option: str) -> Layer:
@@ -136,6 +152,8 @@ def _option_layer(option: str) -> Layer:
         raise layer.fail(UNKNOWN_KEY, key, message, "for example --set vibration.margin=1.3")
     try:
         value = tomllib.loads(f"v = {text}")["v"]
+    except RecursionError:
+        raise _too_deep(f"--set {key}") from None
     except tomllib.TOMLDecodeError:
         value = text.strip()
     if "." in name:
@@ -161,6 +179,11 @@ def _check_sections(layer: Layer) -> None:
         if not isinstance(table, dict):
             message = f"{section} is a section, not a value"
             raise layer.fail(WRONG_TYPE, section, message, f"write [{section}]")
+
+
+def _too_deep(name: str) -> SettingsError:
+    message = f"{name} is nested too deeply"
+    return SettingsError(Diagnostic(UNREADABLE, Severity.ERROR, message, "no value needs that"))
 
 
 def _os_reason(error: Exception) -> str:

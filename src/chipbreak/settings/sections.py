@@ -131,6 +131,14 @@ class Checks:
 
 
 @dataclass(frozen=True)
+class Tools:
+    """Files with tool data, the first that says something first; ``table_unit`` is that of ``tool.tbl``."""
+
+    files: tuple[str, ...] = ()
+    table_unit: str = _one_of("program", "mm", "inch")
+
+
+@dataclass(frozen=True)
 class Settings:
     """Everything a run needs to know about the machine.  ``origins`` maps ``section.key`` to its source."""
 
@@ -141,6 +149,7 @@ class Settings:
     output: Output
     spindle: Spindle
     checks: Checks
+    tools: Tools
     planner: Planner
     axes: Mapping[str, Axis]
     call_sets: Mapping[str, Mapping[str, tuple[str, ...]]]
@@ -162,6 +171,7 @@ SECTIONS: Mapping[str, type[Any]] = {
     "planner": Planner,
     "spindle": Spindle,
     "checks": Checks,
+    "tools": Tools,
     **{f"axes.{axis}": Axis for axis in AXES},
 }
 # Tables whose keys the user chooses: operation kinds with regular expressions, and named sets of calls.

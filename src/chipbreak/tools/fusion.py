@@ -65,9 +65,7 @@ def read_fusion(name: str, data: bytes) -> list[ToolData]:
     return tools
 
 
-def _tool(
-    errors: Errors, index: int, entry: Mapping[str, Any], post: Mapping[str, Any]
-) -> list[ToolData]:
+def _tool(errors: Errors, index: int, entry: Mapping[str, Any], post: Mapping[str, Any]) -> list[ToolData]:
     """The tool of an entry, or nothing when something in it is wrong."""
     before = len(errors.found)
     number = _number(errors, (index, "post-process", "number"), "number", post["number"])

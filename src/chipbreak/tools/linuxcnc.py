@@ -8,6 +8,7 @@ holder is not in the table.
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import Any, Final
 
 from chipbreak.model.kinds import tool_text
@@ -16,7 +17,9 @@ from chipbreak.tools.data import BAD_VALUE, NO_NUMBER, UNKNOWN_KEY, Errors, Tool
 from chipbreak.tools.facts import teeth_said
 from chipbreak.tools.values import name_of, number_of
 
-_WORD: Final = re.compile(r"\s*(?:([A-Za-z])\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)(?=[\sA-Za-z]|$)|(\S+))")
+_WORD: Final = re.compile(
+    r"\s*(?:([A-Za-z])\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)(?=[\sA-Za-z]|$)|(\S+))"
+)
 _LETTERS: Final = "TPXYZABCUVWDIJQ"
 
 
@@ -86,10 +89,5 @@ def _tool(
         errors.add(BAD_VALUE, str(error), help_text, line, (start, end))
         return []
     tool = ToolData.said(int(number), f"{errors.name}, line {line}", values)
-    lengths = {key: f"{origin} ({unit[1]})" for key, origin in tool.origins.items() if key.endswith("_mm")}
-    return [ToolData.said(tool.number, "", {}) if not values else _with(tool, lengths)]
-
-
-def _with(tool: ToolData, origins: dict[str, str]) -> ToolData:
-    """The tool with better origins for some fields."""
-    return ToolData(tool.number, **tool.known(), origins={**tool.origins, **origins})
+    by_unit = {key: f"{origin} ({unit[1]})" for key, origin in tool.origins.items() if key.endswith("_mm")}
+    return [replace(tool, origins={**tool.origins, **by_unit})]

@@ -36,7 +36,8 @@ _RULES: Final = {
     "radius_mm": _Rule("mm from 0 (no contact) to 1000", 0.0, 1000.0, or_equal=True),
 }
 
-TYPES: Final = tuple(name for name, _ in words.TOOL_TYPES) + (
+TYPES: Final = (
+    *(name for name, _ in words.TOOL_TYPES),
     "boring head",
     "counter bore",
     "form mill",

@@ -21,7 +21,7 @@ from chipbreak.syntax.numbers import print_number
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
 from chipbreak.vibration.path import split_at
 from chipbreak.vibration.plan import VibratedCut
-from chipbreak.vibration.timing import control_model, feeds_for_spans
+from chipbreak.vibration.timing import bends_of, control_model, feeds_for_spans
 
 Floats = NDArray[np.float64]
 _SAME_MM = 1e-6
@@ -60,8 +60,7 @@ def moves_of(cut: VibratedCut, settings: Settings) -> Expansion:
     VIB059 for a stroke or feeds too fine for them.
     """
     chain = cut.chain
-    breakpoints_mm = cut.path.breakpoints(settings.vibration.chord_mm)
-    time_s, distance_mm = split_at(cut.time_s, cut.distance_mm, breakpoints_mm)
+    time_s, distance_mm = _knots(cut, settings.vibration.chord_mm)
     words = _axis_words(cut, distance_mm, settings)
     step_mm = 10.0**-words.decimals * (MM_PER_INCH if chain.before.is_inch else 1.0)
     if cut.cut.stroke_mm < _LEAST_STEPS * step_mm:
@@ -88,6 +87,23 @@ def moves_of(cut: VibratedCut, settings: Settings) -> Expansion:
     ends[-1] = cut.path.length_mm
     blocks = _as_blocks(table, chain.after, _tail_is_programmed(cut, settings))
     return Expansion(blocks, ends, times[1:])
+
+
+def _knots(cut: VibratedCut, chord_mm: float) -> tuple[Floats, Floats]:
+    """The knots of the cut, and more at corners and in moves that would leave an arc.
+
+    A stroke without a knot inside is one block, which a control runs best; so a joint without a corner gets
+    none of its own.
+    """
+    time_s, distance_mm = split_at(cut.time_s, cut.distance_mm, cut.path.corners_mm())
+    pieces = cut.path.pieces(distance_mm[:-1], distance_mm[1:], chord_mm)
+    if pieces.max() == 1:
+        return time_s, distance_mm
+    place = np.append(np.repeat(np.arange(len(pieces)), pieces), len(pieces)).astype(np.float64)
+    ranks = np.arange(len(place)) - np.append(np.repeat(np.cumsum(pieces) - pieces, pieces), len(place) - 1)
+    place += ranks / np.append(np.repeat(pieces, pieces), 1)
+    knots = np.arange(len(time_s))
+    return np.interp(place, knots, time_s), np.interp(place, knots, distance_mm)
 
 
 def _check_feed_digits(cut: VibratedCut, spans: Floats, feeds: Floats, settings: Settings) -> None:
@@ -148,7 +164,7 @@ def _feed_words(
     plain_from = int(np.searchsorted(times[:-1], cut.time_s[-2] - _SAME_S))
     model = control_model(settings, cut.path)
     signed = np.copysign(lengths, np.diff(distance_mm))
-    feeds_mm_s = feeds_for_spans(signed, spans, model, plain_from)
+    feeds_mm_s = feeds_for_spans(signed, spans, bends_of(moved), model, plain_from)
     unit = MM_PER_INCH if cut.chain.before.is_inch else 1.0
     mode = settings.output.feed_mode
     if mode == "inverse":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from chipbreak.diagnostics import Diagnostic, RefusalError
 from chipbreak.model.modal import NOWHERE, Position, State
@@ -52,17 +52,7 @@ class Chain:
     def before(self) -> State:
         """The state when the tool starts to move: modal words of the first block have acted."""
         step = self.requests[0].step
-        return State(
-            modes=step.after.modes,
-            position=step.before.position,
-            unknown_why=step.before.unknown_why,
-            feed=step.after.feed,
-            speed=step.after.speed,
-            speed_limit=step.after.speed_limit,
-            spindle=step.after.spindle,
-            coolant=step.after.coolant,
-            tool=step.after.tool,
-        )
+        return replace(step.after, position=step.before.position, unknown_why=step.before.unknown_why)
 
     @property
     def after(self) -> State:

@@ -49,6 +49,7 @@ def linuxcnc(
     acceleration: float,
     period: float,
     ramp: float,
+    *,
     before: float | None = None,
 ) -> tuple[Numbers, Numbers]:
     """Time of each block as LinuxCNC 2.9 runs it, and the distance covered after each servo period.
@@ -59,7 +60,7 @@ def linuxcnc(
     if before is None:
         stretch = _Stretch(lengths, speeds, acceleration, period, ramp)
     else:
-        stretch = _PerRevolution(lengths, speeds, acceleration, period, ramp, before)
+        stretch = _PerRevolution(lengths, speeds, acceleration, period, ramp, feed_before=before)
     while not stretch.finished:
         stretch.advance()
     return tuple(stretch.times), tuple(stretch.places)
@@ -182,6 +183,7 @@ class _PerRevolution(_Stretch):
         acceleration: float,
         period: float,
         ramp: float,
+        *,
         feed_before: float,
     ) -> None:
         self.feeds, self.feed_before = speeds, feed_before

@@ -88,6 +88,29 @@ class Path:
             rows[mask] = function(int(index), s_mm[mask])
         return rows
 
+    def corners_mm(self, bend: float = 0.001) -> Floats:
+        """Where the direction changes by more than ``bend`` radians from one leg to the next."""
+        joints = range(1, len(self.legs))
+        ends = [self._along_leg(i - 1, self.ends_mm[i : i + 1])[0] for i in joints]
+        starts = [self._along_leg(i, self.ends_mm[i : i + 1])[0] for i in joints]
+        sharp = [math.dist(one, other) > bend for one, other in zip(ends, starts, strict=True)]
+        corners: Floats = self.ends_mm[1:-1][np.array(sharp, dtype=bool)]
+        return corners
+
+    def pieces(self, start_mm: Floats, end_mm: Floats, chord_mm: float) -> NDArray[np.intp]:
+        """Into how many straight moves to cut each move so that they stay close to the arcs; (n,) -> (n,).
+
+        A chord over an arc of radius r and length l leaves it by l^2 / (8 r).
+        """
+        low, high = np.minimum(start_mm, end_mm), np.maximum(start_mm, end_mm)
+        pieces = np.ones(len(low), dtype=np.intp)
+        for index, arc in enumerate(self.arcs):
+            if arc is not None:
+                touches = (high > self.ends_mm[index]) & (low < self.ends_mm[index + 1])
+                needed = np.ceil((high - low) / math.sqrt(8.0 * chord_mm * arc.radius_mm) - 1e-9)
+                pieces = np.where(touches, np.maximum(pieces, needed.astype(np.intp)), pieces)
+        return pieces
+
     def breakpoints(self, chord_mm: float) -> Floats:
         """Where a straight move must end: the joints, and points so dense on arcs that chords stay close.
 

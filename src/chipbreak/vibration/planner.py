@@ -20,7 +20,8 @@ its feed.  Three laws are offered (``ControlModel.law``):
     only where two blocks are blended round a corner, which an oscillation never has.  G61, G61.1 and G64 are
     the same for one block per stroke.  Several blocks per stroke run through their joints in G61 and G64
     (one that would take less than 1/100 s at an even change of speed is run as such a ramp), and each of
-    them stops in G61.1.  Feed per minute, inverse time and feed per revolution give the same times.
+    them stops in G61.1.  Feed per minute and inverse time give the same times, and so does feed per
+    revolution for one block per stroke; several are joined in another way (``per_revolution``).
 
 Lengths [mm] are signed along the path, feeds [mm/s] are positive, times [s].
 """
@@ -105,8 +106,23 @@ def predict(
     lengths, feeds = _checked(lengths_mm, feeds_mm_s, model)
     times = np.empty(len(lengths))
     for first, last in _runs(lengths, model):
-        times[first:last] = _run(lengths, feeds, first, last, model, before_mm_s)[0]
+        times[first:last] = _run(lengths, feeds, first, last, model, before_mm_s=before_mm_s)[0]
     return times
+
+
+def end_steps(
+    lengths_mm: ArrayLike, feeds_mm_s: ArrayLike, model: ControlModel, *, before_mm_s: float = 0.0
+) -> tuple[float, float]:
+    """The way of the first and of the last servo period of one stretch from rest to rest [mm].
+
+    A joint interpolator that averages over periods blunts a reversal by a share of them; 0 for other laws.
+    """
+    lengths, feeds = _checked(lengths_mm, feeds_mm_s, replace(model, merge_mm=0.0))
+    if model.law != "linuxcnc":
+        return 0.0, 0.0
+    places = _run(lengths, feeds, 0, len(lengths), model, before_mm_s=before_mm_s)[1]
+    before_last = float(places[-2]) if len(places) > 1 else 0.0
+    return float(places[0]), float(np.abs(lengths).sum()) - before_last
 
 
 def trace(lengths_mm: ArrayLike, feeds_mm_s: ArrayLike, model: ControlModel) -> Floats:
@@ -264,7 +280,7 @@ def _runs(lengths: Floats, model: ControlModel) -> Iterator[tuple[int, int]]:
 
 
 def _run(
-    lengths: Floats, feeds: Floats, first: int, last: int, model: ControlModel, before_mm_s: float = 0.0
+    lengths: Floats, feeds: Floats, first: int, last: int, model: ControlModel, *, before_mm_s: float = 0.0
 ) -> tuple[Floats, Floats]:
     """Times of the blocks of one stretch, and where LinuxCNC is after each period of it."""
     ways = np.abs(lengths[first:last])
@@ -278,8 +294,8 @@ def _run(
         before: float | None = None
         if model.per_revolution and len(joined) > 1:  # one block alone does not depend on it
             before = float(feeds[first - 1]) if first else before_mm_s
-        args = (model.acceleration_mm_s2, model.servo_period_s, model.ramp_s, before)
-        took, places = laws.linuxcnc(tuple(joined.tolist()), tuple(rates.tolist()), *args)
+        args = (model.acceleration_mm_s2, model.servo_period_s, model.ramp_s)
+        took, places = laws.linuxcnc(tuple(joined.tolist()), tuple(rates.tolist()), *args, before=before)
         times = np.repeat(np.array(took) / joined, np.diff(np.r_[starts, len(ways)])) * ways
     elif model.law == "trapezoid":
         times = np.array(laws.trapezoid(ways.tolist(), speeds.tolist(), model.acceleration_mm_s2))

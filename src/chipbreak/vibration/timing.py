@@ -1,12 +1,15 @@
 """Feeds that make this control take the wanted time, and the time it will take for given feeds.
 
 The planner knows one stretch from rest to rest; a vibrated cut is many thousands of them, of few kinds.  Each
-kind is worked out once.
+kind is worked out once.  A control rests where the tool turns back, and where the path bends by more than it
+can follow at speed.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import cast
 
@@ -17,11 +20,24 @@ from chipbreak.diagnostics import RefusalError
 from chipbreak.settings.sections import Axis, Settings
 from chipbreak.units import MS_PER_S, S_PER_MIN
 from chipbreak.vibration.path import Path
-from chipbreak.vibration.planner import AxisLimits, ControlModel, Law, feed_for_time, predict
+from chipbreak.vibration.planner import (
+    AxisLimits,
+    ControlModel,
+    Law,
+    end_steps,
+    feed_for_time,
+    predict,
+    shortest_time,
+)
 
 Floats = NDArray[np.float64]
-Stretch = tuple[tuple[float, ...], tuple[float, ...]]
-_HALVINGS = 40
+Numbers = tuple[float, ...]
+_DIGITS = 9  # of a length in mm: what lies behind them is noise that would make every stretch another one
+_SOFT_BEND = 0.1  # LinuxCNC's tangent kink ratio; for other controls, radians that count as straight on
+_STRAIGHT = 1e-6
+_ROUNDS = 4
+_BLUNT = 1.0 / 6.0
+_FACTORS = np.geomspace(0.5, 20.0, 75)
 
 
 def control_model(settings: Settings, path: Path) -> ControlModel:
@@ -31,6 +47,7 @@ def control_model(settings: Settings, path: Path) -> ControlModel:
         law=cast(Law, planner.model),
         servo_period_s=planner.servo_period_ms / MS_PER_S,
         blocks_per_s=planner.max_blocks_per_s,
+        per_revolution=settings.output.feed_mode == "rev",
     )
     axes = [_limits(name, axis) for name, axis in settings.axes.items()]
     models = [model.along(direction, axes) for direction in _directions(path)]
@@ -56,31 +73,68 @@ def _directions(path: Path) -> list[tuple[float, float, float]]:
     return directions
 
 
-def feeds_for_spans(lengths_mm: Floats, spans_s: Floats, model: ControlModel, plain_from: int) -> Floats:
+def bends_of(moved_mm: Floats) -> Floats:
+    """How far the direction turns behind each block, (n,), from the moves, (n, 3): the most of any axis.
+
+    The last is 0.  Where the tool turns back it does not matter.
+    """
+    ways = moved_mm / np.linalg.norm(moved_mm, axis=1, keepdims=True)
+    return np.append(np.abs(np.diff(ways, axis=0)).max(axis=1, initial=0.0), 0.0)
+
+
+def feeds_for_spans(
+    lengths_mm: Floats, spans_s: Floats, bends: Floats, model: ControlModel, plain_from: int
+) -> Floats:
     """Feed [mm/s] of each block, (n,), so that every stroke takes its time on this control.
 
-    ``lengths_mm`` are signed along the path, (n,); blocks from ``plain_from`` on run at their own feed.
+    ``lengths_mm`` are signed along the path, (n,); ``bends`` as of :func:`bends_of`; blocks from
+    ``plain_from`` on run at their own feed.  A stroke round a corner, where the control rests, may be too
+    short for its time: then it runs as fast as it can, and those behind it are so much later.
     Errors: VIB030 acceleration, VIB031 speed, VIB032 blocks per second.
     """
+    lengths_mm = np.round(lengths_mm, _DIGITS)
     feeds = np.abs(lengths_mm) / spans_s
     if model.law == "ideal":
         _check_limits(feeds, spans_s, model)
         return feeds
-    known: dict[Stretch, Floats] = {}
+    # Where the control rests at a bend depends on the feeds, and the feeds on where it rests.
+    strengths = _bend_strengths(lengths_mm, feeds, bends, model)
+    for _ in range(_ROUNDS):
+        found = _feeds(lengths_mm, spans_s, strengths, model, plain_from)
+        before, strengths = strengths, _bend_strengths(lengths_mm, found, bends, model)
+        if np.array_equal(before >= 1.0, strengths >= 1.0):
+            break
+        strengths = np.maximum(before, strengths)
+    return found
+
+
+def _feeds(
+    lengths_mm: Floats, spans_s: Floats, strengths: Floats, model: ControlModel, plain_from: int
+) -> Floats:
+    """:func:`feeds_for_spans` where the strengths of the bends are known."""
+    feeds = np.abs(lengths_mm) / spans_s
+    known: dict[tuple[Numbers, Numbers, float, ControlModel], Floats] = {}
     ends_s = np.cumsum(spans_s)
-    done_s = 0.0
-    for first, last in _stretches(lengths_mm):
+    done_s = late_s = before = 0.0
+    for first, last in _strokes(lengths_mm):
         if last > plain_from:
             break
         # What rounding to servo periods takes from one stroke, the next one gets.
-        wanted_s = float(ends_s[last - 1]) - done_s
+        wanted_s = float(ends_s[last - 1]) + late_s - done_s
         if model.law == "linuxcnc":
             wanted_s = round(wanted_s / model.servo_period_s) * model.servo_period_s
-        done_s += wanted_s
-        key = (tuple(np.abs(lengths_mm[first:last]).tolist()), (*feeds[first:last].tolist(), wanted_s))
-        if key not in known:
-            known[key] = _stretch_feeds(key[0], np.array(key[1][:-1]), wanted_s, model)
-        feeds[first:last] = known[key]
+        parts = _parts(first, last, strengths)
+        for (start, stop), time_s in zip(parts, _shares(parts, lengths_mm, wanted_s, model), strict=True):
+            part_model = _bent(model, strengths[start : stop - 1])
+            lengths, nominal = np.abs(lengths_mm[start:stop]), feeds[start:stop]
+            if stop - start == 1:
+                nominal, before = nominal[:0], 0.0  # one block depends on its time alone
+            key = (tuple(lengths.tolist()), (*nominal.tolist(), time_s), before, part_model)
+            if key not in known:
+                known[key] = _stretch_feeds(lengths, nominal, time_s, part_model, before)
+            feeds[start:stop] = known[key]
+            done_s, before = done_s + time_s, float(feeds[stop - 1])
+        late_s += max(0.0, done_s - float(ends_s[last - 1]) - late_s - model.servo_period_s)
     return feeds
 
 
@@ -100,52 +154,122 @@ def _check_limits(feeds: Floats, spans_s: Floats, model: ControlModel) -> None:
         raise RefusalError("VIB032", message, help_text)
 
 
-def _stretch_feeds(lengths: tuple[float, ...], feeds: Floats, wanted_s: float, model: ControlModel) -> Floats:
-    """Feeds of one stretch from rest to rest that together take ``wanted_s``: one factor on all of them."""
-    if len(lengths) == 1:
-        return np.array([feed_for_time(lengths[0], wanted_s, model)])
+def _shares(
+    parts: Sequence[tuple[int, int]], lengths_mm: Floats, wanted_s: float, model: ControlModel
+) -> list[float]:
+    """The time of each part of a stroke that rests between them: the least each needs, and equal more."""
+    if len(parts) == 1:
+        return [wanted_s]
+    ways = [float(np.abs(lengths_mm[start:stop]).sum()) for start, stop in parts]
+    least_s = [shortest_time(way, model) for way in ways]
+    step_s = model.servo_period_s if model.law == "linuxcnc" else wanted_s * 1e-9
+    spare = max(0, round((wanted_s - sum(least_s)) / step_s))
+    given = [int(spare * way / sum(ways)) for way in ways]
+    given[ways.index(max(ways))] += spare - sum(given)
+    return [least + more * step_s for least, more in zip(least_s, given, strict=True)]
+
+
+def _stretch_feeds(
+    lengths: Floats, feeds: Floats, wanted_s: float, model: ControlModel, before: float
+) -> Floats:
+    """Feeds of one stretch from rest to rest that together take ``wanted_s``: one factor on all of them.
+
+    The factor stands in the middle of those that do, so that rounding F does not tip it over.
+    """
     # Refuses, with the numbers, what even one block over the whole stretch could not do.
-    feed_for_time(sum(lengths), wanted_s, model)
+    feed = feed_for_time(float(lengths.sum()), wanted_s, model)
+    if len(lengths) == 1:
+        return np.array([feed])
+    slack_s = model.servo_period_s / 2.0 if model.law == "linuxcnc" else 0.002 * wanted_s
 
-    def takes(factor: float) -> float:
-        return float(predict(lengths, feeds * factor, model).sum())
+    def misses(factor: float) -> float:
+        return float(predict(lengths, feeds * factor, model, before_mm_s=before).sum()) - wanted_s
 
-    half_period_s = model.servo_period_s / 2.0 if model.law == "linuxcnc" else 0.0
-    high = 1.0
-    while takes(high) > wanted_s + half_period_s and high < 1e3:
-        high *= 2.0
-    if takes(high) > wanted_s + half_period_s:
-        message = (
-            f"a stroke of {sum(lengths):.4g} mm in {len(lengths)} blocks takes"
-            f" {takes(high) * MS_PER_S:.4g} ms"
-            f" at any feed, {wanted_s * MS_PER_S:.4g} ms are wanted"
-        )
-        raise RefusalError("VIB030", message, 'take output.segments = "stroke", or a lower frequency')
-    low = high / 2.0
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2.0
-        low, high = (middle, high) if takes(middle) > wanted_s + half_period_s else (low, middle)
-    return feeds * high
+    late_s = np.array([misses(factor) for factor in _FACTORS])
+    hits = np.flatnonzero(np.abs(late_s) <= slack_s)
+    if not len(hits):
+        crossing = np.flatnonzero((late_s[:-1] > 0.0) & (late_s[1:] <= 0.0))
+        if not len(crossing):
+            message = (
+                f"a stroke of {lengths.sum():.4g} mm in {len(lengths)} blocks takes"
+                f" {(late_s.min() + wanted_s) * MS_PER_S:.4g} ms"
+                f" at any feed, {wanted_s * MS_PER_S:.4g} ms are wanted"
+            )
+            help_text = "take one block per stroke (WAVE TRIANGLE), or a lower frequency"
+            raise RefusalError("VIB030", message, help_text)
+        between = np.geomspace(float(_FACTORS[crossing[0]]), float(_FACTORS[crossing[0] + 1]), 40)
+        late_s = np.array([misses(factor) for factor in between])
+        best = np.flatnonzero(np.abs(late_s) == np.abs(late_s).min())
+        return feeds * float(between[best[len(best) // 2]])
+    runs = np.split(hits, np.flatnonzero(np.diff(hits) > 1) + 1)
+    widest = max(runs, key=len)
+    return feeds * math.sqrt(float(_FACTORS[widest[0]] * _FACTORS[widest[-1]]))
 
 
-def times_of(lengths_mm: Floats, feeds_mm_s: Floats, model: ControlModel) -> Floats:
-    """How long each block takes on this control [s], (n,); lengths are signed along the path."""
+def times_of(
+    lengths_mm: Floats, feeds_mm_s: Floats, bends: Floats, model: ControlModel
+) -> tuple[Floats, Floats]:
+    """How long each block takes on this control [s], and what is lost of its end [mm]; (n,) each.
+
+    Lengths are signed along the path.  LinuxCNC's joint interpolator averages three servo periods, 1 to 4 to
+    1, which blunts each reversal by a sixth of the steps before and behind it.
+    """
+    lengths_mm = np.round(lengths_mm, _DIGITS)
+    times, lost_mm, before = np.empty(len(lengths_mm)), np.zeros(len(lengths_mm)), 0.0
     if model.law == "ideal":
-        return np.abs(lengths_mm) / np.minimum(feeds_mm_s, model.velocity_mm_s)
-    known: dict[Stretch, Floats] = {}
-    times = np.empty(len(lengths_mm))
-    for first, last in _stretches(lengths_mm):
-        key = (tuple(np.abs(lengths_mm[first:last]).tolist()), tuple(feeds_mm_s[first:last].tolist()))
-        if key not in known:
-            known[key] = predict(key[0], key[1], model)
-        times[first:last] = known[key]
-    return times
+        return np.abs(lengths_mm) / np.minimum(feeds_mm_s, model.velocity_mm_s), lost_mm
+    known: dict[tuple[Numbers, Numbers, float, ControlModel], tuple[Floats, tuple[float, float]]] = {}
+    strengths = _bend_strengths(lengths_mm, feeds_mm_s, bends, model)
+    for first, last in _strokes(lengths_mm):
+        for start, stop in _parts(first, last, strengths):
+            part_model = _bent(model, strengths[start : stop - 1])
+            lengths, feeds = np.abs(lengths_mm[start:stop]), feeds_mm_s[start:stop]
+            before = before if stop - start > 1 else 0.0
+            key = (tuple(lengths.tolist()), tuple(feeds.tolist()), before, part_model)
+            if key not in known:
+                took = predict(lengths, feeds, part_model, before_mm_s=before)
+                known[key] = took, end_steps(lengths, feeds, part_model, before_mm_s=before)
+            times[start:stop], (first_mm, last_mm) = known[key]
+            if start == first and first > 0:
+                lost_mm[first - 1] += _BLUNT * first_mm
+            if stop == last and last < len(times):
+                lost_mm[last - 1] += _BLUNT * last_mm
+            before = float(feeds[-1])
+    return times, lost_mm
 
 
-def _stretches(lengths_mm: Floats) -> list[tuple[int, int]]:
+def _bend_strengths(lengths_mm: Floats, feeds_mm_s: Floats, bends: Floats, model: ControlModel) -> Floats:
+    """Each bend as a share of what the control still runs through without a rest, (n,); 1 or more is a stop.
+
+    LinuxCNC (``tpSetupTangent``): the change of velocity within one servo period, and the acceleration, may
+    take a tenth of the axis's acceleration; with feed per revolution the velocity is the highest possible.
+    """
+    if model.law != "linuxcnc":
+        return bends / _SOFT_BEND
+    top = np.minimum(np.abs(lengths_mm) / model.servo_period_s, model.velocity_mm_s)
+    speeds = top if model.per_revolution else np.minimum(top, feeds_mm_s)
+    slower = np.append(np.minimum(speeds[:-1], speeds[1:]), 0.0)
+    jolt = slower / model.servo_period_s + model.acceleration_mm_s2
+    strengths: Floats = jolt * bends / model.acceleration_mm_s2 / _SOFT_BEND
+    return strengths
+
+
+def _bent(model: ControlModel, strengths: Floats) -> ControlModel:
+    """LinuxCNC keeps the acceleration that a bend may take from the blocks beside it."""
+    most = float(strengths.max(initial=0.0)) * _SOFT_BEND
+    if model.law != "linuxcnc" or most < _STRAIGHT:
+        return model
+    return replace(model, acceleration_mm_s2=model.acceleration_mm_s2 * (1.0 - most))
+
+
+def _strokes(lengths_mm: Floats) -> list[tuple[int, int]]:
     """First and behind-last block of each stretch between two reversals."""
     turns = np.flatnonzero(np.diff(np.sign(lengths_mm))) + 1
     bounds = [0, *turns.tolist(), len(lengths_mm)]
     return list(pairwise(bounds))
 
 
+def _parts(first: int, last: int, strengths: Floats) -> list[tuple[int, int]]:
+    """A stroke cut where the control rests on the way."""
+    rests = [first + 1 + int(i) for i in np.flatnonzero(strengths[first : last - 1] >= 1.0)]
+    return list(pairwise([first, *rests, last]))

@@ -1,0 +1,178 @@
+"""Commands about tools: what is known of them, and whether an edge is chipped."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from chipbreak.options import (
+    DIFFERENT,
+    DONE,
+    PROFILE_HELP,
+    SET_HELP,
+    USAGE,
+    make_reporter,
+    reporting_options,
+    settings_of,
+)
+from chipbreak.streams import read_input, replace_file
+
+if TYPE_CHECKING:
+    from chipbreak.checks.edges import EdgeVerdict
+    from chipbreak.settings.sections import Checks
+    from chipbreak.tools.edge_figure import EdgeCurves
+
+
+@click.command()
+@click.argument("before")
+@click.argument("after")
+@click.option(
+    "--next",
+    "next_kind",
+    type=click.Choice(["rough", "finish"]),
+    required=True,
+    help="What the tool does next; it decides the limit W.",
+)
+@click.option("--tool", type=click.IntRange(0), metavar="N", help="Its number, for a limit of its own.")
+@click.option("-o", "--output", metavar="OUT.svg", help="Write a figure.")
+@click.option("-p", "--profile", metavar="FILE|NAME", envvar="CHIPBREAK_PROFILE", help=PROFILE_HELP)
+@click.option("--set", "sets", metavar="SECTION.KEY=VALUE", multiple=True, help=SET_HELP)
+@reporting_options
+def inspect(
+    before: str,
+    after: str,
+    next_kind: str,
+    tool: int | None,
+    output: str | None,
+    profile: str | None,
+    sets: tuple[str, ...],
+    as_json: bool,
+    quiet: bool,
+    color: str,
+) -> None:
+    """Compare traced edges BEFORE and AFTER cutting, tooth by tooth.
+
+    Both are CSV with the columns tooth,height_mm,radius_mm.  Exit 0: fine, 1: chipped, 2: trouble.
+    """
+    from chipbreak.settings.sections import Checks
+    from chipbreak.tools.data import ToolFileError
+    from chipbreak.tools.files import read_bytes
+    from chipbreak.tools.lists import read_traces
+
+    if output is not None and Path(output).suffix.lower() != ".svg":
+        raise click.UsageError(
+            f"{output}: figures are SVG, which any browser shows and converts; name it .svg"
+        )
+    reporter = make_reporter(as_json, quiet, color)
+    # The limits have defaults, so no machine is needed to judge an edge.
+    needs_profile = profile is not None or bool(sets)
+    checks = settings_of(profile, sets, before, reporter).checks if needs_profile else Checks()
+    limit_mm = _limit_mm(checks, next_kind, tool)
+    try:
+        stored, traced = (read_traces(name, read_bytes(name)) for name in (before, after))
+    except ToolFileError as error:
+        reporter.show(error.diagnostics)
+        sys.exit(USAGE)
+    if set(stored) != set(traced):
+        odd = ", ".join(str(tooth) for tooth in sorted(set(stored) ^ set(traced)))
+        raise click.UsageError(f"tooth {odd} is in one of {before} and {after} only")
+    edges = {tooth: _judged(tooth, stored[tooth], traced[tooth], limit_mm, after) for tooth in stored}
+    verdicts = {tooth: verdict for tooth, (verdict, _) in edges.items()}
+    title = f"T{tool}, " if tool is not None else ""
+    _say(verdicts, f"{title}next {next_kind}, limit W {limit_mm:g} mm", as_json=as_json)
+    chipped = [tooth for tooth, verdict in verdicts.items() if verdict.is_chipped]
+    if output is not None:
+        from chipbreak.tools.edge_figure import edge_figure
+
+        found = f"tooth {', '.join(map(str, chipped))} chipped" if chipped else "no tooth is chipped"
+        heading = f"{title}next {next_kind}, W {limit_mm:g} mm: {found}"
+        figure = edge_figure([curves for _, curves in edges.values()], limit_mm, heading)
+        replace_file(Path(output), [figure.encode()])
+    sys.exit(DIFFERENT if chipped else DONE)
+
+
+def _limit_mm(checks: Checks, next_kind: str, tool: int | None) -> float:
+    own = checks.w_mm.get(str(tool))
+    if own is not None:
+        return own
+    return checks.w_rough_mm if next_kind == "rough" else checks.w_finish_mm
+
+
+def _judged(
+    tooth: int, stored: Any, traced: Any, limit_mm: float, name: str
+) -> tuple[EdgeVerdict, EdgeCurves]:
+    from chipbreak.checks.edges import inward_mm, judge_edge, limit_line
+    from chipbreak.tools.edge_figure import EdgeCurves
+
+    try:
+        verdict = judge_edge(stored, traced, limit_mm)
+    except ValueError as error:
+        raise click.UsageError(f"{name}: tooth {tooth}: {error}") from None
+    inward, line = inward_mm(stored, traced), limit_line(stored, limit_mm)
+    return verdict, EdgeCurves(tooth, stored, traced, line, inward, verdict.is_chipped)
+
+
+def _say(verdicts: dict[int, EdgeVerdict], heading: str, *, as_json: bool) -> None:
+    if as_json:
+        teeth = [
+            {
+                "tooth": tooth,
+                "inward_mm": verdict.inward_mm,
+                "height_mm": verdict.height_mm,
+                "limit_mm": verdict.limit_mm,
+                "chipped": verdict.is_chipped,
+            }
+            for tooth, verdict in verdicts.items()
+        ]
+        click.echo(json.dumps({"chipped": any(v.is_chipped for v in verdicts.values()), "teeth": teeth}))
+        return
+    click.echo(heading)
+    for tooth, verdict in verdicts.items():
+        word = "CHIPPED" if verdict.is_chipped else "fine"
+        click.echo(
+            f"  tooth {tooth}: {verdict.inward_mm:.4f} mm inward at height {verdict.height_mm:.3f} mm, {word}"
+        )
+
+
+@click.command()
+@click.argument("source", metavar="INPUT", default="-")
+@click.option("--tools", "tool_files", metavar="FILE", multiple=True, help="File with tool data.")
+@click.option("-p", "--profile", metavar="FILE|NAME", envvar="CHIPBREAK_PROFILE", help=PROFILE_HELP)
+@click.option("--set", "sets", metavar="SECTION.KEY=VALUE", multiple=True, help=SET_HELP)
+@reporting_options
+def tools(
+    source: str,
+    tool_files: tuple[str, ...],
+    profile: str | None,
+    sets: tuple[str, ...],
+    as_json: bool,
+    quiet: bool,
+    color: str,
+) -> None:
+    """Show what is known about the tools of a program, who said it, and what a check lacks."""
+    from chipbreak.model.trace import interpret
+    from chipbreak.restore import restore
+    from chipbreak.source import read
+    from chipbreak.syntax.parse import parse
+    from chipbreak.tools.data import ToolFileError
+    from chipbreak.tools.program import table_json, table_text, tool_table
+
+    reporter = make_reporter(as_json, quiet, color)
+    settings = settings_of(profile, sets, source, reporter, tool_files)
+    name = "<stdin>" if source == "-" else source
+    trace = interpret(parse(restore(read(read_input(source), name))), settings)
+    try:
+        table = tool_table(trace)
+    except ToolFileError as error:
+        reporter.show(error.diagnostics)
+        sys.exit(USAGE)
+    if as_json:
+        click.echo(json.dumps(table_json(table), indent=2))
+        return
+    reporter.show(table.diagnostics)
+    for line in table_text(table):
+        click.echo(line)

@@ -1,0 +1,134 @@
+"""What the comments of a program say about its tools: tool lists of CAM posts, and notes at tool calls.
+
+A comment that names a tool ("T2 D=12. CR=0. - FLAT END MILL", "Tool Number: 4") is about that tool, and so
+are single facts straight behind it ("DIA: 10", "Number of Flutes: 4").  One without a number is about the
+tool that is called in the same block, or in the one before as long as nothing has moved.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from typing import Any
+
+from chipbreak.model.kind_words import FUSION_TOOL, TOOL_FACT
+from chipbreak.model.kinds import ToolNote, tool_text
+from chipbreak.model.operations import calls_tool
+from chipbreak.model.steps import Step
+from chipbreak.model.trace import Trace
+from chipbreak.model.words import codes_of
+from chipbreak.syntax.nodes import Block
+from chipbreak.tools.data import ToolData
+from chipbreak.tools.facts import stick_out_said, teeth_said
+from chipbreak.tools.values import name_of, number_of, type_of
+from chipbreak.units import MM_PER_INCH
+
+
+def tools_in_comments(trace: Trace) -> list[ToolData]:
+    """Every remark about a tool with a number, in the order of the program; a tool may come several times."""
+    reader = _Reader(trace)
+    for block in trace.program.event_blocks():
+        reader.read(block)
+    return reader.found
+
+
+def program_unit(trace: Trace, line: int) -> tuple[float, str]:
+    """mm per unit of the program at a line, and who says so.
+
+    A tool list stands above the G20 or G21 it is meant in, so the next one counts where none has come yet.
+    """
+    given = _unit_codes(trace)
+    if not given:
+        unit = trace.settings.dialect.initial.get("units", "mm")
+        who = f"{_word(unit)}, as {trace.settings.dialect.title} starts"
+    else:
+        at = max(bisect_right([number for number, _ in given], line) - 1, 0)
+        code_line, unit = given[at]
+        who = f"{_word(unit)}, as line {trace.program.source.place(code_line).line} of the program says"
+    return (MM_PER_INCH if unit == "inch" else 1.0), who
+
+
+def _unit_codes(trace: Trace) -> list[tuple[int, str]]:
+    dialect = trace.settings.dialect
+    found = []
+    for step in trace.events:
+        codes = codes_of(step.block, "units", dialect)
+        if codes:
+            found.append((step.block.line, dialect.g_codes[codes[-1]].value))
+    return found
+
+
+def _word(unit: str) -> str:
+    return "inches" if unit == "inch" else "mm"
+
+
+class _Reader:
+    """One walk over the comments; ``current`` is the tool that facts without a number are about."""
+
+    def __init__(self, trace: Trace) -> None:
+        self.trace, self.dialect = trace, trace.settings.dialect
+        self.steps: dict[int, Step] = {step.block.line: step for step in trace.events}
+        self.found: list[ToolData] = []
+        self.current: int | None = None
+        self.is_called = False
+
+    def read(self, block: Block) -> None:
+        step = self.steps.get(block.line)
+        if step and calls_tool(step, self.dialect.tool_change):
+            self.current, self.is_called = step.after.tool, True
+        elif step and (step.move or step.once):
+            self.current = None
+        elif not block.is_empty and not self.is_called:
+            self.current = None  # the list of tools ends here
+        for comment in block.comments:
+            self._remark(block.line, comment.text)
+
+    def _remark(self, line: int, text: str) -> None:
+        note = tool_text(text)
+        number = self._number(note) if note else None
+        if number is not None:
+            self.current, self.is_called = number, False
+        is_fact = bool(TOOL_FACT.match(text.strip())) or note is None
+        if self.current is None or not (number is not None or self.is_called or is_fact):
+            return
+        values = self._values(line, text, note)
+        if values:
+            who = f"comment in line {self.trace.program.source.place(line).line}"
+            self.found.append(ToolData.said(self.current, who, values))
+
+    def _number(self, note: ToolNote) -> int | None:
+        """The tool; on a turret ``T0212`` is tool 2 with offset 12."""
+        number = note.number
+        if number is None:
+            head = note.text.split(maxsplit=1)[0].upper().replace("O", "0") if note.text else ""
+            number = int(head[1:]) if head[:1] == "T" and head[1:].isdecimal() and len(head) < 9 else None
+        if number is not None and self.dialect.tool_change == "T" and number >= 100:
+            return number // 100
+        return number
+
+    def _values(self, line: int, text: str, note: ToolNote | None) -> dict[str, Any]:
+        """The fields that a comment gives; a value that cannot be is no value."""
+        scale = program_unit(self.trace, line)[0]
+        scales = {None: scale, "mm": 1.0, "in": MM_PER_INCH}
+        stick_out = stick_out_said(text)
+        values: dict[str, Any] = {
+            "teeth": teeth_said(text),
+            "length_mm": stick_out.value * scales[stick_out.unit] if stick_out else None,
+        }
+        if note:
+            unit = scales[note.unit]
+            values["type"] = (type_of(note.type) or name_of(note.type)) if note.type else None
+            values["diameter_mm"] = note.diameter * unit if note.diameter else None
+            values["corner_radius_mm"] = None if note.corner_radius is None else note.corner_radius * unit
+            is_name = not (TOOL_FACT.match(note.text.strip()) or FUSION_TOOL.match(note.text))
+            values["name"] = name_of(note.text) if is_name else None
+        return {key: value for key, value in values.items() if value is not None and _can_be(key, value)}
+
+
+def _can_be(field: str, value: Any) -> bool:
+    if field in ("type", "name"):
+        return True
+    try:
+        number_of(field, value)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,5 @@
+(EXPECT VIB030 4:16 -p linuxcnc-lathe)
+G7 G95 G97 S3000 M3
+G0 X20. Z2.
+G1 Z-30. F0.05 N1.5
+M2
