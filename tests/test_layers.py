@@ -64,6 +64,7 @@ tools
 tools.data
 tools.values
 tools.facts
+tools.tips
 tools.cells
 tools.lists
 tools.json_text
@@ -99,6 +100,8 @@ checks
 checks.edges
 checks.ground
 checks.reliance
+checks.calls
+checks.borders
 checks.plan
 
 passes.speeds

@@ -14,7 +14,7 @@ from chipbreak.restore import Region
 from chipbreak.units import MM_PER_INCH
 from chipbreak.vibration.load import flank_clearance_deg, least_acceleration_mm_s2, servo_share
 from chipbreak.vibration.readback import ReadBack, read_moves
-from chipbreak.vibration.timing import bends_of, control_model, times_of
+from chipbreak.vibration.timing import bends_of, control_model, motion_of
 from chipbreak.vibration.verdict import Verdict, judge
 from chipbreak.vibration.waveform import full_window
 
@@ -59,16 +59,16 @@ def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCu
     lengths = np.copysign(moves.lengths_mm, np.diff(distance_mm))
     moved = np.diff(np.vstack((cut.path.legs[0].start, moves.points_mm)), axis=0)
     model = control_model(result.settings, cut.path)
-    spans, lost_mm = times_of(lengths, moves.feed_mm_s, bends_of(moved), model)
-    if not np.all(spans > 0.0):
+    motion = motion_of(distance_mm, lengths, moves.feed_mm_s, bends_of(moved), model)
+    if not np.all(motion.spans_s > 0.0):
         raise SelfCheckError("a move takes no time")
-    time_s = np.concatenate(([0.0], np.cumsum(spans)))
+    time_s = np.concatenate(([0.0], np.cumsum(motion.spans_s)))
     _check_time(result, float(time_s[-1]), cut.cut.duration_s)
     start = next(cut.chain.moves).start
     diameter_mm = 2.0 * max(abs(start.x), abs(cut.chain.after.position.x))
     verdict = judge(
-        time_s,
-        np.append(0.0, distance_mm[1:] - np.sign(lengths) * lost_mm),
+        motion.time_s,
+        motion.distance_mm,
         speed_rpm=cut.solution.speed_rpm,
         feed_mm_rev=cut.cut.feed_mm_rev,
         edges=cut.edges,

@@ -156,11 +156,11 @@ class BorderFinder:
         why = self.ground.why_not(spot.line, state) or self._why_not(spot)
         if why:
             return NoBorder(spot.line, why)
-        needed = reliance(self.trace, spot.line, spot.homed)
-        has_offset = state.modes.get("length_offset", "off") != "off"
-        offset_needed = needed.length_offset and has_offset and self._retract_homes and not spot.z_is_home
+        is_on = state.modes.get("length_offset", "off") != "off"
+        has_offset = is_on and self._retract_homes and not spot.z_is_home
+        needed = reliance(self.trace, spot.line, spot.homed, has_offset=has_offset)
         axes = set(needed.axes)
-        if "Z" in axes or offset_needed:
+        if "Z" in axes or needed.length_offset:
             # The way down to Z starts where X and Y stood.
             axes |= set("XZ" if self.dialect.is_lathe else "XYZ")
         known = dict(zip("XYZ", state.position, strict=True))
@@ -168,7 +168,7 @@ class BorderFinder:
         if lost:
             why = f"the next blocks rely on where {lost[0]} stands, which nobody knows: {state.unknown_why}"
             return NoBorder(spot.line, why)
-        words = self._offset_words(spot.line) if offset_needed else ""
+        words = self._offset_words(spot.line) if needed.length_offset else ""
         if words is None:
             why = "the length offset must be put back, and which G43 H is in force cannot be known"
             return NoBorder(spot.line, why)

@@ -13,6 +13,7 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 
 from chipbreak.model.main_program import calls_subprogram
+from chipbreak.model.motion import AXES
 from chipbreak.model.operations import calls_tool
 from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace
@@ -34,33 +35,34 @@ class Reliance:
     length_offset: bool
 
 
-def reliance(trace: Trace, line: int, homed: Collection[str]) -> Reliance:
+def reliance(trace: Trace, line: int, homed: Collection[str], *, has_offset: bool) -> Reliance:
     """What the blocks from ``line`` on rely on.
 
     ``homed`` are axes the program itself has sent to a fixed place: a tool change and the end of the
-    program may count on that.
+    program may count on that.  ``has_offset`` is True where a length offset is in force that the retract
+    would end.
     """
-    look = _Look(trace, frozenset(homed))
+    look = _Look(trace, frozenset(homed), offset_is_decided=not has_offset)
     last = min(line + HORIZON, trace.program.source.body.stop)
     for step in trace.steps(line, last):
         if look.is_decided_by(step):
             break
     else:
         if last < trace.program.source.body.stop:
-            look.rely_on_rest()
+            look.rely_on_all()
     return Reliance(frozenset(look.axes), look.length_offset)
 
 
 def named_axes(step: Step, settings: Settings) -> frozenset[str]:
     """The linear axes that a block names."""
     incremental = settings.dialect.incremental
-    return frozenset(incremental.get(w.address, w.address) for w in step.block.words) & frozenset("XYZ")
+    return frozenset(incremental.get(w.address, w.address) for w in step.block.words) & frozenset(AXES)
 
 
 def homed_axes(step: Step, settings: Settings) -> frozenset[str]:
     """The axes a reference return takes home; one that names none, not even a rotary axis, means all."""
     rotary = any(word.address in "ABC" for word in step.block.words)
-    return named_axes(step, settings) or frozenset("" if rotary else "XYZ")
+    return named_axes(step, settings) or frozenset("" if rotary else AXES)
 
 
 def relies_on_speed(trace: Trace, line: int) -> bool:
@@ -76,102 +78,105 @@ def relies_on_speed(trace: Trace, line: int) -> bool:
 
 @dataclass
 class _Look:
-    """The walk along the blocks; every method returns True when all is decided."""
+    """The walk along the blocks.  The methods that look at axes return True when those are decided."""
 
     trace: Trace
     homed: frozenset[str]
+    offset_is_decided: bool
+    axes_are_decided: bool = False
     axes: set[str] = field(default_factory=set)
     placed: set[str] = field(default_factory=set)
     length_offset: bool = False
-    offset_is_new: bool = False
-    is_changed: bool = False  # another tool: where the old one stood is of no account any more
 
     def __post_init__(self) -> None:
-        dialect = self.trace.settings.dialect
-        self.dialect = dialect
-        self.all_axes = "XZ" if dialect.is_lathe else "XYZ"
-        self.axis_letters = frozenset("XYZ") | frozenset(dialect.incremental)
+        self.dialect = self.trace.settings.dialect
+        self.all_axes = frozenset("XZ" if self.dialect.is_lathe else "XYZ")
 
     def is_decided_by(self, step: Step) -> bool:
+        """True when this and the blocks before it say all there is to know."""
+        if not step.block.is_empty:
+            if not self.offset_is_decided:
+                self._look_at_offset(step)
+            if not self.axes_are_decided:
+                self.axes_are_decided = self._look_at_axes(step)
+        return self.offset_is_decided and self.axes_are_decided
+
+    def rely_on_all(self) -> None:
+        """Whatever is still open."""
+        self.length_offset |= not self.offset_is_decided
+        if not self.axes_are_decided:
+            self._rely_on_rest()
+
+    def _look_at_offset(self, step: Step) -> None:
+        """A new offset or the way home ends the old one; a move of Z in the program's coordinates uses it."""
+        block, move = step.block, step.move
+        goes_home = "home" in step.once and "Z" in homed_axes(step, self.trace.settings)
+        if goes_home or step.after.ended or codes_of(block, "length_offset", self.dialect):
+            self.offset_is_decided = True
+        elif move is not None and "machine" not in step.once:
+            self.length_offset = "Z" in move.axes or move.kind != "rapid"
+        else:
+            acts = step.once - _HARMLESS - {"machine", "home"}
+            self.length_offset = bool(block.opaque or block.controls or acts) or calls_subprogram(step)
+        self.offset_is_decided |= self.length_offset
+
+    def _look_at_axes(self, step: Step) -> bool:
         block = step.block
-        if block.is_empty:
-            return False
-        if self.is_changed:
-            return self._is_offset_decided_by(step)
         if block.opaque or block.controls or calls_subprogram(step):
-            return self.rely_on_rest()
+            return self._rely_on_rest()
+        named = named_axes(step, self.trace.settings)
         if step.after.ended or calls_tool(step, self.dialect.tool_change):
-            self.axes |= self.homed - self.placed - self._named(step)
-            self.is_changed |= not block.skip
-            return step.after.ended
-        self.offset_is_new |= bool(codes_of(block, "length_offset", self.dialect))
+            self.axes |= self.homed - self.placed - named
+            return step.after.ended or not block.skip
         if "home" in step.once:
             return self._home(step)
         if "machine" in step.once:
             return self._machine(step)
-        is_limit = "set-position" in step.once and not self._named(step)  # G50 S2000
+        is_limit = "set-position" in step.once and not named  # G50 S2000
         bent = any(step.after.modes.get(group, "off") != "off" for group in _BENT)
         if bent or (step.once - _HARMLESS and not is_limit):
-            return self.rely_on_rest()
+            return self._rely_on_rest()
         if step.move is None:
             # Axis words that nobody has read: a G code the profile does not know.
-            return bool(self._named(step)) and not step.once and self.rely_on_rest()
+            return bool(named) and not step.once and self._rely_on_rest()
         if step.move.kind != "rapid" or step.move.incremental:
-            return self.rely_on_rest()
+            return self._rely_on_rest()
         return self._rapid(frozenset(step.move.axes), bool(block.skip))
 
-    def _is_offset_decided_by(self, step: Step) -> bool:
-        """Behind a tool change: some programs leave the length offset in force for the next tool."""
-        goes_home = "home" in step.once and "Z" in homed_axes(step, self.trace.settings)
-        if goes_home or step.after.ended or codes_of(step.block, "length_offset", self.dialect):
-            return True
-        uses = step.move is not None and ("Z" in step.move.axes or step.move.kind != "rapid")
-        uses |= bool(step.block.opaque or step.block.controls) or calls_subprogram(step)
-        self.length_offset |= uses
-        return uses
-
-    def rely_on_rest(self) -> bool:
+    def _rely_on_rest(self) -> bool:
         """All axes that are not in place yet."""
-        if self.is_changed:
-            return True
-        rest = set(self.all_axes) - self.placed
-        self.axes |= rest
-        self.length_offset |= "Z" in rest and not self.offset_is_new
+        self.axes |= self.all_axes - self.placed
         return True
 
     def _rapid(self, named: AbstractSet[str], may_be_skipped: bool) -> bool:
         if not self.dialect.is_lathe and "Z" in named:
             away = {"X", "Y"} - self.placed
             if away & named:
-                return self.rely_on_rest()  # slanting down from elsewhere
+                return self._rely_on_rest()  # slanting down from elsewhere
             self.axes |= away
-            self.length_offset |= "Z" not in self.placed and not self.offset_is_new
         if not may_be_skipped:
             self.placed |= named
-        return self.placed >= set(self.all_axes)
+        return self.placed >= self.all_axes
 
     def _home(self, step: Step) -> bool:
         """``G91 G28 Z0.`` goes straight home; with other values it is a move to a point first."""
         named = homed_axes(step, self.trace.settings)
         incremental = step.after.modes.get("distance") == "incremental"
-        words = [w for w in step.block.words if w.address in self.axis_letters]
+        words = [w for w in step.block.words if self.dialect.incremental.get(w.address, w.address) in AXES]
         distances = [w for w in words if incremental or w.address in self.dialect.incremental]
         if len(distances) < len(words):
             return self._rapid(named, bool(step.block.skip))
         if any(plain_value(word) != 0.0 for word in distances):
-            return self.rely_on_rest()
+            return self._rely_on_rest()
         self.placed |= set() if step.block.skip else named
-        return self.placed >= set(self.all_axes)
+        return self.placed >= self.all_axes
 
     def _machine(self, step: Step) -> bool:
-        named = self._named(step)
+        named = named_axes(step, self.trace.settings)
         depth = step.block.word("Z")
         if step.after.modes["motion"] != "rapid":
-            return self.rely_on_rest()
+            return self._rely_on_rest()
         if depth and plain_value(depth) != 0.0:
             return self._rapid(named, bool(step.block.skip))
         self.placed |= set() if step.block.skip else named
-        return self.placed >= set(self.all_axes)
-
-    def _named(self, step: Step) -> frozenset[str]:
-        return named_axes(step, self.trace.settings)
+        return self.placed >= self.all_axes

@@ -90,7 +90,10 @@ class SimulatedTool:
     def tooth_radius(self, tooth: int, height_mm: ArrayLike) -> Floats:
         """Radius [mm] of one edge about the tool's own axis, chips taken out; shape of ``height_mm``."""
         height = np.asarray(height_mm, np.float64)
-        radius = self.profile(height)
+        return self._chipped(tooth, height, self.profile(height))
+
+    def _chipped(self, tooth: int, height: Floats, radius: Floats) -> Floats:
+        """The radius of one edge, from the profile at the same heights."""
         for chip in self.chips:
             if chip.tooth == tooth:
                 hit = np.abs(height - chip.height_mm) <= chip.extent_mm / 2.0 + 1e-9
@@ -110,20 +113,22 @@ class SimulatedTool:
         """
         height = np.asarray(height_mm, np.float64)
         aim = toward_deg + spindle_deg
-        best = self._core * self.profile(height)
+        whole = np.where(height >= 0.0, self.profile(height), 0.0)
+        best = self._core * whole
         for tooth in range(self.teeth):
             off = np.radians(self.tooth_angle(tooth, height) - aim)
-            best = np.maximum(best, self._times(self.tooth_radius(tooth, height), np.cos(off)))
+            best = np.maximum(best, self._chipped(tooth, height, whole) * np.cos(off))
         shift = self.runout_mm * np.cos(np.radians(self.runout_deg - aim))
         return np.where(height >= 0.0, best + shift, NO_TOOL)
 
     def envelope(self, height_mm: ArrayLike) -> Floats:
         """Radius [mm] that the turning tool sweeps at heights."""
         height = np.asarray(height_mm, np.float64)
-        swept = [self._core * self.profile(height)]
+        whole = np.where(height >= 0.0, self.profile(height), 0.0)
+        swept = [self._core * whole]
         for tooth in range(self.teeth):
             off = np.radians(self.tooth_angle(tooth, height) - self.runout_deg)
-            radius = np.where(height >= 0.0, self.tooth_radius(tooth, height), 0.0)
+            radius = self._chipped(tooth, height, whole)
             swept.append(np.sqrt(radius**2 + self.runout_mm**2 + 2 * radius * self.runout_mm * np.cos(off)))
         return np.where(height >= 0.0, np.max(swept, axis=0), NO_TOOL)
 
@@ -146,11 +151,6 @@ class SimulatedTool:
         slope = np.where(height >= 0.0, rise / np.maximum(height + step - low, step), 0.0)
         share: Floats = 1.0 / np.hypot(1.0, slope)
         return share
-
-    @staticmethod
-    def _times(radius: Floats, share: Floats) -> Floats:
-        """A product that keeps "no tool" below the tip."""
-        return np.where(np.isfinite(radius), radius, 0.0) * share
 
 
 def table(tool: SimulatedTool, heights_mm: Iterable[float]) -> list[tuple[float, ...]]:

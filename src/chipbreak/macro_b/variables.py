@@ -13,8 +13,6 @@ ALARM, STOP = 3000, 3006
 # Argument letters of G65, specification I.
 _LETTERS, _NUMBERS = "ABCIJKDEFHMQRSTUVWXYZ", (*range(1, 10), 11, 13, *range(17, 27))
 ARGUMENTS = dict(zip(_LETTERS, _NUMBERS, strict=True))
-    zip("ABCIJKDEFHMQRSTUVWXYZ", (1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 13, *range(17, 27)), strict=True)
-)
 
 
 class Variables:

@@ -85,7 +85,7 @@ def _expand(cut: VibratedCut, settings: Settings) -> Expansion:
     try:
         return moves_of(cut, settings)
     except RefusalError as error:
-        raise with_advice(error, cut, settings) from None
+        raise with_advice(error, cut, settings, moves_of) from None
 
 
 def _by_line(diagnostic: Diagnostic) -> int:
@@ -125,7 +125,10 @@ def _expansion(
     tail = [] if mode == was and cut.cut.end_revolutions > 0.0 else [feed_back]
     path_mode = settings.planner.path_mode
     if path_mode and chain.before.path_words != path_mode:
-        # A straight oscillation is collinear: a blending path mode may round it away.
+        # A straight oscillation is collinear: a blending path mode may round it away.  It would also round
+        # the corner from a cut before this one, unless the tool rests there.
+        if chain.requests[0].step.before.modes["motion"] != "rapid":
+            head.append(f"G4 {settings.dialect.dwell_word}0")
         head.append(path_mode)
         tail.append(chain.before.path_words or settings.planner.usual_path_mode)
     solution = cut.solution

@@ -18,7 +18,8 @@ from chipbreak.model.trace import Trace
 from chipbreak.model.words import codes_of
 from chipbreak.syntax.nodes import Block
 from chipbreak.tools.data import ToolData
-from chipbreak.tools.facts import stick_out_said, teeth_said
+from chipbreak.tools.facts import holder_said, stick_out_said, teeth_said
+from chipbreak.tools.tips import Tip, tip_of_type
 from chipbreak.tools.values import name_of, number_of, type_of
 from chipbreak.units import MM_PER_INCH
 
@@ -70,8 +71,13 @@ class _Reader:
         self.found: list[ToolData] = []
         self.current: int | None = None
         self.is_called = False
+        self.line = 0  # of the block before
 
     def read(self, block: Block) -> None:
+        # Plain motion is no event; it shows between two of them.
+        if bool((self.trace.program.plain[self.line : block.line] >= 0).any()):
+            self.current = None
+        self.line = block.line
         step = self.steps.get(block.line)
         if step and calls_tool(step, self.dialect.tool_change):
             self.current, self.is_called = step.after.tool, True
@@ -109,16 +115,17 @@ class _Reader:
         """The fields that a comment gives; a value that cannot be is no value."""
         scale = program_unit(self.trace, line)[0]
         scales = {None: scale, "mm": 1.0, "in": MM_PER_INCH}
-        stick_out = stick_out_said(text)
-        values: dict[str, Any] = {
-            "teeth": teeth_said(text),
-            "length_mm": stick_out.value * scales[stick_out.unit] if stick_out else None,
-        }
+        values: dict[str, Any] = {"teeth": teeth_said(text)}
+        for field, length in (("length_mm", stick_out_said(text)), ("holder_mm", holder_said(text))):
+            values[field] = length.value * scales[length.unit] if length else None
         if note:
             unit = scales[note.unit]
             values["type"] = (type_of(note.type) or name_of(note.type)) if note.type else None
             values["diameter_mm"] = note.diameter * unit if note.diameter else None
             values["corner_radius_mm"] = None if note.corner_radius is None else note.corner_radius * unit
+            # Fusion's TAPER is the point angle of a drill, and the side of a tapered mill.
+            is_point = tip_of_type(values["type"]) is Tip.POINT
+            values["point_deg"] = note.taper_deg if is_point else None
             is_name = not (TOOL_FACT.match(note.text.strip()) or FUSION_TOOL.match(note.text))
             values["name"] = name_of(note.text) if is_name else None
         return {key: value for key, value in values.items() if value is not None and _can_be(key, value)}

@@ -21,6 +21,8 @@ FIELDS: Final = (
     "length_mm",
     "corner_radius_mm",
     "helix_deg",
+    "point_deg",
+    "holder_mm",
     "name",
 )
 
@@ -33,6 +35,8 @@ class ToolData:
     ``length_mm``  from the lower end of the holder to the tip
     ``corner_radius_mm``  of the corner between end and side; half the diameter of a ball end mill
     ``helix_deg``  angle between an edge and the axis; positive for a right-hand helix
+    ``point_deg``  full angle of a drill's or chamfer mill's point
+    ``holder_mm``  from the nose of the spindle to the lower end of the holder
     ``origins``    field -> who said it, for messages
     """
 
@@ -43,6 +47,8 @@ class ToolData:
     length_mm: float | None = None
     corner_radius_mm: float | None = None
     helix_deg: float | None = None
+    point_deg: float | None = None
+    holder_mm: float | None = None
     name: str | None = None
     origins: Mapping[str, str] = field(default_factory=dict)
 

@@ -14,12 +14,12 @@ _TEETH: Final = re.compile(
     r"|\b(?:(?:NUMBER|NO\.?)\s+OF\s+(?:FLUTES|TEETH)|FLUTES)\s*[:=]\s*(?P<after>\d{1,2})\b",
     re.IGNORECASE,
 )
+_LENGTH: Final = rf"\s*[:=]?\s*(?P<length>{_DECIMAL})\s*(?P<unit>MM\b|\"|IN\b|INCH\b)?(?![\w.])"
 # "STICKOUT/OVERHANG: 42", "STICK-OUT = 1.5 IN", "OVERHANG 30MM"
 _STICK_OUT: Final = re.compile(
-    r"\b(?:STICK[\s-]?OUT|OVERHANG)(?:/(?:STICK[\s-]?OUT|OVERHANG))?\s*[:=]?\s*"
-    rf"(?P<length>{_DECIMAL})\s*(?P<unit>MM\b|\"|IN\b|INCH\b)?(?![\w.])",
-    re.IGNORECASE,
+    rf"\b(?:STICK[\s-]?OUT|OVERHANG)(?:/(?:STICK[\s-]?OUT|OVERHANG))?{_LENGTH}", re.IGNORECASE
 )
+_HOLDER: Final = re.compile(rf"\bHOLDER\s+LENGTH{_LENGTH}", re.IGNORECASE)
 
 
 class Length(NamedTuple):
@@ -38,7 +38,15 @@ def teeth_said(text: str) -> int | None:
 
 def stick_out_said(text: str) -> Length | None:
     """How far the tool sticks out of its holder, as a comment names it."""
-    hit = _STICK_OUT.search(text[:LONGEST_TEXT])
+    return _length(_STICK_OUT.search(text[:LONGEST_TEXT]))
+
+
+def holder_said(text: str) -> Length | None:
+    """How long the holder is, as a comment names it."""
+    return _length(_HOLDER.search(text[:LONGEST_TEXT]))
+
+
+def _length(hit: re.Match[str] | None) -> Length | None:
     if hit is None or not float(hit["length"]) > 0.0:
         return None
     unit = (hit["unit"] or "").lower()

@@ -35,6 +35,7 @@ _PARAMETERS: Final = {
     "CornerRadius": "corner_radius_mm",
     "TorusRadius": "corner_radius_mm",
     "Flutes": "teeth",
+    "TipAngle": "point_deg",
 }
 _QUANTITY: Final = re.compile(r"\s*([-+]?[\d.,]+)\s*(\S*)\s*")
 _SCALES: Final = {

@@ -1,7 +1,8 @@
 """Tool libraries of Fusion: JSON with a list ``data``, and ``.tools``, a zip of such files.
 
-``geometry`` holds DC (diameter), NOF (edges), LB (length below the holder), RE (corner radius); ``unit`` is
-"millimeters" or "inches".  A zero stands for what the type does not have.  Fusion stores no helix angle.
+``geometry`` holds DC (diameter), NOF (edges), LB (length below the holder), RE (corner radius), SIG (point
+angle) and assemblyGaugeLength (LB and the holder above it); ``unit`` is "millimeters" or "inches".  A zero
+stands for what the type does not have.  Fusion stores no helix angle.
 """
 
 from __future__ import annotations
@@ -17,7 +18,14 @@ from chipbreak.tools.json_text import json_line, load_json
 from chipbreak.tools.values import name_of, number_of, type_of
 from chipbreak.units import MM_PER_INCH
 
-_GEOMETRY: Final = {"NOF": "teeth", "DC": "diameter_mm", "LB": "length_mm", "RE": "corner_radius_mm"}
+_GEOMETRY: Final = {
+    "NOF": "teeth",
+    "DC": "diameter_mm",
+    "LB": "length_mm",
+    "RE": "corner_radius_mm",
+    "SIG": "point_deg",
+    "assemblyGaugeLength": "gauge_mm",
+}
 _UNITS: Final = {"millimeters": 1.0, "inches": MM_PER_INCH}
 MOST_BYTES = 64 * 1024 * 1024  # of one file, packed or not
 
@@ -69,8 +77,10 @@ def _tool(errors: Errors, index: int, entry: Mapping[str, Any], post: Mapping[st
     """The tool of an entry, or nothing when something in it is wrong."""
     before = len(errors.found)
     number = _number(errors, (index, "post-process", "number"), "number", post["number"])
-    unit = entry.get("unit")
-    scale = _UNITS.get(unit) if isinstance(unit, str) else None
+    # Older exports have the unit as an expression: "'inches'".
+    unit = entry.get("unit", _table(entry, "expressions").get("tool_unit"))
+    unit = unit.strip("'") if isinstance(unit, str) else None
+    scale = _UNITS.get(unit or "")
     if scale is None:
         line = json_line(errors, ("data", index, "unit"))
         message = f"data[{index}] has no unit that is known"
@@ -84,6 +94,9 @@ def _tool(errors: Errors, index: int, entry: Mapping[str, Any], post: Mapping[st
             values[field] = _number(errors, (index, "geometry", key), field, given, factor)
         elif given == 0 and field == "corner_radius_mm":
             values[field] = 0.0
+    gauge_mm, length_mm = values.pop("gauge_mm", None), values.get("length_mm")
+    if gauge_mm and length_mm and gauge_mm > length_mm:  # equal where the library has no holder
+        values["holder_mm"] = gauge_mm - length_mm
     said = entry.get("type")
     if isinstance(said, str):
         values["type"] = type_of(said) or name_of(said.lower())
@@ -99,6 +112,8 @@ def _number(
     errors: Errors, path: tuple[int, str, str], field: str, value: Any, factor: float = 1.0
 ) -> float | int | None:
     try:
+        if isinstance(value, str):
+            raise ValueError(f"{field} is text, not a number")
         is_number = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e9
         return number_of(field, value * factor if is_number and factor != 1.0 else value)
     except ValueError as error:

@@ -25,8 +25,8 @@ from chipbreak.tools.cells import Row, decoded, rows
 from chipbreak.tools.data import BAD_VALUE, FIELDS, NO_FORMAT, NO_NUMBER, UNKNOWN_KEY, Errors, ToolData
 from chipbreak.tools.values import TYPES, name_of, nearest, number_of, type_of
 
-_OPTIONAL = FIELDS[-3:]
-_REQUIRED = ("number", *FIELDS[:-3])
+_REQUIRED = ("number", "type", "teeth", "diameter_mm", "length_mm")
+_OPTIONAL = tuple(field for field in FIELDS if field not in _REQUIRED)
 _KEYS = (*_REQUIRED, *_OPTIONAL)
 Points = NDArray[np.float64]
 

@@ -17,7 +17,15 @@ from chipbreak.tools.data import FIELDS, ToolData
 TWICE, AT_ODDS = "TOL008", "TOL009"
 # Sources agree within this: lists round to a hundredth of a mm or a thousandth of an inch.
 _SAME_MM: Final = 0.02
-_COMPARED: Final = ("teeth", "diameter_mm", "length_mm", "corner_radius_mm", "helix_deg")
+_COMPARED: Final = (
+    "teeth",
+    "diameter_mm",
+    "length_mm",
+    "corner_radius_mm",
+    "helix_deg",
+    "point_deg",
+    "holder_mm",
+)
 _WORDS: Final = {
     "type": "type",
     "teeth": "number of teeth",
@@ -25,6 +33,8 @@ _WORDS: Final = {
     "length_mm": "length below the holder",
     "corner_radius_mm": "corner radius",
     "helix_deg": "helix angle",
+    "point_deg": "point angle",
+    "holder_mm": "holder length",
     "name": "name",
 }
 

@@ -9,6 +9,7 @@ from typing import Final
 from chipbreak.diagnostics import Diagnostic, Severity
 from chipbreak.tools.data import ToolData
 from chipbreak.tools.merge import field_words
+from chipbreak.tools.tips import Tip, tip_of
 
 NOT_GIVEN = "TOL010"
 
@@ -22,51 +23,18 @@ class Check(enum.Enum):
     CHIPPING = "edge"
 
 
-class Tip(enum.Enum):
-    """The lower end of a tool, which says where it is measured."""
-
-    FLAT = "flat"
-    BALL = "ball"
-    CORNER = "corner radius"
-    POINT = "point"
-    STANDING = "does not rotate"
-
-
-_TIPS: Final = {
-    "flat end mill": Tip.FLAT,
-    "face mill": Tip.FLAT,
-    "slot mill": Tip.FLAT,
-    "dovetail mill": Tip.FLAT,
-    "counter bore": Tip.FLAT,
-    "boring head": Tip.FLAT,
-    "reamer": Tip.FLAT,
-    "ball end mill": Tip.BALL,
-    "bull nose end mill": Tip.CORNER,
-    "drill": Tip.POINT,
-    "spot drill": Tip.POINT,
-    "center drill": Tip.POINT,
-    "counter sink": Tip.POINT,
-    "chamfer mill": Tip.POINT,
-    "tap": Tip.POINT,
-    "turning tool": Tip.STANDING,
-    "boring bar": Tip.STANDING,
-    "grooving tool": Tip.STANDING,
-    "parting tool": Tip.STANDING,
-    "threading tool": Tip.STANDING,
-    "probe": Tip.STANDING,
-}
 _AT_THE_SIDE: Final[Mapping[Tip, tuple[str, ...]]] = {
     Tip.FLAT: ("diameter_mm",),
     Tip.BALL: ("diameter_mm",),
     Tip.CORNER: ("diameter_mm", "corner_radius_mm"),
-    Tip.POINT: ("diameter_mm",),
+    Tip.POINT: ("diameter_mm", "point_deg"),
 }
 # A length is taken at the outer edge of a flat tool, and at the centre of a ball or a point.
 _AT_THE_END: Final[Mapping[Tip, tuple[str, ...]]] = {
-    Tip.FLAT: ("length_mm", "diameter_mm"),
-    Tip.BALL: ("length_mm",),
-    Tip.CORNER: ("length_mm", "diameter_mm", "corner_radius_mm"),
-    Tip.POINT: ("length_mm",),
+    Tip.FLAT: ("length_mm", "holder_mm", "diameter_mm"),
+    Tip.BALL: ("length_mm", "holder_mm"),
+    Tip.CORNER: ("length_mm", "holder_mm", "diameter_mm"),
+    Tip.POINT: ("length_mm", "holder_mm"),
 }
 _OF_AN_EDGE: Final = ("teeth", "diameter_mm", "helix_deg")
 _NEEDS: Final[Mapping[Check, Mapping[Tip, tuple[str, ...]]]] = {
@@ -83,17 +51,9 @@ _WHERE: Final = {
     "length_mm": "LB of a Fusion library, or a comment (STICKOUT: 42)",
     "corner_radius_mm": "RE of a Fusion library, CornerRadius of a FreeCAD bit, or a comment (... CR=0.5)",
     "helix_deg": "nowhere else: no CAM library stores it",
+    "point_deg": "SIG of a Fusion library, TipAngle of a FreeCAD bit, or a comment (... TAPER=118DEG)",
+    "holder_mm": "the gauge length of a Fusion library, or a comment (HOLDER LENGTH: 70)",
 }
-
-
-def tip_of(tool: ToolData) -> Tip | None:
-    """The lower end of a tool, None where its type does not say."""
-    if tool.type == "end mill" and tool.corner_radius_mm is not None:
-        if tool.corner_radius_mm == 0.0:
-            return Tip.FLAT
-        is_ball = tool.diameter_mm is not None and tool.corner_radius_mm * 2.0 >= tool.diameter_mm
-        return Tip.BALL if is_ball else Tip.CORNER
-    return _TIPS.get(tool.type or "")
 
 
 def lacking(tool: ToolData, check: Check) -> list[str]:

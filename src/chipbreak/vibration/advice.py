@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from chipbreak.diagnostics import RefusalError
@@ -11,31 +12,62 @@ from chipbreak.vibration.plan import VibratedCut, command_group
 from chipbreak.vibration.planner import ControlModel, feed_for_time
 from chipbreak.vibration.solve import Period, shown
 from chipbreak.vibration.timing import control_model
-from chipbreak.vibration.waveform import forward_ticks
+from chipbreak.vibration.waveform import forward_ticks, sample
 
 LIMITS = ("VIB030", "VIB031", "VIB032")
 _STEP = 0.93  # from one frequency tried to the next
 _TRIES = 80
 
 
-def with_advice(error: RefusalError, cut: VibratedCut, settings: Settings) -> RefusalError:
-    """The same refusal; where a limit of the control is the cause, with a slower frequency that works."""
+def with_advice(
+    error: RefusalError,
+    cut: VibratedCut,
+    settings: Settings,
+    expand: Callable[[VibratedCut, Settings], object],
+) -> RefusalError:
+    """The same refusal; where a limit of the control is the cause, with a slower frequency that works.
+
+    ``expand`` makes the blocks of a cut, or refuses: what is advised has been tried.
+    """
     if error.code not in LIMITS:
         return error
     model = control_model(settings, cut.path)
     group = command_group(settings)
-    frequency_hz = cut.solution.frequency_hz
+    frequency_hz, tried = cut.solution.frequency_hz, {cut.solution.frequency_hz}
     for _ in range(_TRIES):
         frequency_hz *= _STEP
         period = group.nearest(frequency_hz)
-        if period.frequency_hz < cut.solution.frequency_hz and _runs(cut, period, model):
-            speed_rpm = round(S_PER_MIN * period.frequency_hz / cut.solution.per_rev)
-            works = (
-                f"N {shown(round(cut.solution.per_rev, 4))} with the same feed and stroke works at"
-                f" f {shown(period.frequency_hz)} Hz, S {speed_rpm}"
-            )
-            return RefusalError(error.code, error.message, f"{error.help}; {works}")
+        if period.frequency_hz in tried or not _runs(cut, period, model):
+            continue
+        tried.add(period.frequency_hz)
+        try:
+            slower = _slower(cut, period)
+            expand(slower, settings)
+        except RefusalError:
+            continue
+        works = (
+            f"N {shown(round(cut.solution.per_rev, 4))} with the same feed and stroke works at"
+            f" f {shown(period.frequency_hz)} Hz, S {slower.solution.speed_rpm:.0f}"
+        )
+        return RefusalError(error.code, error.message, f"{error.help}; {works}")
     return error
+
+
+def _slower(cut: VibratedCut, period: Period) -> VibratedCut:
+    """The same vibrations in a slower period, with the speed that keeps N."""
+    speed_rpm = float(round(S_PER_MIN * period.frequency_hz / cut.solution.per_rev))
+    solution = replace(cut.solution, period=period, frequency_hz=period.frequency_hz, speed_rpm=speed_rpm)
+    ramp_in_s = cut.cut.ramp_in_s / cut.cut.period_s * period.period_s
+    motion = replace(
+        cut.cut,
+        speed_rpm=speed_rpm,
+        period_s=period.period_s,
+        ticks=period.ticks,
+        forward_ticks=forward_ticks(period.ticks, cut.cut.alpha_share),
+        ramp_in_s=ramp_in_s,
+    )
+    time_s, distance_mm = sample(motion)
+    return replace(cut, solution=solution, cut=motion, time_s=time_s, distance_mm=distance_mm)
 
 
 def _runs(cut: VibratedCut, period: Period, model: ControlModel) -> bool:

@@ -110,19 +110,15 @@ def predict(
     return times
 
 
-def end_steps(
+def run_stretch(
     lengths_mm: ArrayLike, feeds_mm_s: ArrayLike, model: ControlModel, *, before_mm_s: float = 0.0
-) -> tuple[float, float]:
-    """The way of the first and of the last servo period of one stretch from rest to rest [mm].
+) -> tuple[Floats, Floats]:
+    """:func:`predict` for one stretch from rest to rest, and the way covered after each servo period [mm].
 
-    A joint interpolator that averages over periods blunts a reversal by a share of them; 0 for other laws.
+    The latter only for ``linuxcnc``, and before the joint interpolator; empty for the other laws.
     """
-    lengths, feeds = _checked(lengths_mm, feeds_mm_s, replace(model, merge_mm=0.0))
-    if model.law != "linuxcnc":
-        return 0.0, 0.0
-    places = _run(lengths, feeds, 0, len(lengths), model, before_mm_s=before_mm_s)[1]
-    before_last = float(places[-2]) if len(places) > 1 else 0.0
-    return float(places[0]), float(np.abs(lengths).sum()) - before_last
+    lengths, feeds = _checked(lengths_mm, feeds_mm_s, model)
+    return _run(lengths, feeds, 0, len(lengths), model, before_mm_s=before_mm_s)
 
 
 def trace(lengths_mm: ArrayLike, feeds_mm_s: ArrayLike, model: ControlModel) -> Floats:
@@ -142,9 +138,13 @@ def trace(lengths_mm: ArrayLike, feeds_mm_s: ArrayLike, model: ControlModel) -> 
         parts.append(at + sign * _run(lengths, feeds, first, last, model)[1])
         at += float(np.sum(lengths[first:last]))
     planned = np.r_[np.concatenate(parts), at]
-    smooth = (planned[:-2] + 4.0 * planned[1:-1] + planned[2:]) / 6.0
-    places = np.r_[0.0, smooth, at]
+    places = np.r_[0.0, interpolated(planned), at]
     return np.column_stack([np.arange(len(places)) * model.servo_period_s, places])
+
+
+def interpolated(places_mm: Floats) -> Floats:
+    """What LinuxCNC's joint interpolator makes of a place per servo period: (n,) -> (n - 2,)."""
+    return (places_mm[:-2] + 4.0 * places_mm[1:-1] + places_mm[2:]) / 6.0
 
 
 def reached(times_s: ArrayLike, vibrations: float, speed_rpm: float) -> tuple[float, float]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import cast
 
@@ -24,9 +24,10 @@ from chipbreak.vibration.planner import (
     AxisLimits,
     ControlModel,
     Law,
-    end_steps,
     feed_for_time,
+    interpolated,
     predict,
+    run_stretch,
     shortest_time,
 )
 
@@ -36,7 +37,7 @@ _DIGITS = 9  # of a length in mm: what lies behind them is noise that would make
 _SOFT_BEND = 0.1  # LinuxCNC's tangent kink ratio; for other controls, radians that count as straight on
 _STRAIGHT = 1e-6
 _ROUNDS = 4
-_BLUNT = 1.0 / 6.0
+_STILL_EVEN_MM = 1e-9
 _FACTORS = np.geomspace(0.5, 20.0, 75)
 
 
@@ -206,36 +207,54 @@ def _stretch_feeds(
     return feeds * math.sqrt(float(_FACTORS[widest[0]] * _FACTORS[widest[-1]]))
 
 
-def times_of(
-    lengths_mm: Floats, feeds_mm_s: Floats, bends: Floats, model: ControlModel
-) -> tuple[Floats, Floats]:
-    """How long each block takes on this control [s], and what is lost of its end [mm]; (n,) each.
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """What a control makes of some blocks: how long each takes [s], (n,), and where the tool is when.
 
-    Lengths are signed along the path.  LinuxCNC's joint interpolator averages three servo periods, 1 to 4 to
-    1, which blunts each reversal by a sixth of the steps before and behind it.
+    ``time_s`` and ``distance_mm`` are the knots of the motion along the path, (m,); between them it is even.
+    For ``linuxcnc`` they follow every servo period, behind the joint interpolator; else they are the ends of
+    the blocks.
     """
-    lengths_mm = np.round(lengths_mm, _DIGITS)
-    times, lost_mm, before = np.empty(len(lengths_mm)), np.zeros(len(lengths_mm)), 0.0
+
+    spans_s: Floats
+    time_s: Floats
+    distance_mm: Floats
+
+
+def motion_of(
+    distance_mm: Floats, lengths_mm: Floats, feeds_mm_s: Floats, bends: Floats, model: ControlModel
+) -> Motion:
+    """The motion of blocks between the places ``distance_mm`` along the path, (n + 1,); the rest (n,).
+
+    Lengths are signed along the path.
+    """
     if model.law == "ideal":
-        return np.abs(lengths_mm) / np.minimum(feeds_mm_s, model.velocity_mm_s), lost_mm
-    known: dict[tuple[Numbers, Numbers, float, ControlModel], tuple[Floats, tuple[float, float]]] = {}
+        spans_s = np.abs(lengths_mm) / np.minimum(feeds_mm_s, model.velocity_mm_s)
+        return Motion(spans_s, np.append(0.0, np.cumsum(spans_s)), distance_mm)
+    lengths_mm = np.round(lengths_mm, _DIGITS)
+    spans_s, before = np.empty(len(lengths_mm)), 0.0
+    places = [np.zeros(1)]
+    known: dict[tuple[Numbers, Numbers, float, ControlModel], tuple[Floats, Floats]] = {}
     strengths = _bend_strengths(lengths_mm, feeds_mm_s, bends, model)
     for first, last in _strokes(lengths_mm):
+        sign = np.sign(lengths_mm[first])
         for start, stop in _parts(first, last, strengths):
             part_model = _bent(model, strengths[start : stop - 1])
             lengths, feeds = np.abs(lengths_mm[start:stop]), feeds_mm_s[start:stop]
             before = before if stop - start > 1 else 0.0
             key = (tuple(lengths.tolist()), tuple(feeds.tolist()), before, part_model)
             if key not in known:
-                took = predict(lengths, feeds, part_model, before_mm_s=before)
-                known[key] = took, end_steps(lengths, feeds, part_model, before_mm_s=before)
-            times[start:stop], (first_mm, last_mm) = known[key]
-            if start == first and first > 0:
-                lost_mm[first - 1] += _BLUNT * first_mm
-            if stop == last and last < len(times):
-                lost_mm[last - 1] += _BLUNT * last_mm
+                known[key] = run_stretch(lengths, feeds, part_model, before_mm_s=before)
+            spans_s[start:stop], way_mm = known[key]
+            places.append(distance_mm[start] + sign * way_mm)
             before = float(feeds[-1])
-    return times, lost_mm
+    if model.law != "linuxcnc":
+        return Motion(spans_s, np.append(0.0, np.cumsum(spans_s)), distance_mm)
+    planned = np.concatenate([np.zeros(1), *places, distance_mm[-1:]])
+    knots_mm = np.concatenate([np.zeros(1), interpolated(planned), distance_mm[-1:]])
+    bent = np.abs(np.diff(knots_mm, 2)) > _STILL_EVEN_MM
+    kept = np.flatnonzero(np.concatenate([[True], bent, [True]]))
+    return Motion(spans_s, kept.astype(np.float64) * model.servo_period_s, knots_mm[kept])
 
 
 def _bend_strengths(lengths_mm: Floats, feeds_mm_s: Floats, bends: Floats, model: ControlModel) -> Floats:

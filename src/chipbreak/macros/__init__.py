@@ -1,0 +1,6 @@
+"""The tool-check macros of each control, and the settings they need."""
+
+from chipbreak.macros.parameters import MacroSettings, UnsetError
+from chipbreak.macros.write import macro_files
+
+__all__ = ["MacroSettings", "UnsetError", "macro_files"]

@@ -1,0 +1,123 @@
+"""A test stand: the Fanuc macros in the project's interpreter, in front of the simulated laser."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+
+from chipbreak.lasersim.barrier import Beam, Station
+from chipbreak.lasersim.tool import Kind, SimulatedTool
+from chipbreak.macro_b import Interpreter, Library, Machine, Outcome
+from chipbreak.macros import MacroSettings, macro_files
+
+BEAM = Beam(x_mm=120.0, y_mm=-35.0, z_mm=-400.0)
+BAR = SimulatedTool(Kind.BAR, diameter_mm=20.0, length_mm=150.0, holder_mm=0.0)
+BAR_NUMBER = 90
+SETTINGS = MacroSettings(
+    beam_x_mm=BEAM.x_mm,
+    beam_y_mm=BEAM.y_mm + 0.3,  # as well as somebody measured it: CALIBRATE must find the rest
+    beam_z_mm=BEAM.z_mm - 0.5,
+    safe_z_mm=0.0,
+    master_length_mm=BAR.length_mm,
+    master_diameter_mm=BAR.diameter_mm,
+    master_tool=BAR_NUMBER,
+    trace_step_mm=1.0,
+)
+KINDS = {Kind.FLAT: 1, Kind.BALL: 2, Kind.DRILL: 3, Kind.REAMER: 4}
+ALARMS = {
+    0: "", 100: "CALL", 101: "RUNOUT", 102: "SHORT", 103: "LONG", 104: "THIN", 105: "THICK", 106: "CHIP",
+    107: "NO CONTACT", 108: "BEAM", 109: "NOT CALIBRATED", 110: "NO EDGE", 111: "NO ROOM", 112: "MODES",
+    113: "ENTRY",
+}  # fmt: skip
+
+
+@cache
+def library(settings: MacroSettings) -> Library:
+    return Library(macro_files("fanuc-mill", settings).values())
+
+
+@dataclass(frozen=True)
+class Nominal:
+    """What CAM says about a tool."""
+
+    kind: Kind = Kind.FLAT
+    diameter_mm: float = 10.0
+    tip: float = 0.0  # corner radius, or the point angle of a drill
+    length_mm: float = 50.0
+    holder_mm: float = 80.0
+    teeth: int = 4
+    helix_deg: float = 0.0
+
+    def real(self, **changes: object) -> SimulatedTool:
+        """A tool as it should be, 1 mm longer than CAM asks, clamped at any angle."""
+        made = SimulatedTool(
+            kind=self.kind,
+            diameter_mm=self.diameter_mm,
+            length_mm=self.length_mm + 1.0,
+            teeth=self.teeth,
+            corner_mm=self.tip if self.kind is not Kind.DRILL else 0.0,
+            helix_deg=self.helix_deg,
+            point_deg=(self.tip or 118.0) if self.kind is Kind.DRILL else 118.0,
+            holder_mm=self.holder_mm,
+            phase_deg=37.3,
+        )
+        return replace(made, **changes)  # type: ignore[arg-type]
+
+    def data(self, number: int) -> str:
+        """The call that hands it to the macros."""
+        return (
+            f"G65 P9814 T{number} K{KINDS[self.kind]} D{self.diameter_mm:g} R{self.tip:g}"
+            f" H{self.length_mm:g} E{self.holder_mm:g} Q{self.teeth} B{self.helix_deg:g}"
+        )
+
+
+class Stand:
+    """A machine with a magazine; tool 1 is the one under test."""
+
+    def __init__(
+        self,
+        nominal: Nominal,
+        real: SimulatedTool,
+        *,
+        settings: MacroSettings = SETTINGS,
+        beam: Beam = BEAM,
+        reads_ahead: bool = False,
+        programs: Library | None = None,
+    ) -> None:
+        self.nominal = nominal
+        self.station = Station(beam, {1: real, BAR_NUMBER: BAR})
+        self.machine = Machine(self.station, at=(10.0, 20.0, 0.0), reads_ahead=reads_ahead)
+        self.machine.work_mm = (-200.0, -150.0, -300.0)
+        self.control = Interpreter(programs or library(settings), self.machine)
+
+    def run(self, text: str) -> str:
+        """Run blocks; the name of the alarm, empty when there was none."""
+        outcome = self.outcome(text)
+        assert not self.machine.crossings, f"the beam was broken by another move at {self.machine.crossings}"
+        return ALARMS[outcome.alarm]
+
+    def outcome(self, text: str) -> Outcome:
+        return self.control.run(text)
+
+    def calibrate(self) -> None:
+        assert self.run("T90 M6\nG65 P9810") == ""
+
+    def check(self, speed: float = 5000.0) -> str:
+        """CALIBRATE, tool change, TOOL CHECK."""
+        self.calibrate()
+        return self.run(f"T1 M6\n{self.nominal.data(1)}\nG65 P9811 T1 S{speed:g}")
+
+    def trace(self, height: float = 20.0) -> str:
+        return self.run(f"{self.nominal.data(1)}\nG65 P9812 T1 S5000 Z{height:g}")
+
+    def chip_check(self, limit: float) -> str:
+        return self.run(f"G65 P9813 T1 W{limit:g} Z20.")
+
+    def change(self, real: SimulatedTool) -> None:
+        """Something happens to the tool."""
+        self.station.tools[1] = real
+
+
+def verdict(nominal: Nominal, real: SimulatedTool, **options: object) -> str:
+    """TOOL CHECK of one tool."""
+    return Stand(nominal, real, **options).check()  # type: ignore[arg-type]
