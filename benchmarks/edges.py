@@ -7,7 +7,7 @@ import sys
 import programs
 from rows import MB, Goal, Table
 from subject import MILL, Context, add_memory, command, filtering, insertions
-from timing import Contestant, in_turn, ratio, run
+from stopwatch import Contestant, in_turn, ratio, run
 
 _IMPORTS = "import numpy, lark, click"
 _SMALL = 100

@@ -9,7 +9,7 @@ import peers
 import programs
 from rows import Goal, Table
 from subject import MILL, Context, add_memory, filtering, insertions, rate_goal, title
-from timing import Contestant, in_turn, ratio, run
+from stopwatch import Contestant, in_turn, ratio, run
 
 _BLOCKS = 1_000_000
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
-from timing import Contestant
+from stopwatch import Contestant
 
 GRAMMAR = Path(__file__).resolve().parents[1] / "grammar"
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from statistics import median
 
 from peers import Missing
-from timing import Contestant, Sample
+from stopwatch import Contestant, Sample
 
 MB = 1_000_000
 
@@ -105,8 +105,23 @@ class Table:
 
 
 def machine() -> dict[str, object]:
-    """Where it was measured."""
-    return {"machine": platform.machine(), "processors": os.cpu_count(), "python": platform.python_version()}
+    """Where it was measured, and how busy it was already: programs that wait for a processor, on average."""
+    return {
+        "machine": platform.machine(),
+        "processors": os.cpu_count(),
+        "python": platform.python_version(),
+        "load": round(os.getloadavg()[0], 1) if hasattr(os, "getloadavg") else 0.0,
+    }
+
+
+def busy(found: dict[str, object]) -> str:
+    """A warning when others are at work: ratios are then rough, and rates are too low."""
+    load, processors = found["load"], found["processors"]
+    if isinstance(load, float) and isinstance(processors, int) and load > processors / 2:
+        return (
+            f"*** THE MACHINE IS BUSY (load {load}): a rate is too low when cpu s is far below median s ***"
+        )
+    return ""
 
 
 def write_json(path: Path, tables: Sequence[Table], options: dict[str, object]) -> None:
@@ -114,4 +129,4 @@ def write_json(path: Path, tables: Sequence[Table], options: dict[str, object]) 
     cases = {
         table.name: {"title": table.title, "rows": [row.as_json() for row in table.rows]} for table in tables
     }
-    path.write_text(json.dumps({**machine(), **options, "cases": cases}, indent=1) + "\n")
+    path.write_text(json.dumps({**options, "cases": cases}, indent=1) + "\n")

@@ -18,9 +18,9 @@ from pathlib import Path
 from edges import long_line, start_up
 from expansion import emit, expansion
 from passing import modal, pass_through, scaling
-from rows import Table, machine, write_json
+from rows import Table, busy, machine, write_json
 from subject import Context
-from timing import BenchmarkError
+from stopwatch import BenchmarkError
 
 CASES: dict[str, Callable[[Context], Table]] = {
     "pass-through": pass_through,
@@ -54,7 +54,9 @@ def main() -> int:
     options = _arguments()
     rounds = 1 if options.quick else options.rounds
     smaller = options.smaller if options.quick else 1
-    print(", ".join(f"{key} {value}" for key, value in machine().items()), f"rounds {rounds}", sep=", ")
+    found = machine()
+    print(*(f"{key} {value}" for key, value in found.items()), f"rounds {rounds}", sep=", ")
+    print(busy(found), end="\n" if busy(found) else "")
     if options.quick:
         print(f"quick: the programs are {smaller} times smaller than the targets are meant for")
     tables: list[Table] = []
@@ -69,7 +71,7 @@ def main() -> int:
                 continue
         print(f"\n{tables[-1].text()}", flush=True)
     if options.json is not None:
-        write_json(options.json, tables, {"rounds": rounds, "quick": options.quick})
+        write_json(options.json, tables, {**found, "rounds": rounds, "quick": options.quick})
     missed = sum(row.goal is not None and not row.goal.met for table in tables for row in table.rows)
     met = sum(row.goal is not None and row.goal.met for table in tables for row in table.rows)
     print(f"\n{met} targets met, {missed} missed")

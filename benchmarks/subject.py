@@ -9,7 +9,7 @@ from pathlib import Path
 from statistics import median
 
 from rows import MB, Goal, Row, Table
-from timing import BenchmarkError, Contestant, Sample
+from stopwatch import BenchmarkError, Contestant, Sample
 
 MILL, LATHE = "fanuc-mill", "generic-lathe"
 _BEGIN = b"(CHIPBREAK BEGIN"

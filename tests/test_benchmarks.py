@@ -14,7 +14,7 @@ sys.path.insert(0, str(BENCHMARKS))
 
 import programs  # noqa: E402
 from rows import Goal, Row  # noqa: E402
-from timing import Contestant, Sample, in_turn, ratio  # noqa: E402
+from stopwatch import Contestant, Sample, in_turn, ratio  # noqa: E402
 
 
 def run(*arguments: str) -> subprocess.CompletedProcess[str]:

@@ -20,6 +20,7 @@ from chipbreak.passes.vibrate import VibrationPlan
 from chipbreak.source import read
 from chipbreak.syntax.parse import parse
 from chipbreak.verify import verify
+from chipbreak.vibration.request import requests_of
 
 SETTINGS = chipbreak.load("generic-lathe")
 CUT = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5\nG1 X30.\nM30\n"
@@ -179,7 +180,7 @@ def test_the_corpus_comes_out_byte_for_byte(profile: str, corpus: list[Path]) ->
 def planned(data: bytes, *sets: str) -> tuple[Trace, VibrationPlan, bytes]:
     settings = chipbreak.load("generic-lathe", sets)
     trace = interpret(parse(read(data)), settings)
-    plan = vibrate.plan(trace, settings)
+    plan = vibrate.plan(trace, settings, requests_of(trace)[0])
     return trace, plan, b"".join(render(trace.program, list(plan.edits), settings))
 
 

@@ -16,6 +16,7 @@ PACKAGE = Path(__file__).parents[1] / "src" / "chipbreak"
 ORDER = """
 span
 units
+nearest
 diagnostics
 source
 bracket
@@ -53,6 +54,7 @@ model.flow
 model.requests
 model.interpret
 model.trace
+model.lazy_pattern
 model.kind_words
 model.kinds
 model.main_program
@@ -78,12 +80,32 @@ tools.needs
 tools.program
 tools.edge_figure
 
+lasersim
+lasersim.tool
+lasersim.barrier
+
+macro_b.faults
+macro_b.machine
+macro_b.modes
+macro_b.expressions
+macro_b.variables
+macro_b.programs
+macro_b.blocks
+macro_b.interpreter
+macro_b
+
+macros.calls
+macros.parameters
+macros.write
+macros
+
 vibration
 vibration.solve
 vibration.waveform
 vibration.laws
 vibration.path
 vibration.planner
+vibration.bends
 vibration.timing
 vibration.verdict
 vibration.load
@@ -104,11 +126,10 @@ checks.calls
 checks.borders
 checks.plan
 
+passes
 passes.speeds
 passes.vibrate
 passes.check_tools
-passes.stamp
-passes
 
 emit
 measure

@@ -15,6 +15,7 @@ import click
 from chipbreak.options import (
     DIFFERENT,
     DONE,
+    PROFILE_HELP,
     REJECTED,
     SET_HELP,
     USAGE,
@@ -221,6 +222,35 @@ def restore(source: str, output: str | None, as_json: bool, quiet: bool, color: 
         write_stdout([original])
     else:
         replace_file(Path(output), [original])
+
+
+@cli.command()
+@click.option("-o", "--output", metavar="DIR", required=True, help="Write the programs into this folder.")
+@click.option("-p", "--profile", metavar="FILE|NAME", envvar="CHIPBREAK_PROFILE", help=PROFILE_HELP)
+@click.option("--set", "sets", metavar="SECTION.KEY=VALUE", multiple=True, help=SET_HELP)
+def macros(output: str, profile: str | None, sets: tuple[str, ...]) -> None:
+    """Write the macro programs that the tool checks call.
+
+    What they must know about the laser barrier is given with --set macros.KEY=VALUE.
+    """
+    from chipbreak.diagnostics import RefusalError
+    from chipbreak.macros import macro_files
+    from chipbreak.macros.parameters import split_options
+
+    reporter = Reporter(as_json=False, quiet=False, colour=False)
+    try:
+        settings, others = split_options(sets)
+        files = macro_files(settings_of(profile, others, "-", reporter).dialect.name, settings)
+    except RefusalError as error:
+        click.echo(f"error {error.code}: {error.message}\n  help: {error.help}", err=True)
+        sys.exit(USAGE)
+    folder = Path(output)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise click.UsageError(f"cannot write {output}: {error.strerror}") from None
+    for name, data in files.items():
+        replace_file(folder / name, [data])
 
 
 cli.add_command(tools)

@@ -66,6 +66,10 @@ class ProgramRejectedError(Exception):
         self.diagnostics = tuple(diagnostics)
 
 
+class SelfCheckError(Exception):
+    """The output does not do what was promised: a fault of this program.  Nothing may be written."""
+
+
 class RefusalError(Exception):
     """A calculation that cannot be done honestly.
 

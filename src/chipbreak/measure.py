@@ -8,13 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from chipbreak.diagnostics import SelfCheckError
 from chipbreak.model.trace import Trace
 from chipbreak.passes.vibrate import PlannedCut
 from chipbreak.restore import Region
 from chipbreak.units import MM_PER_INCH
+from chipbreak.vibration.bends import blocks_of
 from chipbreak.vibration.load import flank_clearance_deg, least_acceleration_mm_s2, servo_share
 from chipbreak.vibration.readback import ReadBack, read_moves
-from chipbreak.vibration.timing import bends_of, control_model, motion_of
+from chipbreak.vibration.timing import control_model, motion_of
 from chipbreak.vibration.verdict import Verdict, judge
 from chipbreak.vibration.waveform import full_window
 
@@ -23,10 +25,6 @@ Floats = NDArray[np.float64]
 _TIME_TOLERANCE = 0.005
 # A control that stops at both ends of the cut and of its plain end needs a little longer.
 _STOP_TOLERANCE_S = 0.2
-
-
-class SelfCheckError(Exception):
-    """The output does not do what was promised: a fault of this program.  Nothing may be written."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,10 +54,10 @@ def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCu
         raise SelfCheckError(f"{len(expansion.distance_mm)} moves were planned, {count} stand in the output")
     _check_speed(result, region, planned)
     distance_mm = _check_path(result, moves, planned)
-    lengths = np.copysign(moves.lengths_mm, np.diff(distance_mm))
     moved = np.diff(np.vstack((cut.path.legs[0].start, moves.points_mm)), axis=0)
     model = control_model(result.settings, cut.path)
-    motion = motion_of(distance_mm, lengths, moves.feed_mm_s, bends_of(moved), model)
+    blocks = blocks_of(moved, np.diff(distance_mm), result.settings)
+    motion = motion_of(distance_mm, blocks, moves.feed_mm_s, model)
     if not np.all(motion.spans_s > 0.0):
         raise SelfCheckError("a move takes no time")
     time_s = np.concatenate(([0.0], np.cumsum(motion.spans_s)))

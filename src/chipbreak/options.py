@@ -146,7 +146,7 @@ def _shown(source: str) -> str:
 
 def _guarded(name: str, work: Callable[[], Result]) -> Result:
     """Run, and turn what is not the program's fault into a message and an exit code."""
-    from chipbreak.measure import SelfCheckError
+    from chipbreak.diagnostics import SelfCheckError
     from chipbreak.settings import SettingsError
 
     try:

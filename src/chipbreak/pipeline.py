@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from chipbreak.diagnostics import Diagnostic, ProgramRejectedError, RefusalError, Severity, has_errors
 from chipbreak.edits import Edit
 from chipbreak.emit import render
-from chipbreak.measure import CheckedCut
 from chipbreak.model.kinds import Kind, KindRules
 from chipbreak.model.operations import Operation, operations_of
 from chipbreak.model.trace import Trace, interpret
-from chipbreak.passes import check_tools, speeds, vibrate
+from chipbreak.passes import check_tools, speeds
 from chipbreak.restore import restore
 from chipbreak.settings import Settings, SettingsError
 from chipbreak.source import Source, read
 from chipbreak.syntax.parse import parse
 from chipbreak.verify import verify
+from chipbreak.vibration.request import requests_of
+
+if TYPE_CHECKING:
+    from chipbreak.measure import CheckedCut
+    from chipbreak.passes.vibrate import PlannedCut
 
 UNBROKEN, FINISHING, SERVO, UNREAD_WORD = "VIB060", "VIB061", "VIB062", "MOD001"
 _MOST_ALIKE = 5
@@ -72,14 +78,14 @@ def _run(
     diagnostics += found
     speed_edits, found = speeds.plan(trace, settings)
     diagnostics += found
-    vibration = vibrate.plan(trace, settings)
-    diagnostics += vibration.diagnostics
+    planned, vibration_edits, found = _vibration(trace, settings)
+    diagnostics += found
     if has_errors(diagnostics):
         raise ProgramRejectedError(in_place_order(diagnostics))
-    edits = [*speed_edits, *vibration.edits, *check_edits]
+    edits = [*speed_edits, *vibration_edits, *check_edits]
     if output is None:
         output = b"".join(render(trace.program, edits, settings)) if edits else source.data
-    cuts = verify(trace, output, edits, vibration.cuts) if edits or output != source.data else []
+    cuts = verify(trace, output, edits, planned) if edits or output != source.data else []
     diagnostics += _chip_diagnostics(trace, cuts, operations, allow_unbroken=allow_unbroken)
     if has_errors(diagnostics):
         raise ProgramRejectedError(in_place_order(diagnostics))
@@ -105,6 +111,19 @@ def _tool_checks(
         wrong = Diagnostic(error.code, Severity.ERROR, f"{settings.name}: {error.message}", error.help)
         raise SettingsError(wrong) from None
     return operations, edits, diagnostics
+
+
+def _vibration(
+    trace: Trace, settings: Settings
+) -> tuple[Sequence[PlannedCut], Sequence[Edit], list[Diagnostic]]:
+    """The vibrated cuts and their edits; a program that asks for none does not load what plans them."""
+    requests, diagnostics = requests_of(trace)
+    if not requests:
+        return (), (), diagnostics
+    from chipbreak.passes import vibrate
+
+    plan = vibrate.plan(trace, settings, requests)
+    return plan.cuts, plan.edits, diagnostics + list(plan.diagnostics)
 
 
 def in_place_order(diagnostics: list[Diagnostic]) -> tuple[Diagnostic, ...]:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from chipbreak.edits import Edit
-from chipbreak.measure import CheckedCut
-from chipbreak.passes import check_tools
+from chipbreak.passes import CHECK_TOOLS
 from chipbreak.pipeline import Result
 from chipbreak.units import MS_PER_S
+
+if TYPE_CHECKING:
+    from chipbreak.measure import CheckedCut
 
 
 def explain_text(result: Result, profile: str) -> Iterator[str]:
@@ -34,7 +36,7 @@ def explain_text(result: Result, profile: str) -> Iterator[str]:
 
 
 def _checks(result: Result) -> list[Edit]:
-    return [edit for edit in result.edits if edit.pass_name == check_tools.NAME]
+    return [edit for edit in result.edits if edit.pass_name == CHECK_TOOLS]
 
 
 def _cut_text(result: Result, checked: CheckedCut) -> Iterator[str]:

@@ -83,8 +83,8 @@ def _end_line(source: Source, first: int) -> int:
     """The line behind the END that closes a BEGIN."""
     start = int(source.starts[first + 1])
     at = source.data.find(b"(CHIPBREAK END", start)
-    inner = source.data.find(bracket.MARK, start)
-    if at < 0 or 0 <= inner < at:
+    inner = source.data.find(bracket.MARK, start, max(at, start))
+    if at < 0 or inner >= 0:
         raise _broken(source, first, "the END comment of this part is missing")
     line = int(np.searchsorted(source.starts, at, "right")) - 1
     if bracket.LINE.fullmatch(source.raw(line).rstrip(b"\r\n")) is None:

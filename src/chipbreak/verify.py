@@ -10,20 +10,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from chipbreak.diagnostics import SelfCheckError
 from chipbreak.edits import Edit, in_order
-from chipbreak.measure import CheckedCut, SelfCheckError, measure_cut
 from chipbreak.model.modal import Setting, State
 from chipbreak.model.trace import Trace, interpret
 from chipbreak.model.words import codes_of
-from chipbreak.passes import vibrate
-from chipbreak.passes.vibrate import PlannedCut
+from chipbreak.passes import VIBRATE
 from chipbreak.restore import Region, regions, restored_bytes
 from chipbreak.source import Source, read
 from chipbreak.syntax.parse import parse_changed
 from chipbreak.units import MM_PER_INCH
+
+if TYPE_CHECKING:
+    from chipbreak.measure import CheckedCut
+    from chipbreak.passes.vibrate import PlannedCut
 
 
 def verify(
@@ -52,8 +56,11 @@ def verify(
         _check_states(trace, result, edit, region, motion_from)
         _check_return(trace, result, edit, region, stop)
         if planned is not None:
+            # Only programs that vibrate pay for loading the measuring of cuts.
+            from chipbreak.measure import measure_cut
+
             checked.append(measure_cut(result, region, planned))
-        elif edit.pass_name == vibrate.NAME:
+        elif edit.pass_name == VIBRATE:
             _check_speed_back(trace, result, edit, region)
     return checked
 

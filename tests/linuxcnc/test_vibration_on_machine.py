@@ -41,6 +41,7 @@ def broken_promises(outcome: Outcome) -> list[str]:
     start_s, end_s = outcome.window_s
     vibrations = (end_s - start_s) / cut.period_s
     per_rev = vibration.frequency_hz * 60.0 / cut.speed_rpm
+    thickest = settled.thickest_mm / cut.feed_mm_rev
     turns_back = verdict.per_rev > 0.0
     found = {
         "an operator error": not outcome.errors,
@@ -51,8 +52,8 @@ def broken_promises(outcome: Outcome) -> list[str]:
         "the stroke": not turns_back or np.all(np.abs(vibration.strokes_mm / cut.stroke_mm - 1.0) <= 0.05),
         "the chips": abs(chips.broken - vibrations * verdict.breaks) <= 1.0,
         "the longest chip": not verdict.breaks
-        or abs(settled.longest_rev / verdict.longest_chip_rev - 1.0) <= 0.03,
-        "the thickest chip": abs(settled.thickest_mm / cut.feed_mm_rev / verdict.peak_thickness - 1.0) <= 0.03,
+        or abs(settled.longest_rev / verdict.longest_chip_rev - 1.0) <= 0.05,
+        "the thickest chip": abs(thickest / verdict.peak_thickness - 1.0) <= 0.05,
         "start and end": outcome.gap_mm <= EXACT_MM,
         "the path": outcome.off_mm <= NEAR_MM,
         "before the start": outcome.along_mm.min() >= -NEAR_MM,
@@ -90,7 +91,7 @@ def test_what_is_too_fast_is_refused_and_the_way_out_works() -> None:
         Job(TURNING, 2500, "N1.5", 5000),
         Job(TURNING, 1250, "N1.5", 2000, (sine,)),
         Job(TURNING, 2500, "N1.25", 10000, (uneven,)),
-        Job(TURNING, 2500, "N0.5 Q20", 5000),
+        Job(TURNING, 2500, "N0.5 Q4", 3000),
         Job(FACING, 1250, "N1.5", 2000, (minute,)),
         Job(ARC, 1250, "N1.5", 2000),
     ]
@@ -135,7 +136,8 @@ def test_a_chip_that_only_just_breaks_breaks() -> None:
 
 @pytest.mark.linuxcnc("machine")
 def test_blocks_as_if_the_control_were_ideal_reach_neither_the_frequency_nor_the_chips() -> None:
-    jobs = [Job(TURNING, 2500, "N1.5", 20000), Job(TURNING, 2500, "N1.5", 20000, ("output.feed_mode=inverse",))]
+    job = Job(TURNING, 2500, "N1.5", 20000)
+    jobs = [job, replace(job, sets=("output.feed_mode=inverse",))]
     for outcome in run(jobs, *NAIVE):
         vibration, chips = outcome.vibration(), outcome.chips()
         assert outcome.promise.verdict.breaks

@@ -213,4 +213,3 @@ def grid() -> list[Job]:
         Job(BORING, 1250, "N1.5 Q0.9", 20000, sine, breaks=False),
     ]
     return jobs + weak
-

@@ -1,10 +1,12 @@
-"""Tools, each with at most one fault, and what every check must say.  Both sets of macros meet all of them."""
+"""Tools, each with at most one fault, and what every check must say; for both sets of macros."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from chipbreak.lasersim.barrier import Beam
 from chipbreak.lasersim.tool import Chip, Kind, SimulatedTool
+from chipbreak.macros import MacroSettings
 
 from .stand import BEAM, SETTINGS, Nominal
 
@@ -39,11 +41,11 @@ class Case:
     wide_runout: bool = False
 
     @property
-    def beam(self):  # type: ignore[no-untyped-def]
+    def beam(self) -> Beam:
         return replace(BEAM, is_blocked=self.is_blocked)
 
     @property
-    def settings(self):  # type: ignore[no-untyped-def]
+    def settings(self) -> MacroSettings:
         return replace(SETTINGS, runout_mm=1.0) if self.wide_runout else SETTINGS
 
 
@@ -105,22 +107,23 @@ CHECKS = [
     Case("beam blocked", FLAT, FLAT.real(), "BEAM", is_blocked=True),
 ]
 CHIPS = [
-    _chip("none", FLAT, None),
-    _chip("0.03 on one of four", STRAIGHT, Chip(1, 5.0, 0.03), finish="CHIP"),
-    _chip("0.03 on a helix", FLAT, Chip(0, 3.0, 0.03), finish="CHIP"),
-    _chip("exactly 0.02", STRAIGHT, Chip(3, 8.0, 0.02), finish="CHIP"),
-    _chip("0.019", STRAIGHT, Chip(3, 8.0, 0.019)),
-    _chip("exactly 0.05", STRAIGHT, Chip(3, 8.0, 0.05), rough="CHIP", finish="CHIP"),
-    _chip("0.049", STRAIGHT, Chip(3, 8.0, 0.049), finish="CHIP"),
-    _chip("tooth 3 at 12 mm", FLAT, Chip(2, 12.0, 0.08), rough="CHIP", finish="CHIP"),
-    _chip("at the top", FLAT, Chip(1, 19.9, 0.03), finish="CHIP"),
-    _chip("at the lower end", FLAT, Chip(1, 0.3, 0.03), finish="CHIP"),
-    _chip("on a ball", BALL, Chip(1, 2.0, 0.03), finish="CHIP"),
-    _chip("too small on a ball", BALL, Chip(1, 2.0, 0.016)),
-    _chip("on a bull nose", BULL, Chip(2, 4.0, 0.03), finish="CHIP"),
-    _chip("on a drill", DRILL, Chip(1, 6.0, 0.03), finish="CHIP"),
-    _chip("on a reamer", REAMER, Chip(5, 10.0, 0.03), finish="CHIP"),
-    _chip("tip worn by 0.03", DRILL, None, finish="CHIP", length_mm=50.97),
+    _chip("none", BULL, None),
+    _chip("0.03 on one of four", STRAIGHT, Chip(1, 5.0, 0.03, 2.2), finish="CHIP"),
+    _chip("0.03 on a helix", FLAT, Chip(0, 3.0, 0.03, 2.2), finish="CHIP"),
+    _chip("exactly 0.02", STRAIGHT, Chip(3, 8.0, 0.02, 2.2), finish="CHIP"),
+    _chip("0.019", STRAIGHT, Chip(3, 8.0, 0.019, 2.2)),
+    _chip("exactly 0.05", STRAIGHT, Chip(3, 8.0, 0.05, 2.2), rough="CHIP", finish="CHIP"),
+    _chip("0.049", STRAIGHT, Chip(3, 8.0, 0.049, 2.2), finish="CHIP"),
+    _chip("tooth 3 at 12 mm", FLAT, Chip(2, 12.0, 0.08, 2.2), rough="CHIP", finish="CHIP"),
+    _chip("at the top", FLAT, Chip(1, 19.9, 0.03, 2.2), finish="CHIP"),
+    _chip("at the lower end", FLAT, Chip(1, 0.3, 0.03, 2.2), finish="CHIP"),
+    _chip("on a ball", BALL, Chip(1, 2.0, 0.03, 2.2), finish="CHIP"),
+    _chip("too small on a ball", BALL, Chip(1, 2.0, 0.016, 2.2)),
+    _chip("on a bull nose", BULL, Chip(2, 4.0, 0.03, 2.2), finish="CHIP"),
+    _chip("on a drill", DRILL, Chip(1, 6.0, 0.03, 2.2), finish="CHIP"),
+    _chip("on a reamer", REAMER, Chip(5, 10.0, 0.03, 2.2), finish="CHIP"),
+    _chip("shortened by 0.03", FLAT, None, finish="CHIP", length_mm=50.97),
+    _chip("shortened by 0.019", FLAT, None, length_mm=50.981),
     _chip("broken off", FLAT, None, rough="NO CONTACT", finish="NO CONTACT", length_mm=35.0),
 ]
 CASES = CHECKS + CHIPS

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cache
 
+import numpy as np
+
 from chipbreak.lasersim.barrier import Beam, Station
 from chipbreak.lasersim.tool import Kind, SimulatedTool
 from chipbreak.macro_b import Interpreter, Library, Machine, Outcome
-from chipbreak.macros import MacroSettings, macro_files
+from chipbreak.macros import MacroSettings, ToolValues, macro_files
 
 BEAM = Beam(x_mm=120.0, y_mm=-35.0, z_mm=-400.0)
 BAR = SimulatedTool(Kind.BAR, diameter_mm=20.0, length_mm=150.0, holder_mm=0.0)
@@ -21,7 +23,7 @@ SETTINGS = MacroSettings(
     master_length_mm=BAR.length_mm,
     master_diameter_mm=BAR.diameter_mm,
     master_tool=BAR_NUMBER,
-    trace_step_mm=1.0,
+    trace_step_mm=2.0,
 )
 KINDS = {Kind.FLAT: 1, Kind.BALL: 2, Kind.DRILL: 3, Kind.REAMER: 4}
 ALARMS = {
@@ -63,12 +65,16 @@ class Nominal:
         )
         return replace(made, **changes)  # type: ignore[arg-type]
 
-    def data(self, number: int) -> str:
-        """The call that hands it to the macros."""
-        return (
-            f"G65 P9814 T{number} K{KINDS[self.kind]} D{self.diameter_mm:g} R{self.tip:g}"
-            f" H{self.length_mm:g} E{self.holder_mm:g} Q{self.teeth} B{self.helix_deg:g}"
-        )
+    def data(self, number: int, dialect: str = "fanuc-mill") -> str:
+        """The blocks that hand it to the macros."""
+        values = ToolValues(
+            number, KINDS[self.kind], self.diameter_mm, self.tip, self.length_mm, self.holder_mm,
+            self.teeth, self.helix_deg,
+        )  # fmt: skip
+        return "\n".join(values.blocks(dialect))
+
+
+FLAT_OK = Nominal()
 
 
 class Stand:
@@ -102,22 +108,28 @@ class Stand:
     def calibrate(self) -> None:
         assert self.run("T90 M6\nG65 P9810") == ""
 
-    def check(self, speed: float = 5000.0) -> str:
-        """CALIBRATE, tool change, TOOL CHECK."""
-        self.calibrate()
-        return self.run(f"T1 M6\n{self.nominal.data(1)}\nG65 P9811 T1 S{speed:g}")
+    def check_alone(self) -> str:
+        """Tool change and TOOL CHECK."""
+        return self.run(f"T1 M6\n{self.nominal.data(1)}\nG65 P9811 T1 S5000")
 
     def trace(self, height: float = 20.0) -> str:
-        return self.run(f"{self.nominal.data(1)}\nG65 P9812 T1 S5000 Z{height:g}")
+        return self.run(f"{self.nominal.data(1)}\nG65 P9812 T1 Z{height:g} S5000")
 
     def chip_check(self, limit: float) -> str:
         return self.run(f"G65 P9813 T1 W{limit:g} Z20.")
 
+    def stored(self) -> tuple[np.ndarray, np.ndarray]:
+        """Heights (n,) and radii (n, teeth) of the first record, in mm."""
+        commons = self.control.variables.commons
+        first = self.control.variables.commons[145]
+        assert first is not None
+        at = int(first) + 4
+        steps, height, teeth = (float(commons[at + n] or 0.0) for n in (10, 11, 6))
+        heights = np.linspace(0.1, height, int(steps) + 1)
+        count = len(heights) * int(teeth)
+        radii = np.array([commons[at + 12 + n] for n in range(count)], np.float64)
+        return heights, radii.reshape(len(heights), -1)
+
     def change(self, real: SimulatedTool) -> None:
         """Something happens to the tool."""
         self.station.tools[1] = real
-
-
-def verdict(nominal: Nominal, real: SimulatedTool, **options: object) -> str:
-    """TOOL CHECK of one tool."""
-    return Stand(nominal, real, **options).check()  # type: ignore[arg-type]

@@ -68,6 +68,7 @@ class _Spot:
     ``mover``   "nothing" yet, "rapid", "home" (or the machine's own tool change), or "cut" for all else
     ``homed``   axes that the program sent to a fixed place where our own retract does not take them
     ``z_is_home``  the last move of Z was a reference return, which ends the length offset as ours does
+    ``z_is_shifted``  the length offset changed after the last move of Z: its number says nothing now
     ``spindle_is_open``  M3 was active at a tool change; some machines stop the spindle there, some do not
     """
 
@@ -76,6 +77,7 @@ class _Spot:
     mover: str
     homed: frozenset[str] = frozenset()
     z_is_home: bool = False
+    z_is_shifted: bool = False
     spindle_is_open: bool = False
 
 
@@ -125,6 +127,9 @@ class BorderFinder:
         """The next line, with what the step did."""
         line, state, mover = spot.line + 1, step.after, spot.mover
         homed, z_is_home, is_open = spot.homed, spot.z_is_home, spot.spindle_is_open
+        moves_z = step.move is not None and "Z" in step.move.axes
+        shifts = bool(codes_of(step.block, "length_offset", self.dialect))
+        z_is_shifted = not moves_z and (shifts or spot.z_is_shifted)
         codes = {word.number for word in step.block.words if word.address == "M"}
         axes_of = homed_axes if "home" in step.once else named_axes
         named = axes_of(step, self.trace.settings)
@@ -143,7 +148,7 @@ class BorderFinder:
             mover, homed = ("rapid" if rapid else "cut"), homed - named
             z_is_home = z_is_home and "Z" not in named
         z_is_home = z_is_home or ("home" in step.once and "Z" in named)
-        return _Spot(line, state, mover, homed, z_is_home, is_open)
+        return _Spot(line, state, mover, homed, z_is_home, z_is_shifted, is_open)
 
     def _reproducible(self, step: Step) -> set[str]:
         """Axes that our own retract takes to the same place: G28, or G53 to zero."""
@@ -161,14 +166,18 @@ class BorderFinder:
         needed = reliance(self.trace, spot.line, spot.homed, has_offset=has_offset)
         axes = set(needed.axes)
         if "Z" in axes or needed.length_offset:
-            # The way down to Z starts where X and Y stood.
+            # The way down to Z starts where X and Y stood, and ends at a height that counts from the offset.
             axes |= set("XZ" if self.dialect.is_lathe else "XYZ")
+        restates = has_offset and "Z" in axes
         known = dict(zip("XYZ", state.position, strict=True))
         lost = [axis for axis in "XYZ" if axis in axes and math.isnan(known[axis])]
         if lost:
             why = f"the next blocks rely on where {lost[0]} stands, which nobody knows: {state.unknown_why}"
             return NoBorder(spot.line, why)
-        words = self._offset_words(spot.line) if needed.length_offset else ""
+        if "Z" in axes and spot.z_is_shifted:
+            why = "the next blocks rely on where Z stands, and the length offset changed since it moved"
+            return NoBorder(spot.line, why)
+        words = self._offset_words(spot.line) if restates else ""
         if words is None:
             why = "the length offset must be put back, and which G43 H is in force cannot be known"
             return NoBorder(spot.line, why)

@@ -8,7 +8,6 @@
 
 from __future__ import annotations
 
-import difflib
 import enum
 import string
 from collections.abc import Iterable, Mapping, Sequence
@@ -16,6 +15,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from chipbreak.diagnostics import RefusalError
+from chipbreak.nearest import nearest
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.syntax.parse import read_block
@@ -185,7 +185,7 @@ def _fields(template: str) -> list[str]:
 
 def _nearest(name: str, known: Iterable[str]) -> str:
     names = list(known)
-    near = difflib.get_close_matches(name, names, 1, 0.5)
+    near = nearest(name, names, 0.5)
     if near:
-        return f"did you mean {near[0]}?"
+        return f"did you mean {near}?"
     return f"known: {', '.join(names)}" if names else "this event has no fields"

@@ -1,6 +1,7 @@
 """The tool-check macros of each control, and the settings they need."""
 
+from chipbreak.macros.calls import ToolValues
 from chipbreak.macros.parameters import MacroSettings, UnsetError
 from chipbreak.macros.write import macro_files
 
-__all__ = ["MacroSettings", "UnsetError", "macro_files"]
+__all__ = ["MacroSettings", "ToolValues", "UnsetError", "macro_files"]

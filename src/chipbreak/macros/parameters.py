@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -93,7 +95,9 @@ class MacroSettings:
             raise RefusalError(IMPOSSIBLE, message, 'for example "M19 R{angle}"')
         if self.store_last < self.store_first + 20:
             message = f"macros.store_last = {self.store_last} leaves no room behind store_first"
-            raise RefusalError(IMPOSSIBLE, message, "one tool takes 12 values and its teeth times its heights")
+            raise RefusalError(
+                IMPOSSIBLE, message, "one tool takes 12 values and its teeth times its heights"
+            )
         return self
 
 
@@ -109,5 +113,22 @@ def from_options(options: dict[str, Any]) -> MacroSettings:
         fits = isinstance(value, str) if kind == "str" else is_number
         if not fits or (kind == "int" and value != int(value)):
             raise RefusalError(IMPOSSIBLE, f"macros.{key} = {value!r} cannot be", f"it is of type {kind}")
-        given[key] = int(value) if kind == "int" else value
+        given[key] = value if kind == "str" else int(value) if kind == "int" else float(value)
     return MacroSettings(**given)
+
+
+def split_options(options: Sequence[str]) -> tuple[MacroSettings, tuple[str, ...]]:
+    """Settings from the ``macros.key=value`` among options, and the other options."""
+    own: dict[str, Any] = {}
+    others = []
+    for option in options:
+        key, _, text = option.partition("=")
+        section, _, name = key.strip().partition(".")
+        if section != "macros":
+            others.append(option)
+            continue
+        try:
+            own[name] = tomllib.loads(f"v = {text}")["v"]
+        except tomllib.TOMLDecodeError:
+            own[name] = text.strip()
+    return from_options(own), tuple(others)

@@ -83,9 +83,9 @@ def _fanuc(settings: MacroSettings) -> dict[str, str]:
 
 
 def _linuxcnc(settings: MacroSettings) -> dict[str, str]:
-    lines = []
-    for _, key, name, title in _NUMBERED:
-        lines.append(f"#<_cb_{name}> = {_value(settings, key)} ({title.lower()})")
+    lines = [
+        f"#<_cb_{name}> = {_value(settings, key)} ({title.lower()})" for _, key, name, title in _NUMBERED
+    ]
     angle = ["#<angle> = [#1 - FIX[#1 / 360] * 360]", settings.orient.format(angle="#<angle>")]
     subs = {"settings": lines, "orient": angle}
     subs |= {"laser_on": settings.laser_on.splitlines(), "laser_off": settings.laser_off.splitlines()}

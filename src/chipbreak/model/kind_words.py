@@ -1,14 +1,16 @@
 """The words people and CAM systems write for kinds of operations, titles and tools: tables only.
 
 A word list is a tuple of regular expressions; every list becomes one combined, compiled pattern.  What
-the words mean is decided in :mod:`chipbreak.model.kinds`.  Source of the forms: ``reference/domain.md`` 5
-and comments of real programs.
+the words mean is decided in :mod:`chipbreak.model.kinds`.  The forms are those of
+comments in real programs.
 """
 
 from __future__ import annotations
 
 import re
 from typing import Final
+
+from chipbreak.model.lazy_pattern import LazyPattern
 
 # A word ends where the letters end: "DRILL4", "4XDRILL" and "D10_ROUGH" hold a word, "THROUGH" does not.
 _LEFT: Final = r"(?<![^\W\d_])"
@@ -79,7 +81,7 @@ _ROUGH_JA: Final = "[荒粗](?![さ度a-z])|(?<![ァ-ヺ])アラ(?!ー)|(?<![ｦ
 _FINISH_JA: Final = "仕上|シアゲ|ｼｱｹﾞ"
 
 # The groups are named as the members of ``kinds.Kind``.
-KIND_WORDS: Final = re.compile(
+KIND_WORDS: Final = LazyPattern(
     "|".join(
         (
             _kind("SEMI_FINISH", _SEMI_FINISH, "中仕上"),
@@ -92,10 +94,10 @@ KIND_WORDS: Final = re.compile(
     ),
     re.IGNORECASE,
 )
-JAPANESE_KIND: Final = re.compile(f"{_ROUGH_JA}|{_FINISH_JA}|ドリル|ﾄﾞﾘﾙ|タップ|ﾀｯﾌﾟ|ねじ|ネジ|ﾈｼﾞ")
+JAPANESE_KIND: Final = LazyPattern(f"{_ROUGH_JA}|{_FINISH_JA}|ドリル|ﾄﾞﾘﾙ|タップ|ﾀｯﾌﾟ|ねじ|ネジ|ﾈｼﾞ")
 
 # Words that look like a kind and are none: blanked before the search.
-FALSE_FRIENDS: Final = re.compile(
+FALSE_FRIENDS: Final = LazyPattern(
     _LEFT
     + _any(
         (
@@ -117,26 +119,26 @@ FALSE_FRIENDS: Final = re.compile(
 )
 
 # Mastercam's tool list says how much material is left.
-STOCK_TO_LEAVE: Final = re.compile(
+STOCK_TO_LEAVE: Final = LazyPattern(
     r"(?:XY\s+|Z\s+)?STOCK\s+TO\s+LEAVE\s*[-=:]?\s*(-?(?:" + _DECIMAL + r"))", re.IGNORECASE
 )
 
 # --- comments that are no titles and name no kind -----------------------------------------------------
 # Commands in comment form, and remarks about code: parameters, expressions.
-ACTIVE_OR_CODE: Final = re.compile(
+ACTIVE_OR_CODE: Final = LazyPattern(
     r"^\W*(?:(?:MSG|DEBUG|PRINT|LOG(?:OPEN|APPEND|CLOSE)?|ABORT|AXIS|PY)\s*,|PROBE(?:OPEN|CLOSE)\b)"
     r"|^'[\w:-]+'\s*,|^#\d|^[A-SU-Z]?\s*=|^MACRO\w+\s*=|O<|\$\{|#<|\[#|#\d+\s*=|\w\(\)",
     re.IGNORECASE,
 )
 # A sentence explains; a title names.
-PROSE_WORDS: Final = re.compile(
+PROSE_WORDS: Final = LazyPattern(
     r"\b(?:is|are|was|will|be|been|this|that|you|your|we|if|when|must|should|can|may|it|than|which|use[sd]?"
     r"|does|not|has|have|assumes?|only|need|until|because|ist|wird|sind|nicht)\b",
     re.IGNORECASE,
 )
 
 # --- operation titles -----------------------------------------------------------------------------------
-LABELLED: Final = re.compile(
+LABELLED: Final = LazyPattern(
     r"^(?:BEGIN\s+OPERATION\b\s*:?\s*(?P<begin>.*)"
     r"|FINISH\s+OPERATION\b\s*:?\s*(?P<finish>.*)"
     r"|TOOLPATH(?:\s+NAME)?\s*[:=-]\s*(?P<path>\S.*)"
@@ -151,7 +153,7 @@ _STRATEGY: Final = (
     r"|(?:WCS )?PROBE|(?:TURNING )?(?:PROFILE|GROOVE|FACE|THREAD|CHAMFER)(?: ROUGHING| FINISHING)?"
     r"|TURNING(?: PART)?|SINGLE GROOVE|CUTOFF"
 )
-STRATEGY_TITLE: Final = re.compile(
+STRATEGY_TITLE: Final = LazyPattern(
     rf"^(?:(?:[23]D[ -]?)?(?:{_STRATEGY})(?:\d+(?: \d+)?(?:\s*\(\d+\))*|(?:\s*\(\d+\))+)"
     rf"|(?!DRILL )(?:[23]D[ -])?(?:{_STRATEGY}) \d+(?:\s*\(\d+\))*"  # "DRILL 5" is a size
     r"|PART\d+"  # "PART 2" is a workpiece
@@ -179,7 +181,7 @@ _FEATURE: Final = (
 )
 _WORK: Final = _any((*_SEMI_FINISH, *_ROUGH, *_FINISH, *_PROBE, *_THREAD, *_DRILL, *_FEATURE))
 # A title by feature or kind starts with it ("DRILL 4X", "OD ROUGH RIGHT") or ends with its -ING form.
-HAND_TITLE: Final = re.compile(
+HAND_TITLE: Final = LazyPattern(
     rf"^(?:{_PLACE}\s+)*{_LEFT}{_WORK}{_RIGHT}.*$"
     r"|^(?:[^\W_][\w/.'&-]*\s+){0,3}(?:ROUGHING|ROUGHNIG|ROUGH|FINISHING|FINISH|TURNING|FACING|BORING|DRILLING"
     r"|TAPPING|THREADING|GROOVING|MILLING|PROFILING|REAMING|ADAPTIVE|CHAMFERING|DEBURRING|ENGRAVING"
@@ -193,7 +195,7 @@ _NOTE: Final = (
     r"|COMP|CLAMPED|INSERTS?|HOLDER|CUTTER|DEG\.? TIP"
 )
 # What a title never holds: words of notes, a value ("DEPTH: 1.5"), a measure right after the feature.
-NOT_A_TITLE: Final = re.compile(
+NOT_A_TITLE: Final = LazyPattern(
     rf"\b(?:{_NOTE})\b|=|:\s*[-+#%\[.\d]|,.*,|\?|!"
     rf"|^\W*{_WORK}{_RIGHT}\W*(?:DEPTH|LENGTH|DIA(?:M\w*|\.)?|RADIUS|WIDTH|ANGLE|PITCH|HEIGHT|SIZE|TIP|CENTERLINE)\s*$"
     r"|^FIN$|^[XYZ] FINISH$|\.(?:NC|TAP|NGC|MPF|TXT)$",
@@ -226,26 +228,26 @@ TOOL_TYPES: Final = (
     ("turning tool", r"TURN(?:ING)?\s+TOOL|[CDSTVWR][NCP][MGUE][AGMTX](?=[\s-]*\d)"),
     ("probe", r"PROBE"),
 )
-TOOL_WORDS: Final = re.compile(
+TOOL_WORDS: Final = LazyPattern(
     _LEFT + "(?:" + "|".join(f"(?P<t{i}>{p})" for i, (_, p) in enumerate(TOOL_TYPES)) + ")S?" + _RIGHT,
     re.IGNORECASE,
 )
-FUSION_TOOL: Final = re.compile(
+FUSION_TOOL: Final = LazyPattern(
     rf"^T(?P<n>\d+)\s+D=(?P<d>{_DECIMAL})(?:\s+CR=(?P<cr>{_DECIMAL}))?(?:\s+TAPER=(?P<taper>{_DECIMAL})\s*DEG)?"
     r"(?:\s+-\s+ZMIN=\S+)?(?:\s+-\s+(?P<type>\S.*?)(?:\s+-\s.*)?)?$",
     re.IGNORECASE,
 )
-MASTERCAM_TOOL: Final = re.compile(r"^T\s*(?P<n>\d+)\s*\|\s*(?P<name>[^|]*)(?:\||$)", re.IGNORECASE)
+MASTERCAM_TOOL: Final = LazyPattern(r"^T\s*(?P<n>\d+)\s*\|\s*(?P<name>[^|]*)(?:\||$)", re.IGNORECASE)
 # "TOOL - 1 DIA. OFF. - 1 LEN. - 1 DIA. - .5", "TOOL NO. - 1", "TOOL 17 - 3/8 EM", "Tool Number: 4"
-TOOL_NUMBER: Final = re.compile(
+TOOL_NUMBER: Final = LazyPattern(
     r"^TOOL(?:\s*(?:NO\.?|NUM(?:BER|\.)?|#))?\s*[-:=]?\s*(?P<n>\d{1,3})(?![\d./\"]|\s*MM)(?P<rest>.*)$",
     re.IGNORECASE,
 )
 # "T01 = 80 DEG ROUGH TURNING TOOL"; the letter O for a nought is common.
-HAND_TOOL: Final = re.compile(r"^T(?P<n>O?\d{1,4})(?:\s*[-=:|,]+\s*|\s+)(?P<rest>\S.*)$", re.IGNORECASE)
-CAMBAM_TOOL: Final = re.compile(rf"^T(?P<n>\d+)\s+:\s+(?P<d>{_DECIMAL})$", re.IGNORECASE)
+HAND_TOOL: Final = LazyPattern(r"^T(?P<n>O?\d{1,4})(?:\s*[-=:|,]+\s*|\s+)(?P<rest>\S.*)$", re.IGNORECASE)
+CAMBAM_TOOL: Final = LazyPattern(rf"^T(?P<n>\d+)\s+:\s+(?P<d>{_DECIMAL})$", re.IGNORECASE)
 # One fact each: "DIA: 10", "Tool Diameter = 0.3771 Length = 1.5", "TOOL DIA. 3", "TIP RADIUS: 1"
-TOOL_FACT: Final = re.compile(
+TOOL_FACT: Final = LazyPattern(
     rf"^(?:(?:TOOL\s+DIA(?:M(?:ETER)?|\.)?|DIA(?:METER)?\s*[:=])\s*[:=]?\s*(?P<d>{_DECIMAL})(?!\S)"
     rf"|TIP\s+RADIUS\s*[:=]\s*(?P<cr>{_DECIMAL})(?!\S)"
     r"|TOOL(?:\s+(?:TYPE|NAME))?\s*[:=]\s*(?P<name>[^\d\s].*|\d+/\d+.*)"
@@ -253,30 +255,30 @@ TOOL_FACT: Final = re.compile(
     re.IGNORECASE,
 )
 # A diameter with a unit of its own: 1/2", 3/8 (a bare fraction is inches), 5.75MM.
-SIZE: Final = re.compile(
+SIZE: Final = LazyPattern(
     rf"(?<![\w./])(?:(?P<mm>{_DECIMAL})\s*MM\b|(?P<frac>{_FRACTION})(?!\s*-\s*\d)(?!\s*AXIS)(?:\s*(?:\"|''|IN\b|INCH\b))?"
     rf"|(?P<inch>{_DECIMAL})\s*(?:\"|''|IN\.?(?=\s|$)|INCH\b))",
     re.IGNORECASE,
 )
-SAID_DIAMETER: Final = re.compile(
+SAID_DIAMETER: Final = LazyPattern(
     rf"(?:\bD(?:IA\w*)?\.?\s*[-=:]\s*|\bDESC:\s*(?=\S+\s+DIA\b)|\bDIA\.\s+(?!\S+\s*-?\s*FL))"
     rf"(?P<d>{_DECIMAL})(?![\w\"/])",
     re.IGNORECASE,
 )
-SAID_NOSE: Final = re.compile(
+SAID_NOSE: Final = LazyPattern(
     rf"(?<![\w.])(?:(?P<before>{_DECIMAL})\s*(?:TNR|RAD\b|NOSE\s+RAD)|"
     rf"(?:TNR|(?:NOSE|CORNER|TIP)\s+RADIUS)\s*[:=-]?\s*(?P<after>{_DECIMAL})(?!\w))",
     re.IGNORECASE,
 )
 # Only a size follows: the comment names the tool ("DRILL 1/4""), not what is done with it.
-ONLY_A_SIZE: Final = re.compile(
+ONLY_A_SIZE: Final = LazyPattern(
     rf"^(?:DRILL|TAP|REAM(?:ER)?|(?:SPOT|CENT(?:ER|RE))\s*DRILL)\s+(?:D|DIA\.?|Ø)?\s*"
     rf"(?:{_FRACTION}|{_DECIMAL})\s*(?:\"|''|MM|IN\.?|DIA\.?)*\s*$",
     re.IGNORECASE,
 )
 # DRILL, TAP and PROBE are things to do as well: they name a tool behind its size or make, not before work.
 WORK_TOO: Final = frozenset({"drill", "spot drill", "center drill", "tap", "counter sink", "probe"})
-TOOL_FOR_SURE: Final = re.compile(
+TOOL_FOR_SURE: Final = LazyPattern(
     r"^(?:[\w./\"'#-]*[\d\"'#][\w./\"'°-]*|LET\S*|HSS|CARBIDE|COBALT)\s.*(?:DRILL|TAP|SINK)S?\s*$|\bTWIST\s+DRILL",
     re.IGNORECASE,
 )

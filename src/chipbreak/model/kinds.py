@@ -7,7 +7,6 @@ loosen it: ROUGH is read with the most care.
 
 from __future__ import annotations
 
-import difflib
 import enum
 import re
 from collections.abc import Mapping, Sequence
@@ -16,6 +15,7 @@ from functools import lru_cache
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.model import kind_words as words
+from chipbreak.nearest import nearest
 
 LONGEST_TEXT = 400  # characters; what follows belongs to a manual or a picture
 LONGEST_NAME = 14  # words; more are a sentence even without a verb
@@ -216,9 +216,9 @@ def directive(text: str) -> Kind | None:
     if word in _DIRECTIVES:
         return _DIRECTIVES[word]
     one_word = " " not in hit[1].strip() and word != "finished"  # "(OP FINISHED)" is news for the operator
-    near = difflib.get_close_matches(word, _DIRECTIVES, n=1, cutoff=0.75) if one_word else []
+    near = nearest(word, _DIRECTIVES, 0.75) if one_word else None
     if near:
-        meant = _DIRECTIVES[near[0]].value.upper()
+        meant = _DIRECTIVES[near].value.upper()
         raise RefusalError("OPS001", f'"{text.strip()}" is no kind of operation', f"write (OP {meant})")
     return None
 

@@ -33,12 +33,12 @@ from chipbreak.model.interpret import Interpreter
 from chipbreak.model.operations import Operation
 from chipbreak.model.trace import Trace
 from chipbreak.model.words import is_diameter
+from chipbreak.passes import CHECK_TOOLS
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.syntax.parse import read_block
 from chipbreak.units import MM_PER_INCH
 
-NAME = "check_tools"
 _SPINDLE = {"cw": "M3", "ccw": "M4"}
 _COOLANT = {"mist": "M7", "flood": "M8"}
 # As many as any program has: a position is printed back as it was programmed, never rounder.
@@ -71,7 +71,7 @@ def _edit(checks: Sequence[PlannedCheck], settings: Settings) -> Edit:
     blocks.put_back()
     title = ", ".join(check.title for check in checks)
     reason = "; ".join(check.reason for check in checks)
-    return Edit(border.line, border.line, tuple(blocks.texts), title, reason, NAME)
+    return Edit(border.line, border.line, tuple(blocks.texts), title, reason, CHECK_TOOLS)
 
 
 class _Blocks:

@@ -14,9 +14,8 @@ from chipbreak.edits import Edit
 from chipbreak.model.peripheral import Peripheral, peripheral_of
 from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace
+from chipbreak.passes import SPEEDS
 from chipbreak.settings.sections import Settings
-
-NAME = "speeds"
 
 
 def plan(trace: Trace, settings: Settings) -> tuple[list[Edit], list[Diagnostic]]:
@@ -55,9 +54,9 @@ def _edit(trace: Trace, step: Step, asked: Peripheral, speed: str) -> Edit:
         # The comment stays.  Beside other words its speed must be there before they act.
         at = line + 1 if step.block.is_empty else line
         if at == trace.program.source.line_count and not trace.program.source.raw(line).endswith((b"\n", b"\r")):
-            return Edit(line, line + 1, (text, speed), title, reason, NAME)
-        return Edit(at, at, (speed,), title, reason, NAME)
+            return Edit(line, line + 1, (text, speed), title, reason, SPEEDS)
+        return Edit(at, at, (speed,), title, reason, SPEEDS)
     first, second = asked.words
     rest = text[second.end :]
     between = text[first.end : second.start].rstrip()
-    return Edit(line, line + 1, (text[: first.start] + speed + between + rest,), title, reason, NAME)
+    return Edit(line, line + 1, (text[: first.start] + speed + between + rest,), title, reason, SPEEDS)

@@ -11,22 +11,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from chipbreak.diagnostics import Diagnostic, RefusalError
 from chipbreak.edits import Edit, MoveTable
 from chipbreak.model.trace import Trace
 from chipbreak.model.words import codes_of
+from chipbreak.passes import VIBRATE
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.vibration.advice import with_advice
 from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.chain import Chain, chains_of
 from chipbreak.vibration.plan import VibratedCut, plan_cut
-from chipbreak.vibration.request import requests_of
+from chipbreak.vibration.request import Request
 from chipbreak.vibration.speeds import SpeedChange, speed_changes
-
-NAME = "vibrate"
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,11 +47,9 @@ class VibrationPlan:
     diagnostics: tuple[Diagnostic, ...]
 
 
-def plan(trace: Trace, settings: Settings) -> VibrationPlan:
+def plan(trace: Trace, settings: Settings, requests: Sequence[Request]) -> VibrationPlan:
     """Plan every vibrated cut.  Errors are diagnostics; with one, the edits must not be used."""
-    requests, diagnostics = requests_of(trace)
-    chains, refusals = chains_of(trace, requests)
-    diagnostics += refusals
+    chains, diagnostics = chains_of(trace, requests)
     cuts: list[VibratedCut] = []
     expansions: list[Expansion] = []
     for chain in chains:
@@ -140,12 +138,12 @@ def _expansion(
     )
     reason = "; ".join(cut.reasons) or "nothing to correct"
     content = (*(text for text in head if text), *moves, *tail)
-    return Edit(chain.first, chain.last, content, title, reason, NAME)
+    return Edit(chain.first, chain.last, content, title, reason, VIBRATE)
 
 
 def _speed_back(change: SpeedChange) -> Edit:
     reason = "the programmed spindle speed comes back before the block that needs it"
-    return Edit(change.line, change.line, (change.text,), "SPEED AS PROGRAMMED", reason, NAME)
+    return Edit(change.line, change.line, (change.text,), "SPEED AS PROGRAMMED", reason, VIBRATE)
 
 
 def _check_motion_mode(trace: Trace, chain: Chain) -> None:

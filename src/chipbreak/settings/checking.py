@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import re
 import types
 import typing
@@ -12,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from chipbreak.diagnostics import Diagnostic, Severity
+from chipbreak.nearest import nearest
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS
 from chipbreak.span import Place
 
@@ -54,7 +54,7 @@ def checked_value(layer: Layer, section: str, key: str, value: Any) -> Any:
         return _checked_open(layer, section, key, value)
     fields = {f.name: f for f in dataclasses.fields(SECTIONS[section])}
     if key not in fields:
-        raise layer.fail(UNKNOWN_KEY, full, f"there is no key {full}", nearest(key, fields))
+        raise layer.fail(UNKNOWN_KEY, full, f"there is no key {full}", hint_at(key, fields))
     hints = typing.get_type_hints(SECTIONS[section])
     meta = fields[key].metadata
     if meta.get("table"):
@@ -135,11 +135,11 @@ def _expected(kinds: tuple[type, ...], meta: Mapping[str, Any]) -> str:
     return "expected " + ", or ".join(parts)
 
 
-def nearest(key: str, known: Iterable[str]) -> str:
+def hint_at(key: str, known: Iterable[str]) -> str:
     """A hint at the known name that was probably meant."""
     names = list(known)
-    near = difflib.get_close_matches(key, names, 1, 0.5)
-    return f"did you mean {near[0]}?" if near else f"known: {', '.join(names)}"
+    near = nearest(key, names, 0.5)
+    return f"did you mean {near}?" if near else f"known: {', '.join(names)}"
 
 
 def _find_key(text: str, key: str) -> tuple[int, int, int, str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import re
 import tomllib
@@ -13,6 +12,7 @@ from typing import Any
 
 from chipbreak.diagnostics import Diagnostic, Severity
 from chipbreak.dialects import DIALECTS, find
+from chipbreak.nearest import nearest
 from chipbreak.settings.checking import (
     IMPOSSIBLE,
     UNKNOWN_KEY,
@@ -22,7 +22,7 @@ from chipbreak.settings.checking import (
     Layer,
     SettingsError,
     checked_value,
-    nearest,
+    hint_at,
 )
 from chipbreak.settings.sections import AXES, OPEN_SECTIONS, SECTIONS, Settings
 from chipbreak.span import Place
@@ -44,8 +44,8 @@ def profile_text(profile: str) -> tuple[str, str]:
         return profile, text
     path = Path(profile)
     if path.suffix != ".toml" and not path.is_file():
-        near = difflib.get_close_matches(profile, profile_names(), 1)
-        hint = f"did you mean {near[0]}? " if near else ""
+        near = nearest(profile, profile_names())
+        hint = f"did you mean {near}? " if near else ""
         message = f"there is no profile {profile!r}"
         known = f"{hint}shipped: {', '.join(profile_names())}; or give the path of a TOML file"
         raise SettingsError(Diagnostic(UNKNOWN_PROFILE, Severity.ERROR, message, known))
@@ -175,7 +175,7 @@ def _check_sections(layer: Layer) -> None:
         if section not in SECTIONS and section not in OPEN_SECTIONS:
             known = [*SECTIONS, *OPEN_SECTIONS]
             message = f"there is no section [{section}]"
-            raise layer.fail(UNKNOWN_KEY, section, message, nearest(section, known))
+            raise layer.fail(UNKNOWN_KEY, section, message, hint_at(section, known))
         if not isinstance(table, dict):
             message = f"{section} is a section, not a value"
             raise layer.fail(WRONG_TYPE, section, message, f"write [{section}]")

@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterator
 from typing import NamedTuple
 
 from chipbreak.tools.data import NO_FORMAT, UNKNOWN_KEY, Errors
-from chipbreak.tools.values import nearest
+from chipbreak.tools.values import hint_at
 
 
 class Cell(NamedTuple):
@@ -73,7 +73,7 @@ def _columns(errors: Errors, line: int, cells: list[Cell], known: Collection[str
         name = cell.text.lower()
         if name not in known:
             shown = f'"{cell.text[:40]}"'
-            errors.add(UNKNOWN_KEY, f"there is no column {shown}", nearest(name, known), line, cell[1:])
+            errors.add(UNKNOWN_KEY, f"there is no column {shown}", hint_at(name, known), line, cell[1:])
         elif name in names:
             errors.add(UNKNOWN_KEY, f"the column {name} stands twice", "leave one out", line, cell[1:])
         names.append(name)

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from chipbreak.tools.cells import Row, decoded, rows
 from chipbreak.tools.data import BAD_VALUE, FIELDS, NO_FORMAT, NO_NUMBER, UNKNOWN_KEY, Errors, ToolData
-from chipbreak.tools.values import TYPES, name_of, nearest, number_of, type_of
+from chipbreak.tools.values import TYPES, hint_at, name_of, number_of, type_of
 
 _REQUIRED = ("number", "type", "teeth", "diameter_mm", "length_mm")
 _OPTIONAL = tuple(field for field in FIELDS if field not in _REQUIRED)
@@ -83,7 +83,7 @@ def _toml_tool(errors: Errors, text: str, index: int, entry: Mapping[str, Any]) 
     for key, value in entry.items():
         line = _line_of(text, key, index)
         if key not in _KEYS:
-            errors.add(UNKNOWN_KEY, f"there is no key {key[:40]}", nearest(key, _KEYS), line)
+            errors.add(UNKNOWN_KEY, f"there is no key {key[:40]}", hint_at(key, _KEYS), line)
             continue
         try:
             values[key] = _value(key, value)
@@ -126,7 +126,7 @@ def _value(key: str, value: Any) -> Any:
 
 def _help(key: str, value: Any) -> str:
     if key == "type":
-        return nearest(str(value), TYPES)
+        return hint_at(str(value), TYPES)
     return "lengths are in mm, angles in degrees; leave a value out that nobody knows"
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Iterable
 from typing import Any, Final, NamedTuple
 
 from chipbreak.model import kind_words as words
+from chipbreak.nearest import nearest
 
 _NUMBER: Final = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?")
 LONGEST_NAME = 80  # characters that are kept of a name
@@ -107,8 +107,8 @@ def name_of(text: str) -> str | None:
     return " ".join(printable.split())[:LONGEST_NAME] or None
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
+def hint_at(name: str, known: Iterable[str]) -> str:
     """A hint at the known name that was probably meant."""
     names = list(known)
-    near = difflib.get_close_matches(name.lower(), names, 1, 0.5)
-    return f"did you mean {near[0]}?" if near else f"known: {', '.join(names)}"
+    near = nearest(name.lower(), names, 0.5)
+    return f"did you mean {near}?" if near else f"known: {', '.join(names)}"

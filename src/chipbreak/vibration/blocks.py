@@ -19,9 +19,10 @@ from chipbreak.model.words import is_diameter
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
+from chipbreak.vibration.bends import blocks_of
 from chipbreak.vibration.path import split_at
 from chipbreak.vibration.plan import VibratedCut
-from chipbreak.vibration.timing import bends_of, control_model, feeds_for_spans
+from chipbreak.vibration.timing import control_model, feeds_for_spans
 
 Floats = NDArray[np.float64]
 _SAME_MM = 1e-6
@@ -81,7 +82,7 @@ def moves_of(cut: VibratedCut, settings: Settings) -> Expansion:
     absolute, points = words.absolute[keep], words.points_mm[keep]
     feeds = _feed_words(cut, times, distance_mm[keep], points, settings)
     values = np.diff(absolute, axis=0) if words.incremental else absolute[1:]
-    decimals = (words.decimals,) * len(words.letters) + (feed_decimals(settings),)
+    decimals = (words.decimals,) * len(words.letters) + (feed_decimals(chain.before, settings),)
     table = MoveTable((*words.letters, "F"), (*values.T, feeds), decimals)
     ends = distance_mm[keep][1:]
     ends[-1] = cut.path.length_mm
@@ -108,7 +109,7 @@ def _knots(cut: VibratedCut, chord_mm: float) -> tuple[Floats, Floats]:
 
 def _check_feed_digits(cut: VibratedCut, spans: Floats, feeds: Floats, settings: Settings) -> None:
     """Refuse feeds that lose so many digits that the cut would take another time."""
-    digits, planned_s = feed_decimals(settings), cut.cut.duration_s
+    digits, planned_s = feed_decimals(cut.chain.before, settings), cut.cut.duration_s
     with np.errstate(divide="ignore"):
         took_s = float((spans * feeds / np.round(feeds, digits)).sum())
     if abs(took_s - planned_s) > _TIME_SHARE * planned_s:
@@ -146,9 +147,12 @@ def _moving_axes(cut: VibratedCut) -> str:
     return "".join(axis for axis in AXES if axis in moved)
 
 
-def feed_decimals(settings: Settings) -> int:
-    """Decimals of F: fine for feed per revolution, three fewer for the larger numbers of the other modes."""
-    fine = settings.output.feed_decimals
+def feed_decimals(state: State, settings: Settings) -> int:
+    """Decimals of F: fine for feed per revolution, three fewer for the larger numbers of the other modes.
+
+    Inch programs get one more, as positions do.
+    """
+    fine = settings.output.feed_decimals + (1 if state.is_inch else 0)
     return fine if settings.output.feed_mode == "rev" else max(1, fine - 3)
 
 
@@ -160,20 +164,20 @@ def _feed_words(
     The plain revolutions at the end run at the programmed feed itself, not at one with rounding in it.
     """
     moved = np.diff(points, axis=0)
-    lengths, spans = np.sqrt(np.einsum("ij,ij->i", moved, moved)), np.diff(times)
+    spans = np.diff(times)
     plain_from = int(np.searchsorted(times[:-1], cut.time_s[-2] - _SAME_S))
     model = control_model(settings, cut.path)
-    signed = np.copysign(lengths, np.diff(distance_mm))
-    feeds_mm_s = feeds_for_spans(signed, spans, bends_of(moved), model, plain_from)
+    blocks = blocks_of(moved, np.diff(distance_mm), settings)
+    feeds_mm_s = feeds_for_spans(blocks, spans, model, plain_from)
     unit = MM_PER_INCH if cut.chain.before.is_inch else 1.0
     mode = settings.output.feed_mode
     if mode == "inverse":
-        words = feeds_mm_s / lengths * S_PER_MIN
+        words = feeds_mm_s / np.abs(blocks.lengths_mm) * S_PER_MIN
     elif mode == "minute":
         words = feeds_mm_s / unit * S_PER_MIN
     else:
         words = feeds_mm_s / unit * S_PER_MIN / cut.solution.speed_rpm
-    feeds: Floats = np.maximum(words, 10.0 ** -feed_decimals(settings))
+    feeds: Floats = np.maximum(words, 10.0 ** -feed_decimals(cut.chain.before, settings))
     if _tail_is_programmed(cut, settings):
         feed = cut.chain.before.feed
         assert feed is not None

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from dataclasses import dataclass, field
 
 from chipbreak.diagnostics import RefusalError
+from chipbreak.nearest import nearest
 from chipbreak.vibration.solve import Given
 
 # What each key means, for messages and the manual.
@@ -70,8 +70,8 @@ def read_directive(text: str, line_number: int) -> Directive | None:
 
 
 def _unreadable(found: str, key: str) -> RefusalError:
-    near = difflib.get_close_matches(key or found, KEYS, 1)
-    hint = f"did you mean {near[0]}? " if near and near[0] != key else ""
+    near = nearest(key or found, KEYS)
+    hint = f"did you mean {near}? " if near and near != key else ""
     known = "; ".join(f"{name} {meaning}" for name, meaning in KEYS.items())
     message = f"the directive says {found!r}, which cannot be read"
     return RefusalError("VIB014", message, f"{hint}keys: {known}; or (VIB OFF)")

@@ -113,10 +113,7 @@ def predict(
 def run_stretch(
     lengths_mm: ArrayLike, feeds_mm_s: ArrayLike, model: ControlModel, *, before_mm_s: float = 0.0
 ) -> tuple[Floats, Floats]:
-    """:func:`predict` for one stretch from rest to rest, and the way covered after each servo period [mm].
-
-    The latter only for ``linuxcnc``, and before the joint interpolator; empty for the other laws.
-    """
+    """:func:`predict` for one stretch between rests, and its way [mm] after each period of ``linuxcnc``."""
     lengths, feeds = _checked(lengths_mm, feeds_mm_s, model)
     return _run(lengths, feeds, 0, len(lengths), model, before_mm_s=before_mm_s)
 
@@ -137,13 +134,12 @@ def trace(lengths_mm: ArrayLike, feeds_mm_s: ArrayLike, model: ControlModel) -> 
         sign = np.sign(lengths[first])
         parts.append(at + sign * _run(lengths, feeds, first, last, model)[1])
         at += float(np.sum(lengths[first:last]))
-    planned = np.r_[np.concatenate(parts), at]
-    places = np.r_[0.0, interpolated(planned), at]
+    places = np.r_[0.0, interpolated(np.r_[np.concatenate(parts), at]), at]
     return np.column_stack([np.arange(len(places)) * model.servo_period_s, places])
 
 
 def interpolated(places_mm: Floats) -> Floats:
-    """What LinuxCNC's joint interpolator makes of a place per servo period: (n,) -> (n - 2,)."""
+    """What LinuxCNC's joint interpolator makes of places in servo periods: (n,) -> (n - 2,)."""
     return (places_mm[:-2] + 4.0 * places_mm[1:-1] + places_mm[2:]) / 6.0
 
 
@@ -291,9 +287,8 @@ def _run(
         same = model.merge_mm > 0.0
         starts = np.flatnonzero(np.r_[True, (np.diff(speeds) != 0.0) | (not same)])
         joined, rates = np.add.reduceat(ways, starts), speeds[starts]
-        before: float | None = None
-        if model.per_revolution and len(joined) > 1:  # one block alone does not depend on it
-            before = float(feeds[first - 1]) if first else before_mm_s
+        alone = not model.per_revolution or len(joined) == 1
+        before = None if alone else float(feeds[first - 1]) if first else before_mm_s
         args = (model.acceleration_mm_s2, model.servo_period_s, model.ramp_s)
         took, places = laws.linuxcnc(tuple(joined.tolist()), tuple(rates.tolist()), *args, before=before)
         times = np.repeat(np.array(took) / joined, np.diff(np.r_[starts, len(ways)])) * ways

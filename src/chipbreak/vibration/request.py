@@ -27,8 +27,9 @@ _FROM_PROFILE = {
 _INSTEAD = {"N": "E", "E": "N", "Q": "A", "A": "Q"}
 _OFF = Directive(False)
 _LIMITS = {"ALPHA": (0.0, 1.0)}
-# An axis word with, behind it, an N or with F also an f: a request even where the line cannot be read.
-_LOOKS_ASKING = re.compile(r"[XYZUVW]\s*[-+.\d].*?(?:N\s*[-+]?[.\d]|F\s*[.\d].*f\s*[-+]?[.\d])")
+_AXIS = re.compile(r"[XYZUVW]\s*[-+.\d]")
+_COUNT = re.compile(r"N\s*[-+]?[.\d]")
+_FEED, _FREQUENCY = re.compile(r"F\s*[.\d]"), re.compile(r"f\s*[-+]?[.\d]")
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +166,7 @@ class RequestReader:
 
     def _opaque(self, line: int) -> None:
         block = self.program.block(line)
-        if self.directive.on or _LOOKS_ASKING.search(block.text):
+        if self.directive.on or _looks_asking(block.text):
             message = f"this line cannot be read ({block.opaque}) and stands where cuts are asked to vibrate"
             help_text = "correct the line, or write (VIB OFF) before it"
             at = (block.opaque_column, block.opaque_column + 1)
@@ -236,3 +237,15 @@ def requests_of(trace: Trace) -> tuple[list[Request], list[Diagnostic]]:
     return reader.requests, reader.diagnostics
 
 
+def _looks_asking(text: str) -> bool:
+    """An axis word with, behind it, an N, or an F and then an f: a request even where the line is unreadable.
+
+    Each search starts behind the last find, so a line of any length is read once.
+    """
+    axis = _AXIS.search(text)
+    if axis is None:
+        return False
+    if _COUNT.search(text, axis.end()):
+        return True
+    feed = _FEED.search(text, axis.end())
+    return feed is not None and _FREQUENCY.search(text, feed.end()) is not None

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 from chipbreak.diagnostics import RefusalError
 from chipbreak.settings.sections import Axis, Settings
 from chipbreak.units import MS_PER_S, S_PER_MIN
+from chipbreak.vibration.bends import Blocks, bend_strengths, parts, strokes
 from chipbreak.vibration.path import Path
 from chipbreak.vibration.planner import (
     AxisLimits,
@@ -33,9 +33,7 @@ from chipbreak.vibration.planner import (
 
 Floats = NDArray[np.float64]
 Numbers = tuple[float, ...]
-_DIGITS = 9  # of a length in mm: what lies behind them is noise that would make every stretch another one
-_SOFT_BEND = 0.1  # LinuxCNC's tangent kink ratio; for other controls, radians that count as straight on
-_STRAIGHT = 1e-6
+Key = tuple[Numbers, Numbers, float, ControlModel]  # lengths, feeds and time, the feed before, control
 _ROUNDS = 4
 _STILL_EVEN_MM = 1e-9
 _FACTORS = np.geomspace(0.5, 20.0, 75)
@@ -74,35 +72,22 @@ def _directions(path: Path) -> list[tuple[float, float, float]]:
     return directions
 
 
-def bends_of(moved_mm: Floats) -> Floats:
-    """How far the direction turns behind each block, (n,), from the moves, (n, 3): the most of any axis.
-
-    The last is 0.  Where the tool turns back it does not matter.
-    """
-    ways = moved_mm / np.linalg.norm(moved_mm, axis=1, keepdims=True)
-    return np.append(np.abs(np.diff(ways, axis=0)).max(axis=1, initial=0.0), 0.0)
-
-
-def feeds_for_spans(
-    lengths_mm: Floats, spans_s: Floats, bends: Floats, model: ControlModel, plain_from: int
-) -> Floats:
+def feeds_for_spans(blocks: Blocks, spans_s: Floats, model: ControlModel, plain_from: int) -> Floats:
     """Feed [mm/s] of each block, (n,), so that every stroke takes its time on this control.
 
-    ``lengths_mm`` are signed along the path, (n,); ``bends`` as of :func:`bends_of`; blocks from
-    ``plain_from`` on run at their own feed.  A stroke round a corner, where the control rests, may be too
-    short for its time: then it runs as fast as it can, and those behind it are so much later.
+    Blocks from ``plain_from`` on run at their own feed.  A stroke round a corner, where the control rests,
+    may be too short for its time: then it runs as fast as it can, and those behind it are so much later.
     Errors: VIB030 acceleration, VIB031 speed, VIB032 blocks per second.
     """
-    lengths_mm = np.round(lengths_mm, _DIGITS)
-    feeds = np.abs(lengths_mm) / spans_s
+    feeds = np.abs(blocks.lengths_mm) / spans_s
     if model.law == "ideal":
         _check_limits(feeds, spans_s, model)
         return feeds
     # Where the control rests at a bend depends on the feeds, and the feeds on where it rests.
-    strengths = _bend_strengths(lengths_mm, feeds, bends, model)
+    strengths = bend_strengths(blocks, feeds, model)
     for _ in range(_ROUNDS):
-        found = _feeds(lengths_mm, spans_s, strengths, model, plain_from)
-        before, strengths = strengths, _bend_strengths(lengths_mm, found, bends, model)
+        found = _feeds(blocks, spans_s, strengths, model, plain_from)
+        before, strengths = strengths, bend_strengths(blocks, found, model)
         if np.array_equal(before >= 1.0, strengths >= 1.0):
             break
         strengths = np.maximum(before, strengths)
@@ -110,24 +95,26 @@ def feeds_for_spans(
 
 
 def _feeds(
-    lengths_mm: Floats, spans_s: Floats, strengths: Floats, model: ControlModel, plain_from: int
+    blocks: Blocks, spans_s: Floats, strengths: Floats, model: ControlModel, plain_from: int
 ) -> Floats:
     """:func:`feeds_for_spans` where the strengths of the bends are known."""
-    feeds = np.abs(lengths_mm) / spans_s
-    known: dict[tuple[Numbers, Numbers, float, ControlModel], Floats] = {}
+    ways_mm = np.abs(blocks.lengths_mm)
+    feeds = ways_mm / spans_s
+    known: dict[Key, Floats] = {}
     ends_s = np.cumsum(spans_s)
     done_s = late_s = before = 0.0
-    for first, last in _strokes(lengths_mm):
+    for first, last in strokes(blocks.lengths_mm):
         if last > plain_from:
             break
         # What rounding to servo periods takes from one stroke, the next one gets.
         wanted_s = float(ends_s[last - 1]) + late_s - done_s
         if model.law == "linuxcnc":
             wanted_s = round(wanted_s / model.servo_period_s) * model.servo_period_s
-        parts = _parts(first, last, strengths)
-        for (start, stop), time_s in zip(parts, _shares(parts, lengths_mm, wanted_s, model), strict=True):
-            part_model = _bent(model, strengths[start : stop - 1])
-            lengths, nominal = np.abs(lengths_mm[start:stop]), feeds[start:stop]
+        pieces = parts(first, last, strengths)
+        models = [blocks.model(start, stop, model, strengths) for start, stop in pieces]
+        times_s = _shares([float(ways_mm[start:stop].sum()) for start, stop in pieces], wanted_s, models)
+        for (start, stop), part_model, time_s in zip(pieces, models, times_s, strict=True):
+            lengths, nominal = ways_mm[start:stop], feeds[start:stop]
             if stop - start == 1:
                 nominal, before = nominal[:0], 0.0  # one block depends on its time alone
             key = (tuple(lengths.tolist()), (*nominal.tolist(), time_s), before, part_model)
@@ -155,18 +142,15 @@ def _check_limits(feeds: Floats, spans_s: Floats, model: ControlModel) -> None:
         raise RefusalError("VIB032", message, help_text)
 
 
-def _shares(
-    parts: Sequence[tuple[int, int]], lengths_mm: Floats, wanted_s: float, model: ControlModel
-) -> list[float]:
-    """The time of each part of a stroke that rests between them: the least each needs, and equal more."""
-    if len(parts) == 1:
+def _shares(ways_mm: Sequence[float], wanted_s: float, models: Sequence[ControlModel]) -> list[float]:
+    """The time of each part of a stroke that rests between them: the least each needs, and more by length."""
+    if len(ways_mm) == 1:
         return [wanted_s]
-    ways = [float(np.abs(lengths_mm[start:stop]).sum()) for start, stop in parts]
-    least_s = [shortest_time(way, model) for way in ways]
-    step_s = model.servo_period_s if model.law == "linuxcnc" else wanted_s * 1e-9
+    least_s = [shortest_time(way, model) for way, model in zip(ways_mm, models, strict=True)]
+    step_s = models[0].servo_period_s if models[0].law == "linuxcnc" else wanted_s * 1e-9
     spare = max(0, round((wanted_s - sum(least_s)) / step_s))
-    given = [int(spare * way / sum(ways)) for way in ways]
-    given[ways.index(max(ways))] += spare - sum(given)
+    given = [int(spare * way / sum(ways_mm)) for way in ways_mm]
+    given[ways_mm.index(max(ways_mm))] += spare - sum(given)
     return [least + more * step_s for least, more in zip(least_s, given, strict=True)]
 
 
@@ -221,26 +205,20 @@ class Motion:
     distance_mm: Floats
 
 
-def motion_of(
-    distance_mm: Floats, lengths_mm: Floats, feeds_mm_s: Floats, bends: Floats, model: ControlModel
-) -> Motion:
-    """The motion of blocks between the places ``distance_mm`` along the path, (n + 1,); the rest (n,).
-
-    Lengths are signed along the path.
-    """
+def motion_of(distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats, model: ControlModel) -> Motion:
+    """The motion of blocks between the places ``distance_mm`` along the path, (n + 1,)."""
+    ways_mm = np.abs(blocks.lengths_mm)
+    spans_s, before = ways_mm / np.minimum(feeds_mm_s, model.velocity_mm_s), 0.0
     if model.law == "ideal":
-        spans_s = np.abs(lengths_mm) / np.minimum(feeds_mm_s, model.velocity_mm_s)
         return Motion(spans_s, np.append(0.0, np.cumsum(spans_s)), distance_mm)
-    lengths_mm = np.round(lengths_mm, _DIGITS)
-    spans_s, before = np.empty(len(lengths_mm)), 0.0
-    places = [np.zeros(1)]
-    known: dict[tuple[Numbers, Numbers, float, ControlModel], tuple[Floats, Floats]] = {}
-    strengths = _bend_strengths(lengths_mm, feeds_mm_s, bends, model)
-    for first, last in _strokes(lengths_mm):
-        sign = np.sign(lengths_mm[first])
-        for start, stop in _parts(first, last, strengths):
-            part_model = _bent(model, strengths[start : stop - 1])
-            lengths, feeds = np.abs(lengths_mm[start:stop]), feeds_mm_s[start:stop]
+    places = [np.zeros(2)]
+    known: dict[Key, tuple[Floats, Floats]] = {}
+    strengths = bend_strengths(blocks, feeds_mm_s, model)
+    for first, last in strokes(blocks.lengths_mm):
+        sign = np.sign(blocks.lengths_mm[first])
+        for start, stop in parts(first, last, strengths):
+            part_model = blocks.model(start, stop, model, strengths)
+            lengths, feeds = ways_mm[start:stop], feeds_mm_s[start:stop]
             before = before if stop - start > 1 else 0.0
             key = (tuple(lengths.tolist()), tuple(feeds.tolist()), before, part_model)
             if key not in known:
@@ -250,45 +228,8 @@ def motion_of(
             before = float(feeds[-1])
     if model.law != "linuxcnc":
         return Motion(spans_s, np.append(0.0, np.cumsum(spans_s)), distance_mm)
-    planned = np.concatenate([np.zeros(1), *places, distance_mm[-1:]])
+    planned = np.concatenate([*places, distance_mm[-1:]])
     knots_mm = np.concatenate([np.zeros(1), interpolated(planned), distance_mm[-1:]])
     bent = np.abs(np.diff(knots_mm, 2)) > _STILL_EVEN_MM
     kept = np.flatnonzero(np.concatenate([[True], bent, [True]]))
     return Motion(spans_s, kept.astype(np.float64) * model.servo_period_s, knots_mm[kept])
-
-
-def _bend_strengths(lengths_mm: Floats, feeds_mm_s: Floats, bends: Floats, model: ControlModel) -> Floats:
-    """Each bend as a share of what the control still runs through without a rest, (n,); 1 or more is a stop.
-
-    LinuxCNC (``tpSetupTangent``): the change of velocity within one servo period, and the acceleration, may
-    take a tenth of the axis's acceleration; with feed per revolution the velocity is the highest possible.
-    """
-    if model.law != "linuxcnc":
-        return bends / _SOFT_BEND
-    top = np.minimum(np.abs(lengths_mm) / model.servo_period_s, model.velocity_mm_s)
-    speeds = top if model.per_revolution else np.minimum(top, feeds_mm_s)
-    slower = np.append(np.minimum(speeds[:-1], speeds[1:]), 0.0)
-    jolt = slower / model.servo_period_s + model.acceleration_mm_s2
-    strengths: Floats = jolt * bends / model.acceleration_mm_s2 / _SOFT_BEND
-    return strengths
-
-
-def _bent(model: ControlModel, strengths: Floats) -> ControlModel:
-    """LinuxCNC keeps the acceleration that a bend may take from the blocks beside it."""
-    most = float(strengths.max(initial=0.0)) * _SOFT_BEND
-    if model.law != "linuxcnc" or most < _STRAIGHT:
-        return model
-    return replace(model, acceleration_mm_s2=model.acceleration_mm_s2 * (1.0 - most))
-
-
-def _strokes(lengths_mm: Floats) -> list[tuple[int, int]]:
-    """First and behind-last block of each stretch between two reversals."""
-    turns = np.flatnonzero(np.diff(np.sign(lengths_mm))) + 1
-    bounds = [0, *turns.tolist(), len(lengths_mm)]
-    return list(pairwise(bounds))
-
-
-def _parts(first: int, last: int, strengths: Floats) -> list[tuple[int, int]]:
-    """A stroke cut where the control rests on the way."""
-    rests = [first + 1 + int(i) for i in np.flatnonzero(strengths[first : last - 1] >= 1.0)]
-    return list(pairwise([first, *rests, last]))

@@ -1,0 +1,87 @@
+"""The LinuxCNC macros on the simulated machine, for the same tools as the Fanuc ones."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from chipbreak.lasersim.tool import SimulatedTool
+from chipbreak.macros import MacroSettings, macro_files
+from linuxcnc import laser
+
+from .cases import FINISH_W, ROUGH_W, Case
+from .stand import ALARMS, BAR, BEAM, SETTINGS
+
+DIALECT = "linuxcnc-mill"
+LC_SETTINGS = replace(
+    SETTINGS,
+    master_tool=0,
+    safe_z_mm=-180.0,
+    # A simulated machine latches within a servo period, so it need not go back as far as a real one.
+    entry_feed=2400.0,
+    fast_feed=1200.0,
+    back_mm=0.06,
+    store_first=1000,
+    store_last=4999,
+)
+
+
+def subroutines(settings: MacroSettings, folder: Path) -> Path:
+    for name, data in macro_files(DIALECT, settings).items():
+        (folder / name).write_bytes(data)
+    return folder
+
+
+def programs(case: Case, first: int) -> list[str]:
+    """One program for each check; ``first`` is the number of the case's tool on the machine."""
+    before = f"M68 E0 Q0\no<cb_calibrate> call\nM68 E0 Q{first}\n{case.nominal.data(1, DIALECT)}\n"
+    if case.later is None:
+        blocked = "M68 E0 Q-1\n" if case.is_blocked else ""
+        return [f"{before}{blocked}o<cb_tool_check> call [1] [5000]\n(debug, good)\nM2\n"]
+    trace = f"{before}o<cb_trace> call [1] [20] [5000]\nM68 E0 Q{first + 1}\n"
+    checks = f"o<cb_chip_check> call [1] [{ROUGH_W}]\n(debug, good before rough)\n"
+    checks += f"o<cb_chip_check> call [1] [{FINISH_W}]\n(debug, good before finish)\n"
+    return [f"{trace}{checks}M2\n"]
+
+
+def verdicts(cases: Sequence[Case]) -> dict[str, tuple[str, str, str]]:
+    """The alarms of TOOL CHECK or of CHIP CHECK with both limits; a CHIP CHECK that stops is the last."""
+    found: dict[str, tuple[str, str, str]] = {}
+    for settings in {case.settings for case in cases}:
+        group = [case for case in cases if case.settings == settings]
+        changed = replace(LC_SETTINGS, runout_mm=settings.runout_mm)
+        tools: list[SimulatedTool] = [BAR]
+        texts = []
+        for case in group:
+            texts += programs(case, len(tools))
+            tools += [case.real, *([case.later] if case.later else [])]
+        with tempfile.TemporaryDirectory(dir="/var/tmp") as name:
+            folder = Path(name)
+            folder.chmod(0o755)
+            runs = laser.run(
+                [text.encode() for text in texts],
+                tools=tools,
+                beam=BEAM,
+                subroutines=subroutines(changed, folder),
+            )
+        for case, run in zip(group, runs, strict=True):
+            found[case.name] = _verdict(case, run.errors, run.messages)
+    return found
+
+
+def _verdict(case: Case, errors: Sequence[str], messages: Sequence[str]) -> tuple[str, str, str]:
+    alarm = ""
+    if errors:
+        number = re.match(r"\s*(\d{3}) ", errors[0])
+        alarm = ALARMS[int(number[1])] if number else errors[0]
+    if case.later is None:
+        assert errors or " good" in messages, messages
+        return alarm, "", ""
+    if " good before rough" not in messages:
+        # The program has ended: what stops a tool before a rough operation stops it before a finish too.
+        return "", alarm, alarm
+    assert errors or " good before finish" in messages, messages
+    return "", "", alarm

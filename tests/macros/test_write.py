@@ -1,0 +1,105 @@
+"""``chipbreak macros`` and the settings behind it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import click.testing
+import pytest
+
+from chipbreak.cli import cli
+from chipbreak.diagnostics import RefusalError
+from chipbreak.macro_b import Library
+from chipbreak.macros import MacroSettings, macro_files
+from chipbreak.macros.parameters import split_options
+
+from .stand import FLAT_OK, SETTINGS, Stand
+
+OPTIONS = [
+    f"--set=macros.{key}={value}"
+    for key, value in {
+        "beam_x_mm": 120,
+        "beam_y_mm": -35.2,
+        "beam_z_mm": -400,
+        "safe_z_mm": 0,
+        "master_length_mm": 150,
+        "master_diameter_mm": 20,
+        "master_tool": 90,
+    }.items()
+]
+
+
+def invoke(*args: str) -> click.testing.Result:
+    return click.testing.CliRunner().invoke(cli, ["macros", *args])
+
+
+def test_the_command_writes_macros_that_run(tmp_path: Path) -> None:
+    done = invoke("-o", str(tmp_path / "new"), "-p", "fanuc-mill", *OPTIONS)
+    assert (done.exit_code, done.output) == (0, "")
+    files = sorted((tmp_path / "new").iterdir())
+    assert len(files) == 17
+    stand = Stand(FLAT_OK, FLAT_OK.real(), programs=Library(file.read_bytes() for file in files))
+    stand.calibrate()
+    assert stand.check_alone() == ""
+
+
+def test_the_command_writes_subroutines(tmp_path: Path) -> None:
+    assert invoke("-o", str(tmp_path), "-p", "linuxcnc-mill", *OPTIONS).exit_code == 0
+    assert "#<_cb_beam_y> = -35.2 (" in (tmp_path / "cb_settings.ngc").read_text()
+    assert "M19 R#<angle>" in (tmp_path / "cb_orient.ngc").read_text()
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (OPTIONS[1:], "MCR001: the macros need 1 more values\n  help: macros.beam_x_mm: machine X"),
+        ([*OPTIONS, "--set=macros.beam_x=1"], "MCR003: there is no key macros.beam_x"),
+        (
+            [*OPTIONS, "--set=macros.slow_feed=0"],
+            "MCR002: macros.slow_feed = 0.0 cannot be\n  help: it is above 0",
+        ),
+        ([*OPTIONS, "--set=macros.retries=1.5"], "MCR002"),
+        ([*OPTIONS, "--set=macros.retries=many"], "MCR002"),
+        ([*OPTIONS, "--set=macros.orient=M19"], "MCR002"),
+        ([*OPTIONS, "--set=macros.turn_sign=2"], "MCR002"),
+        ([*OPTIONS, "--set=macros.store_last=500"], "MCR002"),
+        ([*OPTIONS, "--set=vibration.nonsense=1"], "SET001"),
+    ],
+)
+def test_what_cannot_be_writes_nothing(tmp_path: Path, args: list[str], said: str) -> None:
+    done = invoke("-o", str(tmp_path / "new"), "-p", "fanuc-mill", *args)
+    assert done.exit_code == 2
+    assert said in done.output
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_lathe_has_no_macros() -> None:
+    with pytest.raises(RefusalError) as caught:
+        macro_files("fanuc-lathe", SETTINGS)
+    assert caught.value.code == "MCR004"
+
+
+def test_options_of_other_sections_are_left() -> None:
+    settings, others = split_options(["macros.beam_x_mm=5", "spindle.max_rpm=3000", "macros.laser_on='M70'"])
+    assert settings == MacroSettings(beam_x_mm=5.0, laser_on="M70")
+    assert others == ("spindle.max_rpm=3000",)
+
+
+def test_the_machine_builder_s_codes_stand_in_the_macros() -> None:
+    settings = replace(
+        SETTINGS, orient="M219 S{angle}", laser_on="M70\nG4 P500", laser_off="M71", beam_input=3
+    )
+    files = {name: data.decode() for name, data in macro_files("fanuc-mill", settings).items()}
+    assert "M219 S#1\nM99" in files["O9822.nc"]
+    assert "M70\nG4 P500\nM99" in files["O9823.nc"]
+    assert "M71\nM99" in files["O9826.nc"]
+    assert "#124=1003(" in files["O9815.nc"]
+
+
+def test_no_line_is_longer_than_a_screen_and_every_line_is_read() -> None:
+    for name, data in macro_files("fanuc-mill", SETTINGS).items():
+        lines = data.decode("ascii").splitlines()
+        assert max(map(len, lines)) <= 80, name
+        assert lines[0] == lines[-1] == "%"
+        assert not any(";" in line for line in lines), name  # the end of a block, even in a comment
