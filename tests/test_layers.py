@@ -58,6 +58,7 @@ model.lazy_pattern
 model.kind_words
 model.kinds
 model.main_program
+model.cycle_kinds
 model.operations
 
 edits
@@ -122,6 +123,7 @@ checks
 checks.edges
 checks.ground
 checks.reliance
+checks.tool_values
 checks.calls
 checks.borders
 checks.plan

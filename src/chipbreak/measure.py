@@ -52,6 +52,8 @@ def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCu
     count = len(moves.feed_mm_s)
     if count != len(expansion.distance_mm):
         raise SelfCheckError(f"{len(expansion.distance_mm)} moves were planned, {count} stand in the output")
+    if moves.strangers:
+        raise SelfCheckError("a move that is no cut stands in a vibrated cut")
     _check_speed(result, region, planned)
     distance_mm = _check_path(result, moves, planned)
     moved = np.diff(np.vstack((cut.path.legs[0].start, moves.points_mm)), axis=0)

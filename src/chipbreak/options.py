@@ -25,13 +25,27 @@ PROFILE_HELP = "Machine profile: a shipped name or a TOML file."
 SET_HELP = "Change a value of the profile."
 
 
+def _keep_tool_files(context: click.Context, _: click.Parameter, names: tuple[str, ...]) -> None:
+    context.meta["chipbreak.tools"] = names
+
+
+# Every command hands it on to settings_of alone, so it travels with the context.
+TOOLS_OPTION = click.option(
+    "--tools",
+    metavar="FILE",
+    multiple=True,
+    expose_value=False,
+    callback=_keep_tool_files,
+    help="File with tool data; the first that says something wins.",
+)
+
+
 def common_options(command: _Command) -> _Command:
     """The options every command that reads programs has."""
     decorators = [
-        click.option(
-            "-p", "--profile", metavar="FILE|NAME", envvar="CHIPBREAK_PROFILE", help=PROFILE_HELP
-        ),
+        click.option("-p", "--profile", metavar="FILE|NAME", envvar="CHIPBREAK_PROFILE", help=PROFILE_HELP),
         click.option("--set", "sets", metavar="SECTION.KEY=VALUE", multiple=True, help=SET_HELP),
+        TOOLS_OPTION,
         click.option("--allow-unbroken", is_flag=True, help="Let cuts pass that do not break their chips."),
         *REPORTING,
     ]
@@ -67,11 +81,10 @@ def settings_of(
     sets: Sequence[str],
     source: str,
     reporter: Reporter,
-    tool_files: Sequence[str] = (),
 ) -> Settings:
     """The profile by option, environment, or ``chipbreak.toml`` beside the input; exits with 2 if none.
 
-    ``tool_files`` come before those of the profile.
+    The files of ``--tools`` come before those of the profile.
     """
     from chipbreak.settings import SettingsError, load, profile_names
 
@@ -89,6 +102,7 @@ def settings_of(
     except SettingsError as error:
         reporter.show([error.diagnostic])
         sys.exit(USAGE)
+    tool_files = click.get_current_context().meta.get("chipbreak.tools", ())
     return _with_tool_files(settings, tool_files) if tool_files else settings
 
 
@@ -148,9 +162,14 @@ def _guarded(name: str, work: Callable[[], Result]) -> Result:
     """Run, and turn what is not the program's fault into a message and an exit code."""
     from chipbreak.diagnostics import SelfCheckError
     from chipbreak.settings import SettingsError
+    from chipbreak.tools.data import ToolFileError
 
     try:
         return work()
+    except ToolFileError as error:
+        for diagnostic in error.diagnostics:
+            click.echo(diagnostic.render(), err=True)
+        sys.exit(USAGE)
     except SettingsError as error:
         click.echo(error.diagnostic.render(), err=True)
         sys.exit(USAGE)

@@ -17,6 +17,7 @@ from chipbreak.restore import restore
 from chipbreak.settings import Settings, SettingsError
 from chipbreak.source import Source, read
 from chipbreak.syntax.parse import parse
+from chipbreak.tools.program import tool_table_for_checks
 from chipbreak.verify import verify
 from chipbreak.vibration.request import requests_of
 
@@ -52,7 +53,7 @@ def rewrite(
     A program that was filtered before is put back first, so a second run with the same profile changes
     nothing.  Raises ProgramRejectedError when it has an error in it, and SelfCheckError when the result does
     not do what was promised; then nothing may be written.  Raises SettingsError for a profile whose rules or
-    calls cannot be used.
+    calls cannot be used, and ToolFileError for a file of tools that cannot be read.
     """
     source = restore(read(data, name))
     return _run(source, data, settings, output=None, allow_unbroken=allow_unbroken)
@@ -100,13 +101,13 @@ def _run(
     )
 
 
-def _tool_checks(
-    trace: Trace, settings: Settings
-) -> tuple[list[Operation], list[Edit], list[Diagnostic]]:
+def _tool_checks(trace: Trace, settings: Settings) -> tuple[list[Operation], list[Edit], list[Diagnostic]]:
     """Operations and the checks between them.  Raises SettingsError for unusable rules or calls."""
     try:
         operations = operations_of(trace, KindRules.from_profile(settings.operations))
-        edits, diagnostics = check_tools.plan(trace, operations, settings)
+        tools = tool_table_for_checks(trace)
+        edits, diagnostics = check_tools.plan(trace, operations, settings, tools)
+        diagnostics = [*tools.diagnostics, *diagnostics] if settings.checks.enabled else diagnostics
     except RefusalError as error:
         wrong = Diagnostic(error.code, Severity.ERROR, f"{settings.name}: {error.message}", error.help)
         raise SettingsError(wrong) from None

@@ -14,6 +14,7 @@ from chipbreak.options import (
     DONE,
     PROFILE_HELP,
     SET_HELP,
+    TOOLS_OPTION,
     USAGE,
     make_reporter,
     reporting_options,
@@ -140,13 +141,12 @@ def _say(verdicts: dict[int, EdgeVerdict], heading: str, *, as_json: bool) -> No
 
 @click.command()
 @click.argument("source", metavar="INPUT", default="-")
-@click.option("--tools", "tool_files", metavar="FILE", multiple=True, help="File with tool data.")
+@TOOLS_OPTION
 @click.option("-p", "--profile", metavar="FILE|NAME", envvar="CHIPBREAK_PROFILE", help=PROFILE_HELP)
 @click.option("--set", "sets", metavar="SECTION.KEY=VALUE", multiple=True, help=SET_HELP)
 @reporting_options
 def tools(
     source: str,
-    tool_files: tuple[str, ...],
     profile: str | None,
     sets: tuple[str, ...],
     as_json: bool,
@@ -162,7 +162,7 @@ def tools(
     from chipbreak.tools.program import table_json, table_text, tool_table
 
     reporter = make_reporter(as_json, quiet, color)
-    settings = settings_of(profile, sets, source, reporter, tool_files)
+    settings = settings_of(profile, sets, source, reporter)
     name = "<stdin>" if source == "-" else source
     trace = interpret(parse(restore(read(read_input(source), name))), settings)
     try:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from chipbreak.checks.edges import inward_mm
 from chipbreak.lasersim.tool import Chip
 from chipbreak.macro_b import Library
 from chipbreak.macros import ToolValues, macro_files
@@ -63,7 +65,7 @@ def mutated(name: str, old: str, new: str) -> Library:
         ("O9814.nc", "IF [#6 EQ 2] THEN #108=#107", "", "good ball"),
         ("O9813.nc", "GOTO 26", "GOTO 4", "chip: shortened by 0.03"),
         ("O9825.nc", "LT ROUND[#23/#135]", "LE ROUND[#23/#135]", "chip: exactly 0.02"),
-        ("O9825.nc", "SQRT[1.+#12*#12]", "1.", "chip: too small on a ball"),
+        ("O9825.nc", "#17=#19/#22", "#17=1", "chip: too small on a ball"),
         ("O9811.nc", "A[#112+#13*360./#113]", "A0.", "diameter OD-0.499"),
     ],
 )
@@ -100,6 +102,24 @@ def test_the_stored_shape_is_the_shape_of_each_tooth(nominal: Nominal) -> None:
     errors = [np.abs(np.roll(expected, k, axis=1) - radii).max() for k in range(nominal.teeth)]
     assert min(errors) < 0.001
     assert max(errors) > 0.05
+
+
+@pytest.mark.parametrize("nominal", [FLAT, BULL, BALL, DRILL], ids=lambda n: n.kind.name)
+def test_a_chip_is_as_deep_as_the_measures_of_the_filter_say(nominal: Nominal) -> None:
+    """Away from corners, which trace points 0.5 mm apart do not show to anybody; rounded to 1 um."""
+    stand = Stand(nominal, nominal.real(), settings=replace(SETTINGS, trace_step_mm=0.5))
+    stand.calibrate()
+    assert stand.run("T1 M6") == stand.trace(6.0) == ""
+    heights, radii = stand.stored()
+    stored = np.column_stack([heights, radii[:, 0]])
+    for height in heights[[0, 1, 6, 9, -1] if nominal is BALL else [6, 9, -1]]:
+        for depth in (0.004, 0.021, 0.06):
+            later = nominal.real(chips=(Chip(0, height, depth, 0.4),))
+            stand.change(later)
+            assert stand.chip_check(0.002) == "CHIP"
+            inward = inward_mm(stored, np.column_stack([heights, later.tooth_radius(0, heights)])).max()
+            measured = stand.control.variables.commons[104]
+            assert measured == pytest.approx(inward, rel=0.01, abs=0.0011), (height, depth)
 
 
 def in_force(stand: Stand) -> Mapping[object, object]:

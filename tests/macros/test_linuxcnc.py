@@ -7,6 +7,7 @@ simulation for every tool whose measures lie on whole micrometres.
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -50,16 +51,29 @@ def test_every_block_of_a_macro_is_read(tmp_path: Path) -> None:
         assert set(called) <= set(names)
 
 
+# All tools take four minutes.  Without CHIPBREAK_ALL_TOOLS these are left out, each much like another.
+WITH_A_TWIN = {
+    *("good bull nose", "length L-0.001", "diameter OD-0.500", "diameter OD-0.499", "ball, runout"),
+    *("ball, exactly L", "drill, exactly L", "drill, too long", "wrong tool, longer", "broken off"),
+    *("diameter OD+0.499 with a wide runout limit", "good single flute", "good reamer"),
+    *("chip: none", "chip: 0.03 on a helix", "chip: exactly 0.05", "chip: 0.049", "chip: at the top"),
+    *("chip: at the lower end", "chip: too small on a ball", "chip: on a bull nose", "chip: on a reamer"),
+    *("chip: shortened by 0.019", "chip: on a drill"),
+}
+
+
 @pytest.mark.linuxcnc("machine")
 def test_every_tool_gets_the_verdict_of_the_fanuc_macros() -> None:
-    found = verdicts(CASES)
-    expected = {case.name: (case.expected, case.rough, case.finish) for case in CASES}
-    assert found == expected
+    left_out = set() if os.environ.get("CHIPBREAK_ALL_TOOLS") else WITH_A_TWIN
+    assert left_out <= {case.name for case in CASES}
+    cases = [case for case in CASES if case.name not in left_out]
+    expected = {case.name: (case.expected, case.rough, case.finish) for case in cases}
+    assert verdicts(cases) == expected
 
 
 @pytest.mark.linuxcnc("machine")
-def test_everything_in_force_is_as_it_was(tmp_path: Path) -> None:
-    before = "G20 G91 G93 G64 G55 S700 F30"
+@pytest.mark.parametrize("before", ["G20 G91 G94 G64 G55 S700 F30", "G20 G91 G93 G64 G55 S700"])
+def test_everything_in_force_is_as_it_was(tmp_path: Path, before: str) -> None:
     shown = "(debug, #<_metric> #<_absolute> #<_feed> #<_rpm> #5220 #<_units_per_minute> #<_inverse_time>)"
     calls = [f"{before}\n{shown}\n{call}\n{shown}" for call in CALLS[:1]]
     calls += ["M68 E0 Q1", *CALLS[1:3]]

@@ -192,7 +192,7 @@ def test_shapes_do_not_depend_on_the_size_of_the_pieces(data: bytes, size: int) 
 
 
 @given(programs, programs, st.data())
-def test_a_changed_program_is_classified_as_if_it_were_new(old: bytes, new: bytes, data: st.DataObject) -> None:
+def test_a_changed_program_is_classified_like_a_new_one(old: bytes, new: bytes, data: st.DataObject) -> None:
     original = parse(read(old))
     count = original.source.line_count
     first = data.draw(st.integers(0, count))

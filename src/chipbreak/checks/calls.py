@@ -14,11 +14,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from chipbreak.checks.tool_values import DATA_FIELDS, data_texts
 from chipbreak.diagnostics import RefusalError
 from chipbreak.nearest import nearest
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.syntax.parse import read_block
+from chipbreak.tools.data import ToolData
 from chipbreak.units import MM_PER_INCH
 
 UNKNOWN_SET, UNKNOWN_EVENT, UNKNOWN_FIELD = "SET030", "SET031", "SET032"
@@ -51,11 +53,12 @@ class CallValues:
     height_mm: float | None = None
     limit_mm: float | None = None
     operation: str | None = None
+    data: ToolData | None = None
 
     def fields(self, *, is_inch: bool) -> dict[str, str]:
         """The texts of all fields that have a value; lengths without ``_mm`` are in program units."""
         scale = MM_PER_INCH if is_inch else 1.0
-        texts: dict[str, str] = {}
+        texts = data_texts(self.data, is_inch=is_inch) if self.data else {}
         for name, value in (("height", self.height_mm), ("limit", self.limit_mm)):
             if value is not None:
                 texts[f"{name}_mm"] = print_number(value, _DECIMALS)
@@ -69,31 +72,51 @@ class CallValues:
         return texts
 
 
-_LONGEST = CallValues(99999999, 99999.999, 20.123457, 20.123457, "SEMI-FINISH")
+# The point angle stands where another tool has its radius, and needs no more room.
+_LONGEST_DATA = ToolData(
+    number=99999999,
+    type="bull nose end mill",
+    teeth=200,
+    diameter_mm=1999.9999,
+    length_mm=1999.9999,
+    corner_radius_mm=999.9999,
+    helix_deg=-84.99,
+    point_deg=118.99,
+    holder_mm=1999.9999,
+)
+_LONGEST = CallValues(99999999, 99999.999, 20.123457, 20.123457, "SEMI-FINISH", _LONGEST_DATA)
 _EVENT_FIELDS: Final[Mapping[Event, tuple[str, ...]]] = {
     Event.CALIBRATE: (),
-    Event.TOOL_CHECK: ("tool", "speed_rpm"),
-    Event.TRACE: ("tool", "speed_rpm", "height", "height_mm"),
-    Event.CHIP_CHECK: ("tool", "limit", "limit_mm", "height", "height_mm", "operation"),
+    Event.TOOL_CHECK: ("tool", "speed_rpm", *DATA_FIELDS),
+    Event.TRACE: ("tool", "speed_rpm", "height", "height_mm", *DATA_FIELDS),
+    Event.CHIP_CHECK: ("tool", "limit", "limit_mm", "height", "height_mm", "operation", *DATA_FIELDS),
 }
-_FANUC_MILL = {
+# Tool data is in mm, whatever the program counts in; it lasts for the TRACE straight behind the check.
+_FANUC = {
     "calibrate": ("G65 P9810",),
-    "tool_check": ("G65 P9811 T{tool} S{speed_rpm}",),
     "trace": ("G65 P9812 T{tool} Z{height}",),
     "chip_check": ("G65 P9813 T{tool} W{limit} Z{height}",),
 }
-_LINUXCNC_MILL = {
+_LINUXCNC = {
     "calibrate": ("o<cb_calibrate> call",),
-    "tool_check": ("o<cb_tool_check> call [{tool}] [{speed_rpm}]",),
     "trace": ("o<cb_trace> call [{tool}] [{height}]",),
     "chip_check": ("o<cb_chip_check> call [{tool}] [{limit}] [{height}]",),
 }
-# A turning tool stands still: no runout, so no speed.
+_FANUC_CHECK = (
+    "G65 P9814 T{tool} K{kind} D{diameter_mm} R{tip} H{length_mm} E{holder_mm} Q{teeth} B{helix}",
+    "G65 P9811 T{tool} S{speed_rpm}",
+)
+_LINUXCNC_CHECK = (
+    "o<cb_tool> call [{tool}] [{kind}] [{diameter_mm}] [{tip}] [{teeth}] [{helix}]",
+    "o<cb_length> call [{tool}] [{length_mm}] [{holder_mm}]",
+    "o<cb_tool_check> call [{tool}] [{speed_rpm}]",
+)
+# A turning tool stands still: no runout, so no speed.  The shop's own macros know what is to be measured.
 BUILT_IN: Final[Mapping[str, Mapping[str, Sequence[str]]]] = {
-    "fanuc-mill": _FANUC_MILL,
-    "fanuc-lathe": _FANUC_MILL | {"tool_check": ("G65 P9811 T{tool}",)},
-    "linuxcnc-mill": _LINUXCNC_MILL,
-    "linuxcnc-lathe": _LINUXCNC_MILL | {"tool_check": ("o<cb_tool_check> call [{tool}]",)},
+    "fanuc-mill": _FANUC | {"tool_check": _FANUC_CHECK},
+    "fanuc-lathe": _FANUC | {"tool_check": ("G65 P9811 T{tool}",)},
+    "linuxcnc-mill": _LINUXCNC | {"tool_check": _LINUXCNC_CHECK},
+    "linuxcnc-lathe": _LINUXCNC | {"tool_check": ("o<cb_tool_check> call [{tool}]",)},
 }
 
 
@@ -111,6 +134,21 @@ class CallSet:
     def needs(self, event: Event, field: str) -> bool:
         """True when a call uses a field."""
         return any(field in _fields(block) for block in self.blocks.get(event, ()))
+
+    def lacking(self, event: Event, values: CallValues) -> list[str]:
+        """The fields about the tool that a call uses and that have no value.
+
+        A TRACE stands straight behind a TOOL CHECK and counts on what that one said about the tool.
+        """
+        known = values.fields(is_inch=False)
+        events = (Event.TOOL_CHECK, event) if event is Event.TRACE else (event,)
+        blocks = [block for one in events for block in self.blocks.get(one, ())]
+        used = [field for block in blocks for field in _fields(block)]
+        return [field for field in dict.fromkeys(used) if field in DATA_FIELDS and field not in known]
+
+    def uses_tool_data(self) -> bool:
+        """True when any call says something about the tool but its number."""
+        return any(self.needs(event, field) for event in self.blocks for field in DATA_FIELDS)
 
     def text(self, event: Event, values: CallValues, *, is_inch: bool) -> tuple[str, ...]:
         """The blocks of an event with its values."""

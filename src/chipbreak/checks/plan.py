@@ -17,12 +17,16 @@ from itertools import groupby, pairwise
 from chipbreak.checks.borders import Border, BorderFinder, NoBorder, Range
 from chipbreak.checks.calls import CallSet, CallValues, Event, calls_of
 from chipbreak.checks.ground import Ground
+from chipbreak.checks.tool_values import source_field
 from chipbreak.diagnostics import Diagnostic, Severity
 from chipbreak.model.kinds import Kind
 from chipbreak.model.main_program import main_program
 from chipbreak.model.operations import Operation
 from chipbreak.model.trace import Trace
 from chipbreak.settings.sections import Settings
+from chipbreak.tools.merge import ToolTable
+from chipbreak.tools.needs import not_given
+from chipbreak.tools.tips import Tip, tip_of
 
 NO_TOOL_CALL, NO_BORDER, NO_SPEED = "CHK001", "CHK002", "CHK003"
 NO_SHAPE, NOT_LOOKED_AT, WHICH_TOOL = "CHK004", "CHK005", "CHK006"
@@ -51,13 +55,13 @@ class Limit:
 
 
 def plan_checks(
-    operations: Sequence[Operation], trace: Trace, settings: Settings
+    operations: Sequence[Operation], trace: Trace, settings: Settings, tools: ToolTable
 ) -> tuple[list[PlannedCheck], list[Diagnostic]]:
     """All checks of a program, in its order, and what could not be checked.
 
     Raises RefusalError when the calls of the profile cannot be used (SET030 to SET034).
     """
-    planner = _Planner(operations, trace, settings)
+    planner = _Planner(operations, trace, settings, tools)
     planner.run()
     return planner.planned, planner.diagnostics
 
@@ -99,8 +103,10 @@ class _Wish:
 class _Planner:
     """One walk over the operations."""
 
-    def __init__(self, operations: Sequence[Operation], trace: Trace, settings: Settings) -> None:
-        self.trace, self.settings, self.checks = trace, settings, settings.checks
+    def __init__(
+        self, operations: Sequence[Operation], trace: Trace, settings: Settings, tools: ToolTable
+    ) -> None:
+        self.trace, self.settings, self.checks, self.tools = trace, settings, settings.checks, tools
         self.operations = operations
         self.calls: CallSet = calls_of(settings)
         self.main = main_program(trace)
@@ -118,6 +124,8 @@ class _Planner:
         self.diagnostics: list[Diagnostic] = []
         self.traced: set[int] = set()
         self.shapeless: set[int] = set()
+        self.said_missing: set[tuple[int, str]] = set()
+        self.uses_tool_data = self.calls.uses_tool_data()
 
     def run(self) -> None:
         """Plan visit by visit: what a tool does between its call and the next one."""
@@ -138,6 +146,8 @@ class _Planner:
             self.planned.clear()  # a beam that nobody looks at
 
     def _is_wanted(self, tool: int) -> bool:
+        if self.uses_tool_data and tip_of(self.tools.get(tool)) is Tip.STANDING:
+            return False  # a turning tool or a probe: nothing turns in the beam
         return tool not in self.checks.ignore and (not self.checks.only or tool in self.checks.only)
 
     def _say_what_is_left_out(self) -> None:
@@ -172,7 +182,8 @@ class _Planner:
         """TOOL CHECK and TRACE, after the tool call and before its first cut."""
         assert operation.first_cut is not None
         where = Range(call + 1, call + 1, operation.first_cut)
-        values = CallValues(tool, operation.speed_rpm, self.checks.trace_height_mm)
+        data = self.tools.get(tool)
+        values = CallValues(tool, operation.speed_rpm, self.checks.trace_height_mm, data=data)
         called = f"called in line {self.trace.program.source.place(call).line}"
         wishes = []
         if self._can_call(Event.TOOL_CHECK, values, operation.first_cut):
@@ -185,14 +196,30 @@ class _Planner:
             self.traced.add(tool)
 
     def _can_call(self, event: Event, values: CallValues, first_cut: int) -> bool:
-        """True when the set has such a call and its speed is known."""
+        """True when the set has such a call, and all it says about the tool and its speed is known."""
         if not self.calls.has(event):
             return False
         if values.speed_rpm is None and self.calls.needs(event, "speed_rpm"):
             message = f"left out: {event.title} T{values.tool}; the spindle speed of this cut is not known"
             self._say(first_cut, NO_SPEED, message, "give S and M3 or M4 before the cut")
             return False
-        return True
+        lacking = self.calls.lacking(event, values)
+        for field in dict.fromkeys(source_field(name, self.tools.get(values.tool or 0)) for name in lacking):
+            self._say_missing(event, values.tool or 0, field, first_cut)
+        return not lacking
+
+    def _say_missing(self, event: Event, tool: int, field: str, line: int) -> None:
+        """Once for each field of a tool: TOOL CHECK and TRACE want the same."""
+        if (tool, field) not in self.said_missing:
+            self.said_missing.add((tool, field))
+            severity = Severity.ERROR if self.checks.missing == "error" else Severity.WARNING
+            found = not_given(self.tools.get(tool), event.title, field, severity)
+            skip = "" if self.checks.missing == "skip" else "; checks.missing=skip leaves the check out"
+            help_text = found.help + skip
+            program = self.trace.program
+            self.diagnostics.append(
+                program.diagnose(line, found.code, found.message, help_text, severity=severity)
+            )
 
     def _check_chips(self, operation: Operation, tool: int) -> None:
         """CHIP CHECK at the end of an operation, with the limit of what the tool does next."""
@@ -213,7 +240,10 @@ class _Planner:
             height_mm=self.checks.trace_height_mm,
             limit_mm=limit.w_mm,
             operation=limit.next_kind.value.upper(),
+            data=self.tools.get(tool),
         )
+        if not self._can_call(Event.CHIP_CHECK, values, operation.last_cut):
+            return
         where = Range(operation.last_cut + 1, operation.last_line, self._last_place_behind(operation))
         self._place(where, _Wish(Event.CHIP_CHECK, values, limit.reason))
 

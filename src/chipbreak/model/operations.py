@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from chipbreak.diagnostics import Diagnostic, ProgramRejectedError, RefusalError
+from chipbreak.model.cycle_kinds import kind_by_cycle
 from chipbreak.model.kinds import (
     Kind,
     KindRules,
@@ -29,8 +30,6 @@ from chipbreak.model.trace import Trace
 from chipbreak.syntax.nodes import Block, Comment
 
 # Canned cycles that do not drill: tapping, and the boring that leaves a finished bore.
-_TAPPING = (74.0, 84.0, 84.2)
-_FINE_BORING = 76.0
 # Where several cycles stand in one operation, the one that asks most of the edge names it.
 _CYCLE_ORDER = (Kind.FINISH, Kind.ROUGH, Kind.THREAD, Kind.DRILL, Kind.PROBE)
 
@@ -267,7 +266,7 @@ class _Judge:
         found: dict[Kind, str] = {}
         at, end = bisect_left(self.event_lines, draft.first), bisect_left(self.event_lines, last)
         for step in self.trace.events[at:end]:
-            kind = _kind_by_cycle(step)
+            kind = kind_by_cycle(step)
             if kind and kind not in found:
                 found[kind] = f"cycle {step.block.text.strip()[:40]}, {self._line(step.block.line)}"
         return next(((kind, found[kind]) for kind in _CYCLE_ORDER if kind in found), None)
@@ -282,22 +281,6 @@ class _Judge:
 
     def _line(self, line: int) -> str:
         return f"line {self.trace.program.source.place(line).line}"
-
-
-def _kind_by_cycle(step: Step) -> Kind | None:
-    once, motion = step.once, step.after.modes["motion"]
-    codes = {word.number for word in step.block.words if word.address == "G"}
-    if "finish-cycle" in once or (motion == "cycle" and _FINE_BORING in codes):
-        return Kind.FINISH
-    if "rough-cycle" in once:
-        return Kind.ROUGH
-    if "thread-cycle" in once or (step.move and motion in ("thread", "threading-cycle", "thread-cycle")):
-        return Kind.THREAD
-    if "skip" in once or (step.move and motion == "probe"):
-        return Kind.PROBE
-    if motion == "cycle" and step.before.modes["motion"] != "cycle":
-        return Kind.THREAD if codes & set(_TAPPING) else Kind.DRILL
-    return None
 
 
 def _speed_rpm(state: State) -> float | None:

@@ -37,6 +37,7 @@ from chipbreak.passes import CHECK_TOOLS
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.syntax.parse import read_block
+from chipbreak.tools.merge import ToolTable
 from chipbreak.units import MM_PER_INCH
 
 _SPINDLE = {"cw": "M3", "ccw": "M4"}
@@ -46,7 +47,7 @@ _DECIMALS = 6
 
 
 def plan(
-    trace: Trace, operations: Sequence[Operation], settings: Settings
+    trace: Trace, operations: Sequence[Operation], settings: Settings, tools: ToolTable
 ) -> tuple[list[Edit], list[Diagnostic]]:
     """The insertions of all checks, and what could not be checked.
 
@@ -54,7 +55,7 @@ def plan(
     """
     if not settings.checks.enabled:
         return [], []
-    checks, diagnostics = plan_checks(operations, trace, settings)
+    checks, diagnostics = plan_checks(operations, trace, settings, tools)
     checks.sort(key=lambda check: check.border.line)
     edits = [_edit(list(group), settings) for _, group in groupby(checks, lambda check: check.border.line)]
     return edits, diagnostics

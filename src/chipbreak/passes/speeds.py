@@ -53,7 +53,8 @@ def _edit(trace: Trace, step: Step, asked: Peripheral, speed: str) -> Edit:
     if not asked.words:
         # The comment stays.  Beside other words its speed must be there before they act.
         at = line + 1 if step.block.is_empty else line
-        if at == trace.program.source.line_count and not trace.program.source.raw(line).endswith((b"\n", b"\r")):
+        source = trace.program.source
+        if at == source.line_count and not source.raw(line).endswith((b"\n", b"\r")):
             return Edit(line, line + 1, (text, speed), title, reason, SPEEDS)
         return Edit(at, at, (speed,), title, reason, SPEEDS)
     first, second = asked.words

@@ -37,7 +37,10 @@ def program_unit(trace: Trace, line: int) -> tuple[float, str]:
 
     A tool list stands above the G20 or G21 it is meant in, so the next one counts where none has come yet.
     """
-    given = _unit_codes(trace)
+    return _unit_at(trace, _unit_codes(trace), line)
+
+
+def _unit_at(trace: Trace, given: list[tuple[int, str]], line: int) -> tuple[float, str]:
     if not given:
         unit = trace.settings.dialect.initial.get("units", "mm")
         who = f"{_word(unit)}, as {trace.settings.dialect.title} starts"
@@ -72,6 +75,7 @@ class _Reader:
         self.current: int | None = None
         self.is_called = False
         self.line = 0  # of the block before
+        self.units = _unit_codes(trace)
 
     def read(self, block: Block) -> None:
         # Plain motion is no event; it shows between two of them.
@@ -113,7 +117,7 @@ class _Reader:
 
     def _values(self, line: int, text: str, note: ToolNote | None) -> dict[str, Any]:
         """The fields that a comment gives; a value that cannot be is no value."""
-        scale = program_unit(self.trace, line)[0]
+        scale = _unit_at(self.trace, self.units, line)[0]
         scales = {None: scale, "mm": 1.0, "in": MM_PER_INCH}
         values: dict[str, Any] = {"teeth": teeth_said(text)}
         for field, length in (("length_mm", stick_out_said(text)), ("holder_mm", holder_said(text))):

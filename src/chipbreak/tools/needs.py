@@ -45,14 +45,14 @@ _NEEDS: Final[Mapping[Check, Mapping[Tip, tuple[str, ...]]]] = {
 }
 # Where each field is given, beside the column of that name in a CSV or TOML file.
 _WHERE: Final = {
-    "type": "type of a Fusion library, the shape of a FreeCAD bit, or a comment (T2 D=12. - FLAT END MILL)",
-    "teeth": "NOF of a Fusion library, Flutes of a FreeCAD bit, or a comment (T2 ... 4 FLUTE)",
-    "diameter_mm": "DC of a Fusion library, Diameter of a FreeCAD bit, D of a LinuxCNC table, or a comment",
-    "length_mm": "LB of a Fusion library, or a comment (STICKOUT: 42)",
-    "corner_radius_mm": "RE of a Fusion library, CornerRadius of a FreeCAD bit, or a comment (... CR=0.5)",
-    "helix_deg": "nowhere else: no CAM library stores it",
-    "point_deg": "SIG of a Fusion library, TipAngle of a FreeCAD bit, or a comment (... TAPER=118DEG)",
-    "holder_mm": "the gauge length of a Fusion library, or a comment (HOLDER LENGTH: 70)",
+    "type": "; also type of a Fusion library, the shape of a FreeCAD bit, or a comment (T2 - FLAT END MILL)",
+    "teeth": "; also NOF of a Fusion library, Flutes of a FreeCAD bit, or a comment (T2 ... 4 FLUTE)",
+    "diameter_mm": "; also DC of a Fusion library, Diameter of a FreeCAD bit, D of a tool table, or comments",
+    "length_mm": "; also LB of a Fusion library, or a comment (STICKOUT: 42)",
+    "corner_radius_mm": "; also RE of a Fusion library, CornerRadius of a FreeCAD bit, or a comment (CR=0.5)",
+    "helix_deg": "; no CAM library stores it",
+    "point_deg": "; also SIG of a Fusion library, TipAngle of a FreeCAD bit, or a comment (... TAPER=118DEG)",
+    "holder_mm": "; also the gauge length of a Fusion library, or a comment (HOLDER LENGTH: 70)",
 }
 
 
@@ -69,15 +69,17 @@ def lacking(tool: ToolData, check: Check) -> list[str]:
 
 def missing(tool: ToolData, check: Check, severity: Severity = Severity.ERROR) -> list[Diagnostic]:
     """A diagnostic for every field that a check needs and nobody gave."""
-    return [_diagnostic(tool, check, field, severity) for field in lacking(tool, check)]
+    what = f"the {check.value} check"
+    return [not_given(tool, what, field, severity) for field in lacking(tool, check)]
 
 
-def _diagnostic(tool: ToolData, check: Check, field: str, severity: Severity) -> Diagnostic:
-    what = f"the {check.value} check of T{tool.number} needs its {field_words(field)}, and nobody gave it"
+def not_given(tool: ToolData, check: str, field: str, severity: Severity) -> Diagnostic:
+    """What to say about a field that a check needs and nobody gave."""
+    what = f"{check} of T{tool.number} needs its {field_words(field)}, and nobody gave it"
     if field == "type" and tool.type is not None:
         what = (
-            f'the {check.value} check of T{tool.number} cannot tell its lower end from the type "{tool.type}"'
+            f'{check} of T{tool.number} cannot tell its lower end from the type "{tool.type}"'
             f" ({tool.origins['type']})"
         )
-    help_text = f"give {field} in a tool file (--tools FILE, or files in [tools]); also {_WHERE[field]}"
+    help_text = f"give {field} in a tool file (--tools FILE, or files in [tools]){_WHERE[field]}"
     return Diagnostic(NOT_GIVEN, severity, what, help_text)

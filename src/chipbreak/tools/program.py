@@ -35,6 +35,15 @@ def tool_table(trace: Trace) -> ToolTable:
     return merge(files, tools_in_comments(trace), called_tools(trace))
 
 
+def tool_table_for_checks(trace: Trace) -> ToolTable:
+    """The same where checks will ask for it, or where files were given that must be right.
+
+    Raises ToolFileError.
+    """
+    settings = trace.settings
+    return tool_table(trace) if settings.checks.enabled or settings.tools.files else ToolTable({}, ())
+
+
 def table_text(table: ToolTable) -> list[str]:
     """The tools as lines: what is known [mm, degrees], who said it, which check lacks what."""
     if not table.tools:

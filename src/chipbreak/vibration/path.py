@@ -204,7 +204,8 @@ def _centre_from_radius(start: Floats, end: Floats, leg: Leg) -> Floats:
     length = float(np.hypot(*chord))
     radius = abs(leg.radius_mm)
     if math.isnan(radius):
-        raise RefusalError("VIB022", "the arc has neither centre nor radius", "give I, J, K or R on the block")
+        message = "the arc has neither centre nor radius"
+        raise RefusalError("VIB022", message, "give I, J, K or R on the block")
     if length == 0.0 or radius < length / 2.0 - _RADIUS_TOLERANCE_MM:
         message = f"no arc of radius {leg.radius_mm:g} mm joins points {length:.4f} mm apart"
         raise RefusalError("VIB022", message, "give I, J, K or a fitting R on the block")

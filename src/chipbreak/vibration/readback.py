@@ -26,11 +26,15 @@ _SHORT_RUN = 16
 
 @dataclass(frozen=True, eq=False)
 class ReadBack:
-    """Ends of the moves: ``points_mm`` (n, 3), how long each is, and its commanded feed, (n,) each."""
+    """Ends of the moves: ``points_mm`` (n, 3), how long each is, and its commanded feed, (n,) each.
+
+    ``strangers`` counts moves that are no feed moves, which an expanded cut never has.
+    """
 
     points_mm: Floats
     lengths_mm: Floats
     feed_mm_s: Floats
+    strangers: int = 0
 
     def along(self, path: Path, meant_mm: Floats) -> tuple[Floats, Floats]:
         """Distance along the path and off it [mm], (n,) each; ``meant_mm`` is where each block should end.
@@ -50,6 +54,7 @@ def read_moves(trace: Trace, first: int, last: int) -> ReadBack:
     points: list[Floats] = []
     lengths: list[Floats] = []
     feeds: list[Floats] = []
+    strangers = 0
     line = first
     while line < last:
         run = uniform_run(trace.program, line, last)
@@ -65,11 +70,13 @@ def read_moves(trace: Trace, first: int, last: int) -> ReadBack:
             ends = _clean(np.array([step.move.start, step.move.end]))
             words = np.array([step.after.feed.value if step.after.feed else np.nan])
             _add(step.after, ends, words, (points, lengths, feeds))
+        elif step.move is not None:
+            strangers += 1
         state = step.after
         line += 1
     if not points:
-        return ReadBack(np.empty((0, 3)), np.empty(0), np.empty(0))
-    return ReadBack(np.concatenate(points), np.concatenate(lengths), np.concatenate(feeds))
+        return ReadBack(np.empty((0, 3)), np.empty(0), np.empty(0), strangers)
+    return ReadBack(np.concatenate(points), np.concatenate(lengths), np.concatenate(feeds), strangers)
 
 
 def _table_moves(trace: Trace, state: State, letters: str, numbers: Floats) -> tuple[Floats, Floats]:
