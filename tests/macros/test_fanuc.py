@@ -21,9 +21,12 @@ from .stand import SETTINGS, Nominal, Stand
 NAMED = {case.name: case for case in CASES}
 
 
-def run(case: Case, *, reads_ahead: bool = False, programs: Library | None = None) -> tuple[str, str, str]:
+def run(
+    case: Case, *, reads_ahead: bool = False, sample_s: float = 0.0, programs: Library | None = None
+) -> tuple[str, str, str]:
     """The alarm of TOOL CHECK, or those of CHIP CHECK before a rough and before a finish operation."""
     stand = Stand(case.nominal, case.real, settings=case.settings, reads_ahead=reads_ahead, programs=programs)
+    stand.machine.sample_s = sample_s
     stand.calibrate()
     stand.station.beam = case.beam
     if case.later is None:
@@ -41,6 +44,12 @@ def test_every_tool_gets_its_verdict(case: Case) -> None:
 @pytest.mark.parametrize("case", [*CHECKS[:14], CHIPS[1]], ids=lambda case: case.name)
 def test_a_control_that_reads_ahead_comes_to_the_same_verdict(case: Case) -> None:
     assert run(case, reads_ahead=True) == (case.expected, case.rough, case.finish)
+
+
+@pytest.mark.parametrize("case", [*CHECKS[6:18], *CHIPS[3:7]], ids=lambda case: case.name)
+def test_a_signal_seen_a_millisecond_late_changes_no_verdict(case: Case) -> None:
+    """0.2 um at the slow feed, and the master bar was measured with the same delay."""
+    assert run(case, sample_s=0.001) == (case.expected, case.rough, case.finish)
 
 
 def mutated(name: str, old: str, new: str) -> Library:

@@ -79,6 +79,12 @@ def test_arguments_and_levels_of_locals() -> None:
     assert (commons[100], commons[101], commons[102]) == (7.0, 4.0, 99.0)
 
 
+def test_a_subprogram_is_repeated() -> None:
+    made = control("O9003\n#100=#100+1\nM99\n")
+    made.run("#100=0\nM98 P9003 L3\nM98 P9003")
+    assert made.variables.commons[100] == 4.0
+
+
 def test_loops_and_jumps() -> None:
     made = control()
     made.run(
@@ -172,6 +178,7 @@ def test_reading_ahead_ends_at_moves_in_machine_coordinates_skips_and_tool_chang
         ("MAC008", "G2 X1. R1."),
         ("MAC008", "G7.1 C1."),
         ("MAC008", "M77"),
+        ("MAC008", "M99 P10"),
         ("MAC009", "G65 A1."),
         ("MAC009", "G65 P9001 N1."),
         ("MAC010", "G31 X1."),

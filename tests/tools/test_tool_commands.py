@@ -81,7 +81,7 @@ def test_tools_with_a_file_that_cannot_be_used(tmp_path: Path, name: str) -> Non
 
 def test_a_program_without_tools(tmp_path: Path) -> None:
     (tmp_path / "a.nc").write_text("G0 X0\n")
-    assert run("tools", "-p", "fanuc-mill", str(tmp_path / "a.nc")).stdout == "no tool is called\n"
+    assert run("tools", "-p", "fanuc-mill", str(tmp_path / "a.nc")).stdout == "no tool is called or listed\n"
 
 
 def test_inspect_before_a_finish_and_before_a_rough() -> None:
@@ -169,3 +169,9 @@ def test_figures_of_all_sizes_have_axes(scale: float, wear: float) -> None:
     assert texts[0] == "<&>"
     assert sum(bool(re.fullmatch(r"-?[\d.]+", text)) for text in texts) > 10
     assert "nan" not in edge_figure(curves, 0.02 * scale, "")
+
+
+def test_a_listed_tool_needs_no_call(tmp_path: Path) -> None:
+    (tmp_path / "a.nc").write_text("(T6 D=3.175 CR=0 - ZMIN=0 - flat end mill)\nG21\nT6\nS18000 M3\n")
+    done = run("tools", "-p", "fanuc-mill", str(tmp_path / "a.nc"))
+    assert re.search(r"^T6 +flat end mill +- +3.175 ", done.stdout, re.MULTILINE)

@@ -12,6 +12,7 @@ from chipbreak.macro_b.faults import (
     NO_LOOP,
     NO_PROGRAM,
     TOO_DEEP,
+    UNSUPPORTED,
     Alarm,
     ProgramEnd,
     fault,
@@ -124,9 +125,13 @@ class Interpreter:
             self._call(block, words, depth)
             return at + 1
         if ("M", 98.0) in codes:
-            self._run(self.library.get(self._program_number(block, words)), depth + 1)
+            times = [value for word, value in words if word.address == "L" and value is not None]
+            for _ in range(round(times[-1]) if times else 1):
+                self._run(self.library.get(self._program_number(block, words)), depth + 1)
             return at + 1
         if ("M", 99.0) in codes:
+            if len(words) > 1:
+                raise fault(UNSUPPORTED, f"M99 returns to where the call was, and nowhere else: {block.text}")
             return None
         present = [(word.address, value) for word, value in words if value is not None]
         if present:

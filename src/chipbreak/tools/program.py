@@ -24,7 +24,7 @@ def called_tools(trace: Trace) -> list[int]:
 
 
 def tool_table(trace: Trace) -> ToolTable:
-    """All that is known about the tools of a program.
+    """All that is known about the tools that a program calls, or lists without calling them.
 
     Raises ToolFileError when a file of ``[tools]`` or ``--tools`` cannot be used.
     """
@@ -32,7 +32,8 @@ def tool_table(trace: Trace) -> ToolTable:
     first = trace.program.source.body.start
     unit = table_unit(settings, program_unit(trace, first))
     files = read_files(files_of(settings), unit)
-    return merge(files, tools_in_comments(trace), called_tools(trace))
+    comments = tools_in_comments(trace)
+    return merge(files, comments, [*called_tools(trace), *(tool.number for tool in comments)])
 
 
 def tool_table_for_checks(trace: Trace) -> ToolTable:
@@ -47,7 +48,7 @@ def tool_table_for_checks(trace: Trace) -> ToolTable:
 def table_text(table: ToolTable) -> list[str]:
     """The tools as lines: what is known [mm, degrees], who said it, which check lacks what."""
     if not table.tools:
-        return ["no tool is called"]
+        return ["no tool is called or listed"]
     rows = [["tool", *_HEADS]]
     rows += [[f"T{number}", *map(_shown, _values(table, number))] for number in table.tools]
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]

@@ -1,4 +1,4 @@
-; flags: -p fanuc-mill --set checks.last_use=none tools.files=["tools.csv"])
+; flags: -p fanuc-mill --set checks.last_use=none
 T1 M6
 (ROUGH)
 S1200 M3
@@ -26,7 +26,6 @@ T1 M6
 (CHIPBREAK BEGIN TOOL CHECK T1, TRACE T1)
 G91 G28 Z0.
 G90
-G65 P9814 T1 K1 D10. R0. H40. E60. Q4 B30.
 G65 P9811 T1 S1200
 G65 P9812 T1 Z20.
 (CHIPBREAK END 641160A8)

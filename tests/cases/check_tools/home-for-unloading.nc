@@ -1,4 +1,4 @@
-; flags: -p fanuc-mill tools.files=["tools.csv"])
+; flags: -p fanuc-mill
 T1 M6
 (FACE1)
 S1500 M3
@@ -23,7 +23,6 @@ T1 M6
 (CHIPBREAK BEGIN TOOL CHECK T1, TRACE T1)
 G91 G28 Z0.
 G90
-G65 P9814 T1 K1 D10. R0. H40. E60. Q4 B30.
 G65 P9811 T1 S1500
 G65 P9812 T1 Z20.
 (CHIPBREAK END 01C85EE8)

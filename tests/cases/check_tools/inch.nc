@@ -1,4 +1,4 @@
-; flags: -p linuxcnc-mill --set checks.only=[7] --set checks.last_use=none tools.files=["tools.csv"])
+; flags: -p linuxcnc-mill --set checks.only=[7] --set checks.last_use=none
 G20 G90
 T7 M6
 S12000 M3
@@ -25,8 +25,6 @@ G80
 T7 M6
 (CHIPBREAK BEGIN TOOL CHECK T7, TRACE T7)
 G53 G0 Z0
-o<cb_tool> call [7] [1] [10.] [0.] [4] [30.]
-o<cb_length> call [7] [40.] [60.]
 o<cb_tool_check> call [7] [12000]
 o<cb_trace> call [7]
 G80

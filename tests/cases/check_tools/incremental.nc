@@ -1,4 +1,4 @@
-; flags: -p fanuc-mill --set checks.only=[4] tools.files=["tools.csv"])
+; flags: -p fanuc-mill --set checks.only=[4]
 T4 M6
 (ROUGH)
 S1200 M3
@@ -23,7 +23,6 @@ T4 M6
 (CHIPBREAK BEGIN TOOL CHECK T4, TRACE T4)
 G91 G28 Z0.
 G90
-G65 P9814 T4 K1 D10. R0. H40. E60. Q4 B30.
 G65 P9811 T4 S1200
 G65 P9812 T4 Z20.
 (CHIPBREAK END FBA07F46)
