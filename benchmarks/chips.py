@@ -3,9 +3,9 @@
     sudo python benchmarks/chips.py               the whole grid, some minutes
     sudo python benchmarks/chips.py --only arc    the programs with "arc" in their name
 
-Needs LinuxCNC (tests/linuxcnc/install.sh) and root.  *Naive* is one block for every 4 ms with F = length / time,
-as if the control followed it, in the program's own G64.  Chips are worked out from the sampled positions of the
-axes by ``tests/linuxcnc/chips.py``, which knows nothing of the filter.
+Needs LinuxCNC (tests/linuxcnc/install.sh) and root.  *Naive* is one block for every 4 ms with F = length /
+time, as if the control followed it, in the program's own G64.  Chips are worked out from the sampled positions
+of the axes by ``tests/linuxcnc/chips.py``, which knows nothing of the filter.
 """
 
 from __future__ import annotations

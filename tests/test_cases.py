@@ -1,4 +1,4 @@
-"""Programs in tests/cases: what goes in, and behind ``; --- output`` what must come out.
+"""Programs in tests/cases/vibrate: what goes in, and behind ``; --- output`` what must come out.
 
 Without the divider the program must not change.  The first line may be a comment ``(CASE ...)`` with
 ``-p PROFILE`` and ``section.key=value``; the generic lathe is the default.  Bracket lines that keep the
@@ -16,7 +16,7 @@ import chipbreak
 from chipbreak.restore import restore
 from chipbreak.source import read
 
-CASES = sorted((Path(__file__).parent / "cases").rglob("*.nc"))
+CASES = sorted((Path(__file__).parent / "cases" / "vibrate").glob("*.nc"))
 DIVIDER = "; --- output\n"
 _FLAGS = re.compile(r"\(CASE ([^()]*)\)\n")
 

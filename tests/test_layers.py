@@ -126,6 +126,7 @@ checks.reliance
 checks.tool_values
 checks.calls
 checks.borders
+checks.limits
 checks.plan
 
 passes

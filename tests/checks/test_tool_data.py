@@ -34,9 +34,18 @@ def test_the_macros_are_told_about_the_tool(profile: str, block: bytes) -> None:
     assert not [d for d in found.diagnostics if d.code.startswith("TOL")]
 
 
-def test_what_nobody_gave_rejects_the_program() -> None:
+def test_what_nobody_gave_is_left_to_the_control() -> None:
+    found = result()
+    assert found.data.count(b"P9811") == 3
+    assert b"P9814" not in found.data
+    said = [d for d in found.diagnostics if d.code == "CHK007"]
+    assert [d.severity.value for d in said] == ["warning"] * 3
+    assert "length_mm, holder_mm, teeth, helix_deg of T1" in said[0].message
+
+
+def test_or_rejects_the_program() -> None:
     with pytest.raises(chipbreak.ProgramRejectedError) as caught:
-        result()
+        result("checks.missing=error")
     errors = [d for d in caught.value.diagnostics if d.code == "TOL010"]
     assert len(errors) == 12  # length, holder, teeth and helix of three tools
     assert errors[0].place is not None
@@ -96,7 +105,7 @@ def test_a_bad_file_is_an_error_even_where_no_check_is_made(tmp_path: Path) -> N
 @pytest.mark.parametrize("command", ["filter", "check", "explain"])
 def test_the_option_reaches_every_command(command: str) -> None:
     source = str(SAMPLES / "fusion-mill.nc")
-    args = [command, "-p", "fanuc-mill", source]
+    args = [command, "-p", "fanuc-mill", "--set", "checks.missing=error", source]
     bare = CliRunner().invoke(cli, args)
     assert bare.exit_code == (1 if command == "check" else 3)
     given = CliRunner().invoke(cli, [*args, "--tools", FILES[0], "--tools", FILES[1]])

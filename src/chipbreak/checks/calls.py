@@ -151,9 +151,11 @@ class CallSet:
         return any(self.needs(event, field) for event in self.blocks for field in DATA_FIELDS)
 
     def text(self, event: Event, values: CallValues, *, is_inch: bool) -> tuple[str, ...]:
-        """The blocks of an event with its values."""
+        """The blocks of an event with its values; one that says of the tool what nobody gave is left out."""
         fields = values.fields(is_inch=is_inch)
-        return tuple(block.format_map(fields) for block in self.blocks[event])
+        unsaid = set(DATA_FIELDS) - fields.keys()
+        kept = [block for block in self.blocks[event] if not unsaid.intersection(_fields(block))]
+        return tuple(block.format_map(fields) for block in kept)
 
 
 def calls_of(settings: Settings) -> CallSet:

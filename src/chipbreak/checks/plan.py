@@ -17,6 +17,7 @@ from itertools import groupby, pairwise
 from chipbreak.checks.borders import Border, BorderFinder, NoBorder, Range
 from chipbreak.checks.calls import CallSet, CallValues, Event, calls_of
 from chipbreak.checks.ground import Ground
+from chipbreak.checks.limits import Limit, limit_before
 from chipbreak.checks.tool_values import source_field
 from chipbreak.diagnostics import Diagnostic, Severity
 from chipbreak.model.kinds import Kind
@@ -30,6 +31,7 @@ from chipbreak.tools.tips import Tip, tip_of
 
 NO_TOOL_CALL, NO_BORDER, NO_SPEED = "CHK001", "CHK002", "CHK003"
 NO_SHAPE, NOT_LOOKED_AT, WHICH_TOOL = "CHK004", "CHK005", "CHK006"
+LEFT_TO_CONTROL = "CHK007"
 
 
 @dataclass(frozen=True)
@@ -45,15 +47,6 @@ class PlannedCheck:
     limit_mm: float | None = None
 
 
-@dataclass(frozen=True)
-class Limit:
-    """W, and why."""
-
-    w_mm: float
-    reason: str
-    next_kind: Kind
-
-
 def plan_checks(
     operations: Sequence[Operation], trace: Trace, settings: Settings, tools: ToolTable
 ) -> tuple[list[PlannedCheck], list[Diagnostic]]:
@@ -64,22 +57,6 @@ def plan_checks(
     planner = _Planner(operations, trace, settings, tools)
     planner.run()
     return planner.planned, planner.diagnostics
-
-
-def limit_before(operation: Operation, settings: Settings, when: str) -> Limit:
-    """W of a check that stands before an operation; ``when`` begins its reason."""
-    checks, kind = settings.checks, operation.kind
-    own = checks.w_mm.get(str(operation.tool))
-    name = "an operation of unknown kind" if kind is Kind.UNKNOWN else kind.value.upper()
-    what = f"{when} {name} ({operation.reason})"
-    if own is not None:
-        return Limit(own, f"{what}: checks.w_mm gives T{operation.tool} W {own:g} mm", kind)
-    if kind is Kind.ROUGH:
-        return Limit(checks.w_rough_mm, f"{what}: W {checks.w_rough_mm:g} mm", kind)
-    if kind in (Kind.FINISH, Kind.SEMI_FINISH):
-        return Limit(checks.w_finish_mm, f"{what}: W {checks.w_finish_mm:g} mm", kind)
-    stricter_mm = min(checks.w_rough_mm, checks.w_finish_mm)
-    return Limit(stricter_mm, f"{what}: neither rough nor finish, so the stricter W {stricter_mm:g} mm", kind)
 
 
 @dataclass(frozen=True)
@@ -204,15 +181,32 @@ class _Planner:
             self._say(first_cut, NO_SPEED, message, "give S and M3 or M4 before the cut")
             return False
         lacking = self.calls.lacking(event, values)
+        left_to_control = self.checks.missing == "control" and self.calls.text(event, values, is_inch=False)
+        if lacking and left_to_control:
+            self._say_left_to_control(lacking, values.tool or 0, first_cut)
+            return True
         for field in dict.fromkeys(source_field(name, self.tools.get(values.tool or 0)) for name in lacking):
             self._say_missing(event, values.tool or 0, field, first_cut)
         return not lacking
+
+    def _say_left_to_control(self, lacking: list[str], tool: int, line: int) -> None:
+        """Once for each tool: the check stands, but the control must know the tool itself."""
+        fields = dict.fromkeys(source_field(name, self.tools.get(tool)) for name in lacking)
+        if (tool, "") not in self.said_missing:
+            self.said_missing.add((tool, ""))
+            message = (
+                f"nobody gave {', '.join(fields)} of T{tool}: the call that tells the control is left out,"
+                " and the check alarms unless the control knows the tool"
+            )
+            help_text = "give them in a tool file (--tools FILE); with checks.missing=error this is an error"
+            self._say(line, LEFT_TO_CONTROL, message, help_text)
 
     def _say_missing(self, event: Event, tool: int, field: str, line: int) -> None:
         """Once for each field of a tool: TOOL CHECK and TRACE want the same."""
         if (tool, field) not in self.said_missing:
             self.said_missing.add((tool, field))
-            severity = Severity.ERROR if self.checks.missing == "error" else Severity.WARNING
+            # A call that says nothing but what is missing cannot be left to the control.
+            severity = Severity.WARNING if self.checks.missing == "skip" else Severity.ERROR
             found = not_given(self.tools.get(tool), event.title, field, severity)
             skip = "" if self.checks.missing == "skip" else "; checks.missing=skip leaves the check out"
             help_text = found.help + skip

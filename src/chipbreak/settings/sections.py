@@ -126,7 +126,7 @@ class Checks:
     last_use: float | str = field(
         default="next-part", metadata={"choices": ("next-part", "none"), "above": 0.0}
     )
-    missing: str = _one_of("error", "skip")
+    missing: str = _one_of("control", "error", "skip")
     only: tuple[int, ...] = ()
     ignore: tuple[int, ...] = ()
 
