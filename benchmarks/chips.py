@@ -4,7 +4,7 @@
     sudo python benchmarks/chips.py --only arc    the programs with "arc" in their name
 
 Needs LinuxCNC (tests/linuxcnc/install.sh) and root.  *Naive* is one block for every 4 ms with F = length /
-time, as if the control followed it, in the program's own G64.  Chips are worked out from the sampled positions
+time, as if the control followed it, in the program's own G64.  Chips are worked out from the sampled places
 of the axes by ``tests/linuxcnc/chips.py``, which knows nothing of the filter.
 """
 

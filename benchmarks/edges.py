@@ -6,8 +6,8 @@ import sys
 
 import programs
 from rows import MB, Goal, Table
-from subject import MILL, Context, add_memory, command, filtering, insertions
 from stopwatch import Contestant, in_turn, ratio, run
+from subject import MILL, Context, add_memory, command, filtering, insertions
 
 _IMPORTS = "import numpy, lark, click"
 _SMALL = 100

@@ -12,8 +12,8 @@ from pathlib import Path
 import programs
 from peers import Missing
 from rows import Goal, Table
-from subject import LATHE, Context, add_memory, filtering, insertions, output_of, rate_goal, title
 from stopwatch import BenchmarkError, Contestant, in_turn, ratio, run
+from subject import LATHE, Context, add_memory, filtering, insertions, output_of, rate_goal, title
 
 _MOVES = 1_000_000
 _LOOP = Path(__file__).with_name("printf_moves.c")

@@ -8,8 +8,8 @@ from pathlib import Path
 import peers
 import programs
 from rows import Goal, Table
-from subject import MILL, Context, add_memory, filtering, insertions, rate_goal, title
 from stopwatch import Contestant, in_turn, ratio, run
+from subject import MILL, Context, add_memory, filtering, insertions, rate_goal, title
 
 _BLOCKS = 1_000_000
 

@@ -19,8 +19,8 @@ from edges import long_line, start_up
 from expansion import emit, expansion
 from passing import modal, pass_through, scaling
 from rows import Table, busy, machine, write_json
-from subject import Context
 from stopwatch import BenchmarkError
+from subject import Context
 
 CASES: dict[str, Callable[[Context], Table]] = {
     "pass-through": pass_through,

@@ -8,6 +8,7 @@ original are left out of the expected output: going back is tested for every cas
 from __future__ import annotations
 
 import re
+import shlex
 from pathlib import Path
 
 import pytest
@@ -18,22 +19,24 @@ from chipbreak.source import read
 
 CASES = sorted((Path(__file__).parent / "cases" / "vibrate").glob("*.nc"))
 DIVIDER = "; --- output\n"
-_FLAGS = re.compile(r"\(CASE ([^()]*)\)\n")
+FLAGS = "; flags:"
 
 
 def without_brackets(text: str) -> str:
     return re.sub(r"(?m)^.*\(CHIPBREAK (?:BEGIN|WAS|HEX|END)[^()]*\)\n", "", text)
 
 
-@pytest.mark.parametrize("file", CASES, ids=lambda file: f"{file.parent.name}/{file.stem}")
+@pytest.mark.parametrize("file", CASES, ids=lambda file: file.stem)
 def test_case(file: Path) -> None:
     program, divider, wanted = file.read_bytes().decode("latin-1").partition(DIVIDER)
-    flags = _FLAGS.match(program)
-    words = flags[1].split() if flags else []
-    profile = "generic-lathe"
-    if words[:1] == ["-p"]:
-        profile, words = words[1], words[2:]
-    settings = chipbreak.load(profile, words)
+    profile, sets = "generic-lathe", []
+    if program.startswith(FLAGS):
+        words = shlex.split(program.splitlines()[0].removeprefix(FLAGS))
+        for option, value in zip(words[::2], words[1::2], strict=True):
+            assert option in ("-p", "--set")
+            profile = value if option == "-p" else profile
+            sets += [value] if option == "--set" else []
+    settings = chipbreak.load(profile, sets)
     result = chipbreak.rewrite(program.encode("latin-1"), settings, file.name)
     out = result.data.decode("latin-1")
     if not divider:

@@ -90,10 +90,10 @@ def _verdict(case: Case, run: machine.Run) -> tuple[str, str, str] | None:
         if not number:
             return None
         alarm = ALARMS[int(number[1])]
-    assert run.samples[-1, 3] == LC_SETTINGS.safe_z_mm, f"{case.name}: the tool was left at the beam"
     ended = " good" if case.later is None else " good before finish"
     if not alarm and ended not in run.messages:
         return None
+    assert run.samples[-1, 3] == LC_SETTINGS.safe_z_mm, f"{case.name}: the tool was left at the beam"
     if case.later is None:
         return alarm, "", ""
     if " good before rough" not in run.messages:

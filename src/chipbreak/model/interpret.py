@@ -120,7 +120,8 @@ class Interpreter:
         moving = self.axis_letters | _CENTRE_LETTERS if motion in _ARCS else self.axis_letters
         vibration = vibration_words(block, moving, cuts=motion in CUTTING and not unknown, has_once=reads_all)
         after = self._values(state, block, changes, once, vibration)
-        after = self._machine_functions(after, block)
+        if "macro-call" not in once:  # T, M and S of a G65 block are arguments
+            after = self._machine_functions(after, block)
         move = None
         if not any(changes.get(group) == "on" for group in _CENTRE_GROUPS):
             after, move = self._motion(after, block, once, unknown)

@@ -83,7 +83,9 @@ class Cut:
     def vibrations(self) -> int:
         """Whole vibrations that fit before the plain revolutions at the end."""
         vibrating_s = self.duration_s - self.end_revolutions * S_PER_MIN / self.speed_rpm
-        return max(0, math.floor(vibrating_s / self.period_s + _FUZZ))
+        if vibrating_s <= 0.0:
+            return 0
+        return math.floor(vibrating_s / self.period_s + _FUZZ)
 
 
 def forward_ticks(ticks: int, alpha_share: float) -> int:

@@ -1,11 +1,11 @@
-(CASE vibration.waveform=sine)
+; flags: --set vibration.waveform=sine
 G97 S3000 M3
 G0 X20. Z2.
 G1 Z1.6 F0.05 N1.5
 G0 X30.
 M30
 ; --- output
-(CASE vibration.waveform=sine)
+; flags: --set vibration.waveform=sine
 G97 S3000 M3
 G0 X20. Z2.
 S2500
