@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 import chipbreak
 from machine_reader import Move, filtered, fit, points, run_program, times, vibration_of
 
+TICK_S = 0.008  # of the drawn cuts
 FINE = ("output.decimals=6", "output.feed_decimals=8")
 WORKED = "G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nM30\n"
 
@@ -246,7 +247,7 @@ def shapes(draw: st.DrawFn) -> Shape:
         f"output.feed_mode={written_in}",
         f"output.segments={segments}",
         f"vibration.waveform={wave}",
-        "command.base_period_ms=8",
+        f"command.base_period_ms={TICK_S * 1000}",
     )
     step = 10.0**-digits * unit
     real_feed = float(f"{feed:.6f}") * unit / (1 if mode == "rev" else speed)
@@ -336,7 +337,9 @@ def test_any_cut_stays_on_its_path_and_in_its_time(shape: Shape) -> None:
     middles_s = np.array([part.mean() for part in np.split(strong_s, apart) if len(part)])
     if len(middles_s) > 6 and stroke_mm > 10 * tolerance:
         counted = np.rint(np.diff(middles_s) / period_s).sum()
-        assert (middles_s[-1] - middles_s[0]) / counted == pytest.approx(period_s, rel=0.02)
+        # Rounding moves a crest by one tick at most.
+        slack_s = 2 * TICK_S / counted + 0.01 * period_s
+        assert (middles_s[-1] - middles_s[0]) / counted == pytest.approx(period_s, abs=slack_s)
 
 
 def test_the_time_of_a_move_that_rounds_to_nothing_is_kept() -> None:
