@@ -187,3 +187,10 @@ def test_regions_say_what_was_there() -> None:
     assert first.title.startswith("VIB N1.5 F62.5 S2500")
     assert second.original == b""
     assert second.title == "SPEED AS PROGRAMMED"
+
+
+def test_a_jump_target_straight_behind_the_cut_is_reached_in_the_same_state() -> None:
+    program = b"IF [#1 EQ 0] GOTO 5\nG97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nN5 M30\n"
+    result = chipbreak.rewrite(program, chipbreak.load("generic-lathe"))
+    assert b"\nS3000\n" in result.data
+    assert restore(read(result.data)).data == program

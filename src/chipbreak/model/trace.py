@@ -195,11 +195,12 @@ def interpret(program: Program, settings: Settings) -> Trace:
         step = interpreter.advance(state, program.block(event))
         line = event + 1
         if step.after is not state or not step.block.is_empty:
-            state = step.after
             trace.events.append(step)
             if event > trace.lines[-1]:
+                # Not step.before: a jump target forgets, but what stands before its line does not.
                 trace.lines.append(event)
-                trace.states.append(step.before)
+                trace.states.append(state)
+            state = step.after
             trace.lines.append(line)
             trace.states.append(state)
     return trace
