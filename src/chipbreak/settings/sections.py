@@ -108,9 +108,9 @@ class Spindle:
     """What the spindle can do."""
 
     min_rpm: float = _at_least(0.0)
-    max_rpm: float | None = _above(None)
-    resolution_rpm: float = _above(1.0)
-    settle_s: float = _at_least(0.0)
+    max_rpm: float | None = _at_least(None, 1.0)
+    resolution_rpm: float = field(default=1.0, metadata={"at_least": 0.001, "below": 1000.0})
+    settle_s: float = field(default=0.0, metadata={"at_least": 0.0, "below": 600.0})
 
 
 @dataclass(frozen=True)
