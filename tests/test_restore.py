@@ -194,3 +194,12 @@ def test_a_jump_target_straight_behind_the_cut_is_reached_in_the_same_state() ->
     result = chipbreak.rewrite(program, chipbreak.load("generic-lathe"))
     assert b"\nS3000\n" in result.data
     assert restore(read(result.data)).data == program
+
+
+@pytest.mark.parametrize("mode", ["G61", "G64", "G64 P0.01"])
+def test_a_path_mode_goes_round_the_cut_on_a_control_that_said_none(mode: str) -> None:
+    settings = chipbreak.load("generic-lathe", [f"planner.path_mode={mode}"])
+    program = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nM30\n"
+    result = chipbreak.rewrite(program, settings)
+    assert f"\n{mode}\nG1 Z".encode() in result.data
+    assert b"F0.05\nG64\n(CHIPBREAK END" in result.data

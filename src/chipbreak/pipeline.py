@@ -16,7 +16,7 @@ from chipbreak.passes import check_tools, speeds
 from chipbreak.restore import restore
 from chipbreak.settings import Settings, SettingsError
 from chipbreak.source import Source, read
-from chipbreak.syntax.parse import parse
+from chipbreak.syntax.parse import UNREADABLE, parse
 from chipbreak.tools.program import tool_table_for_checks
 from chipbreak.verify import verify
 from chipbreak.vibration.request import requests_of
@@ -129,7 +129,10 @@ def _vibration(
 
 def in_place_order(diagnostics: list[Diagnostic]) -> tuple[Diagnostic, ...]:
     """By line; of many alike warnings the first few stand for all."""
-    ordered = sorted(diagnostics, key=lambda d: d.place.line if d.place else 0)
+    # An unreadable line that is an error anyway need not be warned of as well.
+    failed = {d.place.line for d in diagnostics if d.place and d.severity is Severity.ERROR}
+    said = [d for d in diagnostics if not (d.code == UNREADABLE and d.place and d.place.line in failed)]
+    ordered = sorted(said, key=lambda d: d.place.line if d.place else 0)
     seen: dict[str, int] = {}
     kept: list[Diagnostic] = []
     for diagnostic in ordered:

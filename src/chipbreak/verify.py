@@ -155,8 +155,9 @@ def _moved(was: State, now: State, trace: Trace) -> str:
 
 
 def _difference(was: State, now: State) -> str:
-    if dict(was.modes) | {"speed_mode": ""} != dict(now.modes) | {"speed_mode": ""}:
-        groups = {g for g in was.modes if was.modes[g] != now.modes.get(g)} - {"speed_mode"}
+    # A group that the original never set (a path mode given back as usual) has nothing to differ from.
+    groups = {g for g in was.modes if was.modes[g] != now.modes.get(g)} - {"speed_mode"}
+    if groups:
         return f"the modal state ({', '.join(sorted(groups))})"
     if was.path_words and was.path_words != now.path_words:
         return "the path mode"

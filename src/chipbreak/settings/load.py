@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from chipbreak.diagnostics import Diagnostic, Severity
-from chipbreak.dialects import DIALECTS, find
+from chipbreak.dialects import DIALECTS, Dialect, find
 from chipbreak.nearest import nearest
 from chipbreak.settings.checking import (
     IMPOSSIBLE,
@@ -95,6 +95,12 @@ def _build(
         message = f"output.feed_mode {mode!r}: {dialect.title} has no code for it"
         others = [other for other in ("rev", "inverse", "minute") if dialect.can("feed_mode", other)]
         raise layer.fail(IMPOSSIBLE, "output.feed_mode", message, f"one of {', '.join(others)}")
+    for key in ("path_mode", "usual_path_mode"):
+        text = getattr(sections["planner"], key)
+        told = f"planner.{key}" in origins
+        if told and text and not _is_path_mode(text, dialect):
+            message = f"planner.{key} = {text!r} is no path mode of this control"
+            raise layer.fail(IMPOSSIBLE, f"planner.{key}", message, 'for example "G61" or "G64 P0.01"')
     return Settings(
         name=profile,
         call_sets=values["calls"],
@@ -104,6 +110,13 @@ def _build(
         origins=origins,
         **sections,
     )
+
+
+def _is_path_mode(text: str, dialect: Dialect) -> bool:
+    """``G61`` or ``G64 P0.01 Q0.005``, with a code that the dialect has in its path group."""
+    match = re.fullmatch(r"G(\d+(?:\.\d)?)(?: [PQ]\d*\.?\d+)*", text)
+    code = dialect.g_codes.get(round(float(match[1]) * 10)) if match else None
+    return code is not None and code.group == "path"
 
 
 def _profile_layers(profile: str, seen: set[str]) -> Iterable[Layer]:
