@@ -97,8 +97,9 @@ def _build(
         raise layer.fail(IMPOSSIBLE, "output.feed_mode", message, f"one of {', '.join(others)}")
     for key in ("path_mode", "usual_path_mode"):
         text = getattr(sections["planner"], key)
-        told = f"planner.{key}" in origins
-        if told and text and not _is_path_mode(text, dialect):
+        # Without a path mode to switch to, there is none to give back.
+        is_used = bool(sections["planner"].path_mode)
+        if is_used and not _is_path_mode(text, dialect):
             message = f"planner.{key} = {text!r} is no path mode of this control"
             raise layer.fail(IMPOSSIBLE, f"planner.{key}", message, 'for example "G61" or "G64 P0.01"')
     return Settings(
