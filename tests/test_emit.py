@@ -274,6 +274,17 @@ def test_a_mutant_is_caught(old: bytes, new: bytes) -> None:
     assert caught(TRACE, PLAN, mutant)
 
 
+def test_a_speed_that_no_feed_depends_on_is_checked_too() -> None:
+    trace, plan, output = planned(CUT, "output.feed_mode=minute")
+    assert not caught(trace, plan, output)
+    assert caught(trace, plan, resealed(output.replace(b"S2500\n", b"S2400\n", 1)))
+
+
+def test_a_file_without_a_last_line_end_keeps_none() -> None:
+    data = CUT[: CUT.index(b"\nG1 X30.")]
+    assert chipbreak.rewrite(data, SETTINGS).data.endswith(b")")
+
+
 def test_feeds_that_take_another_time_are_caught() -> None:
     slower = re.sub(rb"F0\.1([0-9]+)", rb"F0.2\1", OUTPUT)
     assert slower != OUTPUT

@@ -19,7 +19,7 @@ from collections.abc import Iterator
 
 BEGIN, WAS, HEX, END = "BEGIN", "WAS", "HEX", "END"
 MARK = b"(CHIPBREAK BEGIN"
-LINE = re.compile(rb"[ \t]*(?:N[0-9.]+[ \t]*)?\(CHIPBREAK (BEGIN|WAS|HEX|END) ?([^()]*)\)[ \t]*")
+LINE = re.compile(rb"[ \t]*(?:[Nn][-+]?[0-9.]+[ \t]*)?\(CHIPBREAK (BEGIN|WAS|HEX|END) ?([^()]*)\)[ \t]*")
 _HEX_BYTES_PER_LINE = 30
 # What every control takes inside a comment; LinuxCNC also takes lower case and more signs.
 _SAFE = re.compile(rb"[A-Z0-9 .,=_+/-]*")

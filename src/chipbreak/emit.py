@@ -39,7 +39,7 @@ def _region(program: Program, edit: Edit, settings: Settings) -> list[bytes]:
     originals = [source.raw(line) for line in range(edit.first, edit.last)]
     sequence = ""
     if originals and (number := program.block(edit.first).sequence) is not None:
-        sequence = program.block(edit.first).text[number.start : number.end] + " "
+        sequence = f"{number.letter}{number.value_text} "
     title = bracket.title_text(edit.title, control.max_line_chars)
     lower = settings.dialect.reads_comments_in_lower_case
     kept = bracket.was_lines(originals, end, control.max_line_chars, lower_case=lower)

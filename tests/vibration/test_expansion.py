@@ -52,6 +52,7 @@ def test_the_worked_example_runs_as_promised() -> None:
         pytest.param(
             "f62.5", ("vibration.mn=0.05",), 2586.0, 3750 / 2586, id="S and f, tolerance, whole rpm"
         ),
+        pytest.param("f62.5", ("vibration.alpha=0.75",), 3000.0, 1.25, id="N of 3 ticks forward and 1 back"),
         pytest.param("E2", (), 3000.0, 0.5, id="S and revolutions per vibration"),
         pytest.param("f62.5", ("vibration.rounding=claim-7",), 2500.0, 1.5, id="claim 7"),
         pytest.param("N1.5", ("vibration.correct=count",), 3000.0, 1.25, id="S stays, N gives way"),

@@ -122,6 +122,7 @@ def test_macro_lines(line: str) -> None:
         pytest.param(
             "(VIB N1.5)\nG1 Z-5. F0.05\nT0303\nG0 X30. Z2.\nG1 Z-10.\n", 1, id="the next tool ends it"
         ),
+        pytest.param("T0101\n(VIB N1.5)\nT0101\nG0 X30. Z2.\nG1 Z-10. F0.05\n", 0, id="the same tool again"),
         pytest.param(
             "(VIB N1.5)\nT0303\nG0 X30. Z2.\n(vib n1.5)\nG1 Z-10. F0.05\n", 1, id="again, lower case"
         ),

@@ -140,6 +140,12 @@ def test_a_clamp_is_never_crossed(program: str, code: str) -> None:
     assert [found for found, *_ in rejected(program + "M30\n")] == [code]
 
 
+@pytest.mark.parametrize(("profile", "program"), [(2400, 3000), (3000, 2400)])
+def test_the_lower_of_two_limits_holds(profile: int, program: int) -> None:
+    text = f"G50 S{program}\n{HEAD}{CUT}M30\n"
+    assert rejected(text, "generic-lathe", f"spindle.max_rpm={profile}") == [("VIB006", 4, 16)]
+
+
 def test_the_clamp_itself_is_allowed() -> None:
     assert "S2500" in filtered("G50 S2500\n" + HEAD + CUT + "M30\n")
 

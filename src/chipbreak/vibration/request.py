@@ -89,7 +89,7 @@ class RequestReader:
         if step.block.opaque:
             self._opaque(step.block.line)
             return
-        if step.after.tool != step.before.tool or _is_tool_change(step):
+        if self._calls_a_tool(step):
             self.directive = self.default
         if step.vibration:
             self._asked_by_words(step)
@@ -99,6 +99,11 @@ class RequestReader:
             for word in step.block.words:
                 if word.letter == "f" and (_has_upper_case_f(step) or (step.move and step.move.is_cut)):
                     self.stray.append((step.block.line, (word.start, word.end)))
+
+    def _calls_a_tool(self, step: Step) -> bool:
+        """True for the T word or the M6 that this control changes tools by, also to the tool it has."""
+        called = ("M", 6.0) if self.settings.dialect.tool_change == "M6" else ("T", None)
+        return any(w.address == called[0] and called[1] in (None, w.number) for w in step.block.words)
 
     def _cut(self, step: Step) -> None:
         if step.move is not None and step.move.is_cut and not step.in_contour:
@@ -209,10 +214,6 @@ def _fill_from_profile(values: dict[str, Given], settings: Settings) -> dict[str
 
 def _has_upper_case_f(step: Step) -> bool:
     return any(w.letter == "F" for w in step.block.words)
-
-
-def _is_tool_change(step: Step) -> bool:
-    return any(w.address == "M" and w.number == 6 for w in step.block.words)
 
 
 def solver_inputs(request: Request, state: State) -> tuple[Given | None, Given | None, Given | None]:

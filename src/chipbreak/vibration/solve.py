@@ -59,7 +59,7 @@ class CommandGroup:
         _require(self.multiples is None or self.periods_s is None, "multiples or explicit periods, not both")
         _require(self.multiples is None or min(self.multiples, default=0) >= 2, "multiples from 2 up")
         _require(self.periods_s != () and all(map(_is_positive, self.periods_s or ())), "periods above zero")
-        _require(self.min_multiple >= 2, "a lowest multiple of 2 or more")
+        _require(2 <= self.min_multiple <= MOST_TICKS, f"a lowest multiple from 2 to {MOST_TICKS}")
         _require(self.max_multiple is None or self.max_multiple >= self.min_multiple, "multiples in order")
 
     def around(self, frequency_hz: float, count: int = 3) -> tuple[Period, ...]:
