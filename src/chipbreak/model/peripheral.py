@@ -14,6 +14,7 @@ from chipbreak.syntax.nodes import Block, Word
 from chipbreak.syntax.numbers import print_number
 from chipbreak.units import spindle_speed_rpm
 
+_MOST_RPM = 1e7
 _DIRECTIVE = re.compile(r"\s*SPEED\s+(.*?)\s*$", re.IGNORECASE)
 _ITEM = re.compile(r"([VD])\s*=?\s*([-+]?(?:\d+\.?\d*|\.\d+))[\s,]*", re.IGNORECASE)
 # Words that keep V and D from being ours: axes, offsets, and calls that read every letter.
@@ -95,4 +96,7 @@ def _checked(asked: Peripheral) -> Peripheral:
     for name, value in (("V", asked.v_m_min), ("D", asked.d_mm)):
         if not value > 0.0:
             raise RefusalError("VIB070", f"{name} {value:g} gives no spindle speed", "V and D are above zero")
+    if not spindle_speed_rpm(asked.v_m_min, asked.d_mm) < _MOST_RPM:
+        message = f"V {asked.v_m_min:g} at D {asked.d_mm:g} is no speed of a spindle"
+        raise RefusalError("VIB070", message, "V is in m/min, D in mm")
     return asked

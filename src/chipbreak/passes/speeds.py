@@ -36,6 +36,10 @@ def plan(trace: Trace, settings: Settings) -> tuple[list[Edit], list[Diagnostic]
         if asked is None:
             continue
         speed = f"S{asked.speed_text(settings.spindle.resolution_rpm)}"
+        if float(speed[1:]) == 0.0:
+            message = f"V{asked.v_m_min:g} at D{asked.d_mm:g} prints as S0: the spindle would not turn"
+            diagnostics.append(trace.program.diagnose(line, "VIB073", message, "raise V", at=asked.at))
+            continue
         limits = (settings.spindle.max_rpm, step.after.speed_limit.value if step.after.speed_limit else None)
         limit = min((x for x in limits if x is not None), default=None)
         if limit is not None and float(speed[1:]) > limit:

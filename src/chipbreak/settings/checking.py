@@ -19,6 +19,10 @@ UNKNOWN_KEY, WRONG_TYPE, IMPOSSIBLE = "SET001", "SET002", "SET003"
 UNREADABLE, UNKNOWN_PROFILE = "SET004", "SET005"
 
 
+# No machine has a value nearer to zero or larger; arithmetic with them would leave the numbers.
+_SMALLEST, _LARGEST = 1e-9, 1e12
+
+
 class SettingsError(Exception):
     """A profile or an option that cannot be used; ``diagnostic`` says why and where."""
 
@@ -90,10 +94,10 @@ def _checked_value(
         fits = "choices" not in meta or value in meta["choices"]
     elif number:
         fits = (
-            ("above" not in meta or value > meta["above"])
+            ("above" not in meta or value >= meta["above"] + _SMALLEST)
             and ("below" not in meta or value < meta["below"])
             and ("at_least" not in meta or value >= meta["at_least"])
-            and abs(value) < float("inf")
+            and abs(value) <= _LARGEST
         )
     if not fits:
         raise layer.fail(IMPOSSIBLE, full, f"{full} = {value!r} is not possible", _expected(kinds, meta))

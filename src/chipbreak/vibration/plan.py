@@ -20,6 +20,7 @@ from chipbreak.vibration.request import solver_inputs
 from chipbreak.vibration.solve import CommandGroup, Given, Solution, SolverRules, solve
 from chipbreak.vibration.waveform import Cut, Waveform, forward_ticks, least_stroke_mm, sample
 
+_MOST_RPM = 1e7
 MOST_MOVES = 10_000_000
 _FEET_PER_M = 1000.0 / 304.8
 
@@ -133,8 +134,8 @@ def _active_speed(
     chain: Chain, state: State, speed: Given, settings: Settings, reasons: list[str]
 ) -> Given:
     """The modal S as rpm; under constant surface speed, the speed at the start of the cut."""
-    if not speed.value > 0.0:
-        message = f"the spindle speed ({speed.origin}) cannot be known or is zero"
+    if not 0.0 < speed.value < _MOST_RPM:
+        message = f"the spindle speed ({speed.origin}) cannot be known, is zero, or is none of a spindle"
         raise RefusalError("VIB053", message, "give S as a number before the cut")
     if state.modes["speed_mode"] != "surface":
         return speed

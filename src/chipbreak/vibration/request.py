@@ -27,6 +27,7 @@ _FROM_PROFILE = {
 _INSTEAD = {"N": "E", "E": "N", "Q": "A", "A": "Q"}
 _OFF = Directive(False)
 _LIMITS = {"ALPHA": (0.0, 1.0)}
+_POSSIBLE = (1e-9, 1e12)
 _AXIS = re.compile(r"[XYZUVW]\s*[-+.\d]")
 _COUNT = re.compile(r"N\s*[-+]?[.\d]")
 _FEED, _FREQUENCY = re.compile(r"F\s*[.\d]"), re.compile(r"f\s*[-+]?[.\d]")
@@ -158,13 +159,13 @@ class RequestReader:
 
     def _check_values(self, line: int, values: dict[str, Given], at: tuple[int, int]) -> bool:
         for key, given in values.items():
-            low, high = _LIMITS.get(key, (0.0, float("inf")))
+            low, high = _LIMITS.get(key, _POSSIBLE)
             zero_is_fine = key == "RAMP"
             fits = low < given.value < high or (zero_is_fine and given.value == 0.0)
             if not fits or (key == "EDGES" and given.value != int(given.value)):
                 letter = "f" if key == "F" else key
                 message = f"{letter} {given.value:g} is not possible: {KEYS[key]}"
-                way_out = "between 0 and 1" if key in _LIMITS else "a number above zero"
+                way_out = "between 0 and 1" if key in _LIMITS else "a number above zero that makes sense"
                 self._error(line, RefusalError("VIB017", message, way_out), at)
                 return False
         return True
