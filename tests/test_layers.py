@@ -101,6 +101,7 @@ macros.write
 macros
 
 vibration
+vibration.given
 vibration.solve
 vibration.waveform
 vibration.laws

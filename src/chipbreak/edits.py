@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +26,7 @@ class MoveTable:
         return len(self.columns[0])
 
 
-@dataclass(frozen=True, eq=False)
-class Edit:
+class Edit(NamedTuple):
     """Lines ``first`` to ``last`` (exclusive) of the original become ``content``; first == last inserts.
 
     ``title`` names the change in the program itself, ``reason`` explains it to the user.

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from chipbreak.diagnostics import Diagnostic, ProgramRejectedError, RefusalError, Severity, has_errors
 from chipbreak.edits import Edit
@@ -29,8 +28,7 @@ UNBROKEN, FINISHING, SERVO, UNREAD_WORD = "VIB060", "VIB061", "VIB062", "MOD001"
 _MOST_ALIKE = 5
 
 
-@dataclass(frozen=True, eq=False)
-class Result:
+class Result(NamedTuple):
     """What became of a program.
 
     ``data`` is the new program.  ``changed`` says whether it differs from what came in.
@@ -145,7 +143,7 @@ def in_place_order(diagnostics: list[Diagnostic]) -> tuple[Diagnostic, ...]:
             is_last = all(d.code != diagnostic.code for d in kept[index + 1 :])
             if is_last:
                 message = f"{diagnostic.message} (and {more} more like this)"
-                kept[index] = replace(diagnostic, message=message)
+                kept[index] = diagnostic._replace(message=message)
     return tuple(kept)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +15,7 @@ from chipbreak.source import Source, read
 EDITED, BROKEN = "RES001", "RES002"
 
 
-@dataclass(frozen=True)
-class Region:
+class Region(NamedTuple):
     """One bracketed change in a filtered program.
 
     Lines ``first`` (BEGIN) to ``last`` (exclusive, behind END); ``body`` is the first line behind the WAS

@@ -7,7 +7,7 @@ read by no control: it is leader and trailer, outside ``body``, and passes throu
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +19,7 @@ LF, CR = 10, 13
 BLANKS = b" \t\0\x0b\x0c\x1a\x7f\xef\xbb\xbf"
 
 
-@dataclass(frozen=True, eq=False)
-class Source:
+class Source(NamedTuple):
     """A program as bytes, cut into lines.
 
     ``starts`` holds n + 1 offsets: line i, with its line end, is ``data[starts[i]:starts[i + 1]]``.

@@ -11,8 +11,8 @@ the program: wear adds up, and a new reference at every call would hide it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import groupby, pairwise
+from typing import NamedTuple
 
 from chipbreak.checks.borders import Border, BorderFinder, NoBorder, Range
 from chipbreak.checks.calls import CallSet, CallValues, Event, calls_of
@@ -34,8 +34,7 @@ NO_SHAPE, NOT_LOOKED_AT, WHICH_TOOL = "CHK004", "CHK005", "CHK006"
 LEFT_TO_CONTROL = "CHK007"
 
 
-@dataclass(frozen=True)
-class PlannedCheck:
+class PlannedCheck(NamedTuple):
     """A check that will be inserted; ``limit_mm`` is the W of a CHIP CHECK."""
 
     event: Event
@@ -59,8 +58,7 @@ def plan_checks(
     return planner.planned, planner.diagnostics
 
 
-@dataclass(frozen=True)
-class _Wish:
+class _Wish(NamedTuple):
     """A check that wants a place."""
 
     event: Event

@@ -7,7 +7,7 @@ at one by one.
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +24,7 @@ _NOTHING, _CUTS, _PROBES = 0, 1, 2
 _WORK_OF_MOTION = {"rapid": _NOTHING, "none": _NOTHING, "probe": _PROBES}
 
 
-@dataclass(frozen=True, eq=False)
-class MainProgram:
+class MainProgram(NamedTuple):
     """The lines that run from the start to the program's end: ``first`` to ``last`` (exclusive).
 
     ``bodies``  [first, last] lines of subprograms between them

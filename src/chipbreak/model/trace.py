@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +29,7 @@ _MOTION = ("rapid", "line", "cw", "ccw")
 _SHORT_RUN = 8
 
 
-@dataclass(frozen=True, eq=False)
-class Trace:
+class Trace(NamedTuple):
     """States and steps of a program.
 
     ``lines`` and ``states`` hold the state before each line that is no plain motion, and before the line
@@ -42,9 +41,9 @@ class Trace:
     settings: Settings
     flow: Flow
     interpreter: Interpreter
-    lines: list[int] = field(default_factory=list)
-    states: list[State] = field(default_factory=list)
-    events: list[Step] = field(default_factory=list)
+    lines: list[int]
+    states: list[State]
+    events: list[Step]
 
     def before(self, line: int) -> State:
         """The state before a line."""
@@ -129,8 +128,8 @@ class Trace:
         feed = word_of.get("F")
         if feed is not None:
             setting = Setting(feed_value(feed, state, control), feed.value_text, last - 1)
-            state = replace(state, feed=setting)
-        return replace(state, position=Position(**ends))
+            state = state._replace(feed=setting)
+        return state._replace(position=Position(**ends))
 
     def _jump(self, state: State, first: int, last: int) -> State:
         """Take the last word of each letter in a run."""
@@ -149,15 +148,14 @@ class Trace:
             word = self.program.block(first + at).word(letter)
             assert word is not None
             if letter == "F":
-                state = replace(
-                    state, feed=Setting(feed_value(word, state, control), word.value_text, first + at)
-                )
+                feed = Setting(feed_value(word, state, control), word.value_text, first + at)
+                state = state._replace(feed=feed)
                 continue
             value = length_mm(word, state, control)
             if letter == "X" and is_diameter(state, control):
                 value /= 2.0
             position[letter.lower()] = value
-        return replace(state, position=state.position._replace(**position))
+        return state._replace(position=state.position._replace(**position))
 
 
 def _used(ids: NDArray[np.int32]) -> list[int]:
@@ -185,7 +183,7 @@ def interpret(program: Program, settings: Settings) -> Trace:
     """Interpret a program from its first to its last line."""
     flow = read_flow(program, settings.dialect)
     interpreter = Interpreter(settings, flow)
-    trace = Trace(program, settings, flow, interpreter)
+    trace = Trace(program, settings, flow, interpreter, [], [], [])
     state = initial_state(settings)
     line = program.source.body.start
     trace.lines.append(line)

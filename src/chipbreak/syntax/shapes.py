@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +28,7 @@ _TO_SHAPE = bytes.maketrans(_DIGITS + b"\0", b"\0" * 10 + b"\1")
 _IS_DIGIT = np.isin(np.arange(256), np.frombuffer(_DIGITS, np.uint8))
 
 
-@dataclass(frozen=True)
-class Shape:
+class Shape(NamedTuple):
     """A plain motion block: at most one of G0 to G3, then words of ``PLAIN_LETTERS``, each once.
 
     ``has_points`` is True when each of these words has a decimal point.

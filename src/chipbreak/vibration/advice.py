@@ -8,9 +8,10 @@ from dataclasses import replace
 from chipbreak.diagnostics import RefusalError
 from chipbreak.settings.sections import Settings
 from chipbreak.units import S_PER_MIN
+from chipbreak.vibration.given import shown
 from chipbreak.vibration.plan import VibratedCut, command_group
 from chipbreak.vibration.planner import ControlModel, feed_for_time
-from chipbreak.vibration.solve import Period, shown
+from chipbreak.vibration.solve import Period
 from chipbreak.vibration.timing import control_model
 from chipbreak.vibration.waveform import forward_ticks, sample
 

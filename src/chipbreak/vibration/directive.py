@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import NamedTuple
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.nearest import nearest
-from chipbreak.vibration.solve import Given
+from chipbreak.vibration.given import Given
 
 # What each key means, for messages and the manual.
 KEYS = {
@@ -28,12 +30,11 @@ _DIRECTIVE = re.compile(r"\s*VIB(?:[\s,]+(.*?))?\s*$", re.IGNORECASE | re.DOTALL
 _ITEM = re.compile(r"\s*([A-Z]+?)\s*(?:=\s*)?(TRIANGLE|SINE|[-+]?(?:\d+\.?\d*|\.\d+))(?=[\s,A-Z]|$)[\s,]*")
 
 
-@dataclass(frozen=True)
-class Directive:
+class Directive(NamedTuple):
     """What one directive says; ``on`` is False for ``(VIB OFF)``."""
 
     on: bool
-    values: dict[str, Given] = field(default_factory=dict)
+    values: Mapping[str, Given] = MappingProxyType({})
     waveform: str = ""
 
 
