@@ -9,6 +9,7 @@ from chipbreak.diagnostics import Diagnostic, ProgramRejectedError, RefusalError
 from chipbreak.edits import Edit
 from chipbreak.emit import render
 from chipbreak.model.kinds import Kind, KindRules
+from chipbreak.model.main_program import main_program
 from chipbreak.model.operations import Operation, operations_of
 from chipbreak.model.trace import Trace, interpret
 from chipbreak.passes import check_tools, speeds
@@ -102,9 +103,10 @@ def _run(
 def _tool_checks(trace: Trace, settings: Settings) -> tuple[list[Operation], list[Edit], list[Diagnostic]]:
     """Operations and the checks between them.  Raises SettingsError for unusable rules or calls."""
     try:
-        operations = operations_of(trace, KindRules.from_profile(settings.operations))
+        main = main_program(trace)
+        operations = operations_of(trace, main, KindRules.from_profile(settings.operations))
         tools = tool_table_for_checks(trace)
-        edits, diagnostics = check_tools.plan(trace, operations, settings, tools)
+        edits, diagnostics = check_tools.plan(trace, main, operations, settings, tools)
         diagnostics = [*tools.diagnostics, *diagnostics] if settings.checks.enabled else diagnostics
     except RefusalError as error:
         wrong = Diagnostic(error.code, Severity.ERROR, f"{settings.name}: {error.message}", error.help)

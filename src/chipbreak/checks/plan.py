@@ -21,7 +21,7 @@ from chipbreak.checks.limits import Limit, limit_before
 from chipbreak.checks.tool_values import source_field
 from chipbreak.diagnostics import Diagnostic, Severity
 from chipbreak.model.kinds import Kind
-from chipbreak.model.main_program import main_program
+from chipbreak.model.main_program import MainProgram
 from chipbreak.model.operations import Operation
 from chipbreak.model.trace import Trace
 from chipbreak.settings.sections import Settings
@@ -47,13 +47,13 @@ class PlannedCheck(NamedTuple):
 
 
 def plan_checks(
-    operations: Sequence[Operation], trace: Trace, settings: Settings, tools: ToolTable
+    operations: Sequence[Operation], trace: Trace, main: MainProgram, settings: Settings, tools: ToolTable
 ) -> tuple[list[PlannedCheck], list[Diagnostic]]:
     """All checks of a program, in its order, and what could not be checked.
 
     Raises RefusalError when the calls of the profile cannot be used (SET030 to SET034).
     """
-    planner = _Planner(operations, trace, settings, tools)
+    planner = _Planner(operations, trace, main, settings, tools)
     planner.run()
     return planner.planned, planner.diagnostics
 
@@ -79,12 +79,17 @@ class _Planner:
     """One walk over the operations."""
 
     def __init__(
-        self, operations: Sequence[Operation], trace: Trace, settings: Settings, tools: ToolTable
+        self,
+        operations: Sequence[Operation],
+        trace: Trace,
+        main: MainProgram,
+        settings: Settings,
+        tools: ToolTable,
     ) -> None:
-        self.trace, self.settings, self.checks, self.tools = trace, settings, settings.checks, tools
+        self.trace, self.main, self.tools = trace, main, tools
+        self.settings, self.checks = settings, settings.checks
         self.operations = operations
         self.calls: CallSet = calls_of(settings)
-        self.main = main_program(trace)
         self.finder = BorderFinder(trace, Ground(trace, self.main))
         self.cutting = [op for op in operations if op.cuts and op.kind is not Kind.PROBE]
         self.uses: dict[int | None, list[Operation]] = {}

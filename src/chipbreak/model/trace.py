@@ -23,6 +23,7 @@ from chipbreak.model.words import feed_value, is_diameter, length_mm
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.columns import read_columns, uniform_run
 from chipbreak.syntax.parse import Program
+from chipbreak.syntax.shapes import MOTION_CODE, NO_POINT, bits_of
 from chipbreak.units import MM_PER_INCH
 
 _MOTION = ("rapid", "line", "cw", "ccw")
@@ -100,15 +101,13 @@ class Trace(NamedTuple):
         """True when a run gives distances, by G91 or by U and W."""
         if state.modes.get("distance", "absolute") == "incremental":
             return True
-        incremental = set(self.settings.dialect.incremental)
-        used = _used(self.program.plain[first:last])
-        return any(incremental.intersection(self.program.shapes[i].letters) for i in used)
+        return bool(_used(self.program.bits[first:last]) & bits_of(self.settings.dialect.incremental))
 
     def _values_are_plain(self, first: int, last: int) -> bool:
         """True when every number of a run means what it says."""
         if self.settings.control.decimal_point == "calculator":
             return True
-        return all(self.program.shapes[i].has_points for i in _used(self.program.plain[first:last]))
+        return not _used(self.program.bits[first:last]) & NO_POINT
 
     def _sum(self, state: State, last: int, letters: str, numbers: NDArray[np.float64]) -> State:
         """Add up the distances of a run whose blocks all have the same words."""
@@ -133,22 +132,19 @@ class Trace(NamedTuple):
 
     def _jump(self, state: State, first: int, last: int) -> State:
         """Take the last word of each letter in a run."""
-        shapes = self.program.shapes
-        ids = self.program.plain[first:last]
-        used = _used(ids)
-        control = self.settings.control
-        motion_at = _last_of(ids, [i for i in used if shapes[i].motion is not None], len(shapes))
-        if motion_at >= 0:
-            state = state.with_modes({"motion": _MOTION[shapes[ids[motion_at]].motion or 0]})
+        bits = self.program.bits[first:last]
+        used, control = _used(bits), self.settings.control
+        if used & MOTION_CODE:
+            shape = self.program.shapes[self.program.plain[first + _last_of(bits, MOTION_CODE)]]
+            state = state.with_modes({"motion": _MOTION[shape.motion or 0]})
+        lines = {a: first + _last_of(bits, bits_of(a)) for a in "XYZF" if used & bits_of(a)}
+        blocks = {line: self.program.block(line) for line in set(lines.values())}
         position = {}
-        for letter in "XYZF":
-            at = _last_of(ids, [i for i in used if letter in shapes[i].letters], len(shapes))
-            if at < 0:
-                continue
-            word = self.program.block(first + at).word(letter)
+        for letter, line in lines.items():
+            word = blocks[line].word(letter)
             assert word is not None
             if letter == "F":
-                feed = Setting(feed_value(word, state, control), word.value_text, first + at)
+                feed = Setting(feed_value(word, state, control), word.value_text, line)
                 state = state._replace(feed=feed)
                 continue
             value = length_mm(word, state, control)
@@ -158,25 +154,20 @@ class Trace(NamedTuple):
         return state._replace(position=state.position._replace(**position))
 
 
-def _used(ids: NDArray[np.int32]) -> list[int]:
-    """The shapes that occur; what is no plain block there is a blank line or a comment."""
-    return (np.flatnonzero(np.bincount(ids + 1)[1:])).tolist()
+def _used(bits: NDArray[np.uint16]) -> int:
+    """What any of the lines has."""
+    return int(np.bitwise_or.reduce(bits))
 
 
-def _last_of(ids: NDArray[np.int32], wanted: list[int], shape_count: int) -> int:
-    """Index of the last element that is one of ``wanted``, -1 for none."""
-    if not wanted:
-        return -1
-    is_wanted = np.zeros(shape_count + 1, np.bool_)  # one more, for the -1 of lines that are no plain block
-    is_wanted[wanted] = True
-    stop, window = len(ids), 64
-    while stop > 0:
+def _last_of(bits: NDArray[np.uint16], wanted: int) -> int:
+    """The last line that has a bit which one of them has."""
+    stop, window = len(bits), 64
+    while True:
         start = max(0, stop - window)
-        found = np.flatnonzero(is_wanted[ids[start:stop]])
+        found = np.flatnonzero(bits[start:stop] & wanted)
         if len(found):
             return start + int(found[-1])
         stop, window = start, window * 4
-    return -1
 
 
 def interpret(program: Program, settings: Settings) -> Trace:

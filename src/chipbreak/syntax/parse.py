@@ -32,13 +32,15 @@ class Program(NamedTuple):
     """A program as lines, without losing a byte.
 
     ``plain`` holds for every line the index of its shape in ``table.shapes``, or -1 where the line is more
-    than a plain motion block; ``events`` are those lines of the body.  Blocks are read when asked for.
+    than a plain motion block; ``events`` are those lines of the body.  ``bits`` says for every plain line
+    what it has (see ``Shape.bits``), 0 for the others.  Blocks are read when asked for.
     """
 
     source: Source
     plain: NDArray[np.int32]
     table: ShapeTable
     events: NDArray[np.int64]
+    bits: NDArray[np.uint16]
     known: dict[int, Block]
 
     @property
@@ -115,7 +117,8 @@ def parse_changed(source: Source, original: Program, kept: Sequence[tuple[int, i
 def _program(source: Source, plain: NDArray[np.int32], table: ShapeTable) -> Program:
     body = source.body
     events = np.flatnonzero(plain[body.start : body.stop] < 0).astype(np.int64) + body.start
-    return Program(source, plain, table, events, {})
+    bits = np.array([shape.bits for shape in table.shapes] + [0], np.uint16)
+    return Program(source, plain, table, events, bits[plain], {})
 
 
 def emit(program: Program) -> bytes:
