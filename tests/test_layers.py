@@ -105,6 +105,7 @@ vibration.solve
 vibration.waveform
 vibration.laws
 vibration.path
+vibration.control
 vibration.planner
 vibration.bends
 vibration.timing
@@ -136,6 +137,7 @@ passes.check_tools
 
 emit
 measure
+unbroken
 verify
 diff
 pipeline

@@ -10,9 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from chipbreak.diagnostics import RefusalError
+from chipbreak.vibration.control import AxisLimits, ControlModel
 from chipbreak.vibration.planner import (
-    AxisLimits,
-    ControlModel,
     feed_for_time,
     feeds_for_times,
     predict,
