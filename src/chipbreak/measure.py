@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +13,8 @@ from chipbreak.model.trace import Trace
 from chipbreak.passes.vibrate import PlannedCut
 from chipbreak.restore import Region
 from chipbreak.units import MM_PER_INCH, MS_PER_S
-from chipbreak.vibration.bends import blocks_of
-from chipbreak.vibration.control import control_model
+from chipbreak.vibration.bends import Blocks, blocks_of
+from chipbreak.vibration.control import ControlModel, control_model
 from chipbreak.vibration.load import flank_clearance_deg, least_acceleration_mm_s2, servo_share
 from chipbreak.vibration.readback import ReadBack, read_moves
 from chipbreak.vibration.timing import motion_of
@@ -81,6 +81,8 @@ def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCu
         waveform=cut.cut.waveform,
         alpha_share=cut.cut.alpha_share,
     )
+    if model.law == "trapezoid":
+        verdict = replace(verdict, peak_speed_mm_s=_top_speed(moves, blocks, model))
     clearance = None
     if diameter_mm > 0.0:
         clearance = flank_clearance_deg(verdict.peak_speed_mm_s, diameter_mm, cut.solution.speed_rpm)
@@ -96,6 +98,12 @@ def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCu
         _servo_share(result, planned),
         clearance,
     )
+
+
+def _top_speed(moves: ReadBack, blocks: Blocks, model: ControlModel) -> float:
+    """What an axis reaches that speeds up and brakes within a block, of which only the ends are known."""
+    reachable = np.sqrt(model.acceleration_mm_s2 * np.abs(blocks.lengths_mm))
+    return float(np.minimum(np.minimum(moves.feed_mm_s, model.velocity_mm_s), reachable).max())
 
 
 def _servo_share(result: Trace, planned: PlannedCut) -> float | None:

@@ -27,7 +27,7 @@ def settings(acceleration_mm_s2: float) -> chipbreak.Settings:
     ],
 )
 def test_conditions_that_work(
-    blocks: str, x: int, speed: int, wish: str, acceleration: float, code: str
+    *, blocks: str, x: int, speed: int, wish: str, acceleration: float, code: str
 ) -> None:
     program = HEAD.format(speed, x) + blocks.format(wish)
     with pytest.raises(chipbreak.ProgramRejectedError) as caught:
