@@ -33,13 +33,15 @@ _STOP_TOLERANCE_S = 0.2
 class CheckedCut:
     """A vibrated cut with what its emitted moves do: seconds, and the verdict on its chips.
 
-    ``misses_plan``: the control takes another time for it, or makes another N of it.
+    ``control`` is the law by which the moves were timed; ``misses_plan``: by it the cut takes another time, or
+    has another N.
     ``acceleration_mm_s2`` is the least that can run it; ``servo_share`` what the position loops leave of the
     stroke, None without a gain; ``clearance_deg`` the flank clearance that the forward stroke uses up, None
     without a diameter.
     """
 
     planned: PlannedCut
+    control: str
     duration_s: float
     move_count: int
     verdict: Verdict
@@ -90,6 +92,7 @@ def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCu
     off_count = verdict.per_rev > 0.0 and abs(verdict.per_rev - per_rev) > _COUNT_TOLERANCE * per_rev
     return CheckedCut(
         planned,
+        model.law,
         float(time_s[-1]),
         count,
         verdict,
