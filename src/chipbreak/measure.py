@@ -33,8 +33,8 @@ _STOP_TOLERANCE_S = 0.2
 class CheckedCut:
     """A vibrated cut with what its emitted moves do: seconds, and the verdict on its chips.
 
-    ``control`` is the law by which the moves were timed; ``misses_plan``: by it the cut takes another time, or
-    has another N.
+    ``control`` is the law by which the moves were timed; ``misses_plan``: by it the cut takes another time
+    than planned, or has another N.
     ``acceleration_mm_s2`` is the least that can run it; ``servo_share`` what the position loops leave of the
     stroke, None without a gain; ``clearance_deg`` the flank clearance that the forward stroke uses up, None
     without a diameter.
