@@ -108,6 +108,8 @@ vibration.laws
 vibration.path
 vibration.control
 vibration.planner
+vibration.stretches
+vibration.factors
 vibration.bends
 vibration.timing
 vibration.verdict
