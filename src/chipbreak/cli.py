@@ -133,10 +133,10 @@ def explain(
     settings = settings_of(profile, sets, source, reporter)
     result = run_filter(read_input(source), source, profile, sets, allow_unbroken, reporter)
     if as_json:
-        click.echo(json.dumps(explain_json(result, settings.name), indent=2))
+        click.echo(json.dumps(explain_json(result, settings), indent=2))
         return
     reporter.show(result.diagnostics)
-    for line in explain_text(result, settings.name):
+    for line in explain_text(result, settings):
         click.echo(line)
 
 
@@ -164,10 +164,10 @@ def verify(
     settings = settings_of(profile, sets, source, reporter)
     result = verify_program(read_input(source), settings, source, reporter)
     if as_json:
-        click.echo(json.dumps(explain_json(result, settings.name), indent=2))
+        click.echo(json.dumps(explain_json(result, settings), indent=2))
     else:
         reporter.show(result.diagnostics)
-        for line in explain_text(result, settings.name):
+        for line in explain_text(result, settings):
             click.echo(line)
     broken = not allow_unbroken and any(not cut.verdict.breaks for cut in result.cuts)
     sys.exit(DIFFERENT if broken or has_errors(result.diagnostics) else DONE)

@@ -54,6 +54,7 @@ LINUXCNC_LATHE = Dialect(
     initial=MappingProxyType(_INITIAL | {"plane": "ZX"}),
     tool_change="M6",
     dwell_word="P",
+    axis_letters="XYZUW",
     machine_retract=("G53 G0 X0", "G53 G0 Z0"),
     reads_comments_in_lower_case=True,
 )
@@ -66,6 +67,7 @@ LINUXCNC_MILL = Dialect(
     initial=MappingProxyType(_INITIAL | {"plane": "XY"}),
     tool_change="M6",
     dwell_word="P",
+    axis_letters="XYZUW",
     machine_retract=("G53 G0 Z0",),
     reads_comments_in_lower_case=True,
 )

@@ -15,11 +15,12 @@ from chipbreak.diagnostics import RefusalError
 from chipbreak.dialects.base import ONCE
 from chipbreak.model.flow import Flow
 from chipbreak.model.modal import Position, Setting, State
-from chipbreak.model.motion import AXES, move_of
+from chipbreak.model.motion import move_of
 from chipbreak.model.peripheral import peripheral_of
 from chipbreak.model.requests import vibration_words
 from chipbreak.model.steps import CUTTING, Move, Step
 from chipbreak.model.words import codes_of, feed_value, plain_value
+from chipbreak.settings.axis_words import AXES, CENTRES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
 
@@ -64,7 +65,7 @@ _LOSES_NAMED_AXES = ("home", "machine", "skip")
 _AXES_WITHOUT_V = frozenset("XYZUWABCH")
 _PLAIN_LETTERS = frozenset("GMTSFODHABC")
 _ARCS = ("cw", "ccw")
-_CENTRE_LETTERS = frozenset("IJK")
+_CENTRE_LETTERS = frozenset(CENTRES)
 
 
 def initial_state(settings: Settings) -> State:
@@ -78,7 +79,7 @@ class Interpreter:
     def __init__(self, settings: Settings, flow: Flow) -> None:
         self.settings, self.flow = settings, flow
         self.dialect = settings.dialect
-        self.axis_letters = frozenset(AXES) | frozenset(self.dialect.incremental)
+        self.axis_letters = frozenset(settings.axis_words.axes)
 
     def advance(self, state: State, block: Block) -> Step:
         """What a block does."""
@@ -230,7 +231,7 @@ class Interpreter:
         limits_only = "set-position" in once and not axis_words
         for name in sorted(once):
             if name in _LOSES and not limits_only:
-                axes = [self.dialect.incremental.get(w.address, w.address) for w in axis_words]
+                axes = [self.settings.axis_words.axes[w.address] for w in axis_words]
                 state = _lose_axes(state, axes, _LOSES[name], everything=name not in _LOSES_NAMED_AXES)
         has_centre = any(w.address in _CENTRE_LETTERS for w in block.words)
         is_circle = has_centre and state.modes.get("motion") in _ARCS

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from chipbreak.diagnostics import RefusalError
 from chipbreak.edits import MoveTable
 from chipbreak.model.modal import Setting, State
-from chipbreak.model.motion import AXES
 from chipbreak.model.words import is_diameter
+from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
@@ -121,22 +121,22 @@ def _axis_words(cut: VibratedCut, distance_mm: Floats, settings: Settings) -> _W
     chain, state = cut.chain, cut.chain.before
     points = cut.path.points(distance_mm)
     decimals = settings.output.decimals + (1 if state.is_inch else 0)
-    scale = np.ones(3) / (MM_PER_INCH if state.is_inch else 1.0)
+    names = settings.axis_words
+    scale = np.array([float(names.signs[axis]) for axis in AXES]) / (MM_PER_INCH if state.is_inch else 1.0)
     if is_diameter(state, settings.control):
         scale[0] *= 2.0
-    axes = [AXES.index(axis) for axis in _moving_axes(cut)]
-    absolute_mode = state.modes.get("distance") == "absolute"
+    moving = _moving_axes(cut)
+    axes = [AXES.index(axis) for axis in moving]
+    letters = [names.letters[axis] for axis in moving]
     incremental = all(move.incremental for move in chain.moves)
+    if incremental and state.modes.get("distance") == "absolute":
+        distances = [d for d in map(names.distance_letter, moving) if d]
+        incremental = len(distances) == len(moving)
+        letters = distances if incremental else letters
     # The start is a position the program gave; incremental words count from it, whatever its digits.
     origin: Floats = points[0] * scale if incremental else np.zeros(3)
     rounded = np.round(points * scale - origin, decimals)
-    letters = AXES
-    if incremental and absolute_mode:
-        by_axis = {axis: letter for letter, axis in settings.dialect.incremental.items()}
-        letters = "".join(by_axis[axis] for axis in AXES)
-    return _Words(
-        tuple(letters[a] for a in axes), rounded[:, axes], (rounded + origin) / scale, decimals, incremental
-    )
+    return _Words(tuple(letters), rounded[:, axes], (rounded + origin) / scale, decimals, incremental)
 
 
 def _moving_axes(cut: VibratedCut) -> str:

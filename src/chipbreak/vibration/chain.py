@@ -7,12 +7,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from chipbreak.diagnostics import Diagnostic, RefusalError
-from chipbreak.model.modal import NOWHERE, Position, State
-from chipbreak.model.motion import AXES
+from chipbreak.model.modal import NOWHERE, State
 from chipbreak.model.steps import Move, Step
 from chipbreak.model.trace import Trace
+from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.syntax.nodes import Word
-from chipbreak.vibration.path import PLANE_AXES, Leg
+from chipbreak.vibration.path import Leg
 from chipbreak.vibration.request import Request
 
 _OFF_OR_PLAN = "turn it off before the cut, or write (VIB OFF) before it"
@@ -90,7 +90,7 @@ def chains_of(trace: Trace, requests: Sequence[Request]) -> tuple[list[Chain], l
     diagnostics: list[Diagnostic] = []
     groups: list[list[Request]] = []
     for request in requests:
-        refusal = refusal_of(request)
+        refusal = refusal_of(request, trace.settings.axis_words)
         if refusal is not None:
             error, at = refusal
             line = request.step.block.line
@@ -114,7 +114,9 @@ def _joins(trace: Trace, one: Request, other: Request) -> bool:
     return same_feed and a.speed == b.speed and one.same_wish(other)
 
 
-def refusal_of(request: Request) -> tuple[RefusalError, tuple[int, int] | None] | None:
+def refusal_of(
+    request: Request, axis_words: AxisWords
+) -> tuple[RefusalError, tuple[int, int] | None] | None:
     """Why a block must not vibrate, with the place in the block, or None."""
     step = request.step
     move, state = step.move, step.after
@@ -134,7 +136,7 @@ def refusal_of(request: Request) -> tuple[RefusalError, tuple[int, int] | None] 
     if not state.turns:
         message = "the spindle is not turning (no M3 or M4 before this block)"
         return RefusalError("VIB046", message, "start the spindle before the cut"), at
-    return _words_refusal(step) or _position_refusal(step, move) or _feed_refusal(state)
+    return _words_refusal(step, axis_words) or _position_refusal(step, move) or _feed_refusal(state)
 
 
 def _not_a_cut(move: Move | None) -> RefusalError:
@@ -145,8 +147,9 @@ def _not_a_cut(move: Move | None) -> RefusalError:
     return RefusalError("VIB043", message, "only G1, G2 and G3 can vibrate; write the cut as G1")
 
 
-def _words_refusal(step: Step) -> tuple[RefusalError, tuple[int, int]] | None:
+def _words_refusal(step: Step, axis_words: AxisWords) -> tuple[RefusalError, tuple[int, int]] | None:
     """Words that the expansion could not carry over."""
+    foreign_letters = frozenset("TABCDHVOP") - {a for a, axis in axis_words.axes.items() if axis in AXES}
     for word in step.block.words:
         at = (word.start, word.end)
         shown = step.block.text[word.start : word.end]
@@ -154,7 +157,7 @@ def _words_refusal(step: Step) -> tuple[RefusalError, tuple[int, int]] | None:
             message = f"{shown} is computed on the machine; the cut cannot be planned"
             return RefusalError("VIB047", message, "write the number itself"), at
         late_m = word.address == "M" and word.number not in _SPEAKS_BEFORE
-        foreign = word in step.unread or word.address in "TABCDHVOP" or word.letter.startswith(",")
+        foreign = word in step.unread or word.address in foreign_letters or word.letter.startswith(",")
         if late_m or foreign or (word.address == "G" and step.once):
             message = f"{shown} cannot stand in a block that vibrates"
             return RefusalError("VIB048", message, "put it into a block of its own"), at
@@ -178,7 +181,7 @@ def _feed_refusal(state: State) -> tuple[RefusalError, None] | None:
 def _position_refusal(step: Step, move: Move) -> tuple[RefusalError, None] | None:
     wanted = set(move.axes)
     if move.kind in ("cw", "ccw"):
-        wanted |= {AXES[a] for a in PLANE_AXES[step.after.modes["plane"]]}
+        wanted |= set(move.plane)
     for axis in sorted(wanted):
         at = AXES.index(axis)
         if math.isnan(move.start[at]):
@@ -195,16 +198,12 @@ def _position_refusal(step: Step, move: Move) -> tuple[RefusalError, None] | Non
 def legs_of(chain: Chain) -> list[Leg]:
     """The chain's moves as pure geometry; axes that it does not move count as 0."""
     turns = {"line": 0, "cw": -1, "ccw": 1}
-    modes = chain.before.modes
     legs = []
     for move in chain.moves:
         start = _numbers(move.start)
         end = _numbers(move.end)
         offsets = move.offsets or NOWHERE
-        if modes.get("arc_distance") == "absolute":
-            offsets = Position(*(o - s for o, s in zip(offsets, start, strict=True)))
-        turn, plane = turns[move.kind], modes["plane"]
-        legs.append(Leg(start, end, turn, plane, offsets, move.radius_mm))
+        legs.append(Leg(start, end, turns[move.kind], move.plane, offsets, move.radius_mm))
     return legs
 
 

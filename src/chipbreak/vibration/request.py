@@ -28,7 +28,7 @@ _INSTEAD = {"N": "E", "E": "N", "Q": "A", "A": "Q"}
 _OFF = Directive(False)
 _LIMITS = {"ALPHA": (0.0, 1.0)}
 _POSSIBLE = (1e-9, 1e12)
-_AXIS = re.compile(r"[XYZUVW]\s*[-+.\d]")
+_AXIS = re.compile(r"[XYZUVWABC]\s*[-+.\d]")
 _COUNT = re.compile(r"N\s*[-+]?[.\d]")
 _FEED, _FREQUENCY = re.compile(r"F\s*[.\d]"), re.compile(r"f\s*[-+]?[.\d]")
 
