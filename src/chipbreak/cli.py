@@ -234,13 +234,15 @@ def macros(output: str, profile: str | None, sets: tuple[str, ...]) -> None:
     What they must know about the laser barrier is given with --set macros.KEY=VALUE.
     """
     from chipbreak.diagnostics import RefusalError
-    from chipbreak.macros import macro_files
+    from chipbreak.macros import check_axes, macro_files
     from chipbreak.macros.parameters import split_options
 
     reporter = Reporter(as_json=False, quiet=False, colour=False)
     try:
         settings, others = split_options(sets)
-        files = macro_files(settings_of(profile, others, "-", reporter).dialect.name, settings)
+        machine = settings_of(profile, others, "-", reporter)
+        check_axes(machine.axis_words)
+        files = macro_files(machine.dialect.name, settings)
     except RefusalError as error:
         click.echo(f"error {error.code}: {error.message}\n  help: {error.help}", err=True)
         sys.exit(USAGE)
