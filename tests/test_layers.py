@@ -106,6 +106,7 @@ vibration.solve
 vibration.waveform
 vibration.laws
 vibration.path
+vibration.control
 vibration.planner
 vibration.bends
 vibration.timing
@@ -137,6 +138,7 @@ passes.check_tools
 
 emit
 measure
+unbroken
 verify
 diff
 pipeline
