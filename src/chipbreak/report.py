@@ -77,8 +77,9 @@ def _cut_text(result: Result, checked: CheckedCut, settings: Settings) -> Iterat
     needs = f"    machine  needs {checked.acceleration_mm_s2:.0f} mm/s2"
     if checked.servo_share is not None:
         needs += f", the servo leaves {checked.servo_share:.0%} of the stroke"
-    if checked.clearance_deg is not None:
-        needs += f"; the forward stroke uses {checked.clearance_deg:.2f} degrees of flank clearance"
+    if checked.clearances:
+        used = ", ".join(f"{c.degrees:.2f} at {c.diameter_mm:.4g} mm" for c in checked.clearances)
+        needs += f"; degrees of flank clearance that the forward stroke uses: {used}"
     yield needs
     if members := _members(checked, settings):
         said = ", ".join(f"{axis} ({letter} words) by {_MEMBERS[sign]}" for axis, letter, sign in members)
@@ -152,7 +153,7 @@ def _cut_json(result: Result, checked: CheckedCut, settings: Settings) -> dict[s
         "duration_s": checked.duration_s,
         "acceleration_mm_s2": checked.acceleration_mm_s2,
         "servo_share": checked.servo_share,
-        "clearance_deg": checked.clearance_deg,
+        "flank_clearance": [{"diameter_mm": c.diameter_mm, "deg": c.degrees} for c in checked.clearances],
         "moved": {
             axis: {"letter": letter, "by": "tool" if sign > 0 else "work"}
             for axis, letter, sign in _members(checked, settings)

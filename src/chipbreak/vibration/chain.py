@@ -69,7 +69,7 @@ class Chain:
     @property
     def axes(self) -> str:
         """The axes that the chain moves, in the order X, Y, Z."""
-        named = {axis for move in self.moves for axis in move.axes}
+        named = {axis for move in self.moves for axis in move.axes + move.plane}
         return "".join(axis for axis in AXES if axis in named)
 
     def preamble(self) -> str:
@@ -160,8 +160,17 @@ def _words_refusal(step: Step, axis_words: AxisWords) -> tuple[RefusalError, tup
         foreign = word in step.unread or word.address in foreign_letters or word.letter.startswith(",")
         if late_m or foreign or (word.address == "G" and step.once):
             message = f"{shown} cannot stand in a block that vibrates"
-            return RefusalError("VIB048", message, "put it into a block of its own"), at
+            return RefusalError("VIB048", message, _way_out_of(word)), at
     return None
+
+
+def _way_out_of(word: Word) -> str:
+    if word.letter.startswith(","):
+        return "write the chamfer or the rounding as a block of its own (G1, G2 or G3)"
+    if word.address == "P":
+        return "write each turn of the arc as a block of its own"
+    place = "behind" if word.address == "M" else "before"
+    return f"put it into a block of its own {place} this one"
 
 
 def _feed_refusal(state: State) -> tuple[RefusalError, None] | None:
