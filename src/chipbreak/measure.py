@@ -41,13 +41,15 @@ class Clearance(NamedTuple):
 class CheckedCut:
     """A vibrated cut with what its emitted moves do: seconds, and the verdict on its chips.
 
-    ``misses_plan``: the control takes another time for it, or makes another N of it.
+    ``control`` is the law by which the moves were timed; ``misses_plan``: by it the cut takes another time
+    than planned, or has another N.
     ``acceleration_mm_s2`` is the least that can run it; ``servo_share`` what the position loops leave of the
     stroke, None without a gain; ``clearances`` the flank clearance that the forward stroke uses up at the
     largest and the smallest diameter, none where the diameter is not known.
     """
 
     planned: PlannedCut
+    control: str
     duration_s: float
     move_count: int
     verdict: Verdict
@@ -99,6 +101,7 @@ def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCu
     off_count = verdict.per_rev > 0.0 and abs(verdict.per_rev - per_rev) > _COUNT_TOLERANCE * per_rev
     return CheckedCut(
         planned,
+        model.law,
         float(time_s[-1]),
         count,
         verdict,

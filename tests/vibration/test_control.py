@@ -8,9 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import chipbreak
+from chipbreak.diagnostics import RefusalError
 from chipbreak.measure import CheckedCut
 from chipbreak.settings import SettingsError
-from chipbreak.vibration.load import servo_share
+from chipbreak.vibration.control import ControlModel
+from chipbreak.vibration.load import least_acceleration_mm_s2, servo_share
+from chipbreak.vibration.planner import feed_for_time, predict, shortest_time
+from chipbreak.vibration.waveform import Cut, Waveform
 
 PROGRAM = "G21 G99 G97 S1250 M3\nG0 X20. Z2.\nG1 Z-3. F0.1 N1.5\nM30\n"
 DECLARED = ("planner.model=trapezoid", "axes.Z.max_acceleration_mm_s2=5000", "checks.enabled=false")
@@ -68,3 +72,55 @@ def test_an_acc_dec_time_of_one_vibration_leaves_nothing() -> None:
     assert "0% of the stroke" in caught.value.diagnostics[0].message
     both = cut_of("axes.Z.acc_dec_ms=4", "axes.Z.position_gain_1_s=500").servo_share
     assert both == pytest.approx(servo_share(31.25, 500.0) * servo_share(31.25, None, 0.004))
+
+
+@pytest.mark.parametrize(
+    ("frequency_hz", "share"), [(2, 0.97), (5, 0.85), (10, 0.62), (31, 0.25), (62.5, 0.13)]
+)
+def test_what_a_slow_position_loop_leaves(frequency_hz: float, share: float) -> None:
+    assert servo_share(frequency_hz, 50.0) == pytest.approx(share, abs=0.005)
+
+
+def swing(waveform: Waveform, frequency_hz: float, stroke_mm: float, feed_mm_rev: float = 1e-9) -> Cut:
+    return Cut(
+        length_mm=10.0,
+        feed_mm_rev=feed_mm_rev,
+        speed_rpm=1000.0,
+        period_s=1.0 / frequency_hz,
+        ticks=4,
+        forward_ticks=2,
+        stroke_mm=stroke_mm,
+        waveform=waveform,
+    )
+
+
+@pytest.mark.parametrize(("frequency_hz", "needed"), [(62.5, 7711), (31.25, 1928), (10.0, 197)])
+def test_acceleration_of_a_sine(frequency_hz: float, needed: float) -> None:
+    """The second difference of the motion itself says the same."""
+    least = least_acceleration_mm_s2(swing("sine", frequency_hz, 0.1), 1.5)
+    assert least == pytest.approx(needed, abs=0.5)
+    time_s = np.linspace(0.0, 1.0 / frequency_hz, 20001)
+    place_mm = 0.05 * np.sin(2.0 * np.pi * frequency_hz * time_s)
+    measured = np.abs(np.diff(place_mm, 2)).max() / (time_s[1] - time_s[0]) ** 2
+    assert measured == pytest.approx(least, rel=1e-5)
+
+
+@given(frequency_hz=st.floats(1.0, 100.0), stroke_mm=st.floats(0.01, 1.0))
+def test_acceleration_of_an_even_triangle(frequency_hz: float, stroke_mm: float) -> None:
+    least = least_acceleration_mm_s2(swing("triangle", frequency_hz, stroke_mm), 1.5)
+    assert least == pytest.approx(16.0 * frequency_hz**2 * stroke_mm, rel=1e-6)
+    stroke_s = 0.5 / frequency_hz
+    assert shortest_time(stroke_mm, ControlModel("trapezoid", 1e9, least * 1.0001)) <= stroke_s
+    with pytest.raises(RefusalError):
+        feed_for_time(stroke_mm, stroke_s, ControlModel("trapezoid", 1e9, least * 0.999))
+
+
+def test_a_feed_is_reached_only_over_a_long_enough_block() -> None:
+    """d = F^2 / A: 1 in/s at 10 in/s^2 needs 0.1 in."""
+    inch, feed, acceleration = 25.4, 25.4, 254.0
+    model = ControlModel("trapezoid", 1e9, acceleration)
+    edge_mm = feed**2 / acceleration
+    assert edge_mm == pytest.approx(0.1 * inch)
+    for length_mm, reaches in ((edge_mm * 1.01, True), (edge_mm * 0.99, False)):
+        (time_s,) = predict([length_mm], feed, model)
+        assert (time_s == pytest.approx(length_mm / feed + feed / acceleration, rel=1e-9)) == reaches
