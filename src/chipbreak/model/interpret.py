@@ -8,7 +8,6 @@ units, compensation, offsets and the other modal groups, (8) non-modal codes, (9
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 from chipbreak.diagnostics import RefusalError
@@ -19,7 +18,7 @@ from chipbreak.model.motion import move_of
 from chipbreak.model.peripheral import peripheral_of
 from chipbreak.model.requests import vibration_words
 from chipbreak.model.steps import CUTTING, Move, Step
-from chipbreak.model.words import codes_of, feed_value, plain_value
+from chipbreak.model.words import JUMPED, codes_of, cylinder_of, feed_value, plain_value
 from chipbreak.settings.axis_words import AXES, CENTRES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
@@ -88,7 +87,7 @@ class Interpreter:
         if state.ended and not block.is_empty:
             state = replace(initial_state(self.settings), unknown_why="another program starts here")
         if block.line in self.flow.targets:
-            state = state.forgotten("a jump (GOTO) can arrive at this block")
+            state = state.forgotten(JUMPED)
         if block.opaque:
             return Step(block, state, state.forgotten(f"line {block.line + 1} cannot be read"))
         if block.is_empty:
@@ -151,6 +150,8 @@ class Interpreter:
                 once.add(code.value)
             else:
                 changes[code.group] = code.value
+        if "cylinder" in changes:
+            changes["cylinder"] = cylinder_of(block)
         return changes, frozenset(once), unknown
 
     def _values(
@@ -211,10 +212,7 @@ class Interpreter:
                 state = self._tool_word(state, value)
             elif word.address == "M" and not math.isnan(value):
                 state = _m_code(state, int(value))
-        changed = self.dialect.tool_change == "M6" and any(
-            w.address == "M" and w.number == 6 for w in block.words
-        )
-        if changed:
+        if self.dialect.tool_change == "M6" and any(w.address == "M" and w.number == 6 for w in block.words):
             state = replace(state, tool=state.next_tool).lost("a tool change moves the machine")
         return state
 
@@ -292,8 +290,8 @@ def _lose_axes(state: State, axes: list[str], why: str, *, everything: bool) -> 
 
 def _maybe(before: State, after: State, line: int) -> State:
     """After a block that an operator may switch off: what differs cannot be known."""
-    keep: Callable[[float, float], float] = lambda a, b: b if a == b else math.nan  # noqa: E731
-    position = Position(*map(keep, before.position, after.position))
+    pairs = zip(before.position, after.position, strict=True)
+    position = Position(*(b if a == b else math.nan for a, b in pairs))
     if position != after.position:
         why = f"line {line + 1} is skipped while block delete is on"
         after = replace(after, position=position, unknown_why=why)

@@ -10,19 +10,19 @@ from chipbreak.diagnostics import Diagnostic, RefusalError
 from chipbreak.model.modal import NOWHERE, State
 from chipbreak.model.steps import Move, Step
 from chipbreak.model.trace import Trace
+from chipbreak.model.words import JUMPED
 from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.syntax.nodes import Word
 from chipbreak.vibration.path import Leg
 from chipbreak.vibration.request import Request
 
-_OFF_OR_PLAN = "turn it off before the cut, or write (VIB OFF) before it"
 # Modal groups that must be at rest, with what the user knows them as.
 _AT_REST = {
     "compensation": ("off", "VIB040", "tool nose or cutter compensation (G41, G42) is active", "G40"),
     "rotation": ("off", "VIB041", "the coordinate system is rotated (G68)", "G69"),
-    "polar": ("off", "VIB041", "polar interpolation or polar input is active", "the code that ends it"),
+    "polar": ("off", "VIB041", "polar interpolation or polar input is active", "G15 or G13.1 (G113)"),
     "interpolation": ("off", "VIB041", "polar interpolation is active", "G13.1"),
-    "cylinder": ("off", "VIB041", "cylindrical interpolation was switched", "no vibration behind G7.1"),
+    "cylinder": ("off", "VIB041", "cylindrical interpolation (G7.1) is on", "G7.1 C0"),
     "polygon": ("off", "VIB041", "polygon turning is active", "G50.2"),
     "scaling": ("off", "VIB041", "scaling (G51) is active", "G50"),
     "mirror": ("off", "VIB041", "mirror image (G51.1) is active", "G50.1"),
@@ -123,28 +123,35 @@ def refusal_of(
     at = (step.vibration[0].start, step.vibration[-1].end) if step.vibration else None
     if step.in_contour:
         message = "this block is the shape of a cycle (G70 to G73); the control cuts it in its own way"
-        help_text = "write the passes as G1, or leave this cycle without vibration"
+        help_text = f"write the passes as G1 without the cycle, or {_without(request)}"
         return RefusalError("VIB043", message, help_text), at
     if move is None or not move.is_cut:
-        return _not_a_cut(move), at
+        return _not_a_cut(move, _without(request)), at
     if step.block.skip:
         message = "a block with block delete (/) cannot vibrate: the cut would start elsewhere without it"
-        return RefusalError("VIB045", message, "take the / away, or write (VIB OFF) before it"), (0, 1)
+        return RefusalError("VIB045", message, f"take the / away, or {_without(request)}"), (0, 1)
     for group, (rest, code, what, end) in _AT_REST.items():
         if state.modes.get(group, rest) != rest:
-            return RefusalError(code, f"{what}; a cut cannot vibrate in it", f"{end}, or {_OFF_OR_PLAN}"), at
+            help_text = f"turn it off before the cut ({end}), or {_without(request)}"
+            return RefusalError(code, f"{what}; a cut cannot vibrate in it", help_text), at
     if not state.turns:
         message = "the spindle is not turning (no M3 or M4 before this block)"
         return RefusalError("VIB046", message, "start the spindle before the cut"), at
     return _words_refusal(step, axis_words) or _position_refusal(step, move) or _feed_refusal(state)
 
 
-def _not_a_cut(move: Move | None) -> RefusalError:
+def _without(request: Request) -> str:
+    """How this block is left without vibration: its own words ask whatever stands before it."""
+    return "take N, f, E and Q out of it" if request.by_word else "write (VIB OFF) before it"
+
+
+def _not_a_cut(move: Move | None, without: str) -> RefusalError:
     if move is not None and move.kind == "rapid":
-        help_text = "give N, f, E or Q on a G1, G2 or G3 block"
+        help_text = f"give N, f, E or Q on a G1, G2 or G3 block, or {without}"
         return RefusalError("VIB044", "vibration on a rapid (G0)", help_text)
     message = "this block is a thread, a cycle or another move that the control controls itself"
-    return RefusalError("VIB043", message, "only G1, G2 and G3 can vibrate; write the cut as G1")
+    help_text = f"only G1, G2 and G3 can vibrate: write the cut as G1, or {without}"
+    return RefusalError("VIB043", message, help_text)
 
 
 def _words_refusal(step: Step, axis_words: AxisWords) -> tuple[RefusalError, tuple[int, int]] | None:
@@ -196,6 +203,8 @@ def _position_refusal(step: Step, move: Move) -> tuple[RefusalError, None] | Non
         if math.isnan(move.start[at]):
             message = f"where {axis} stands before this cut cannot be known: {step.before.unknown_why}"
             help_text = f"move {axis} to an absolute position with G0 before the cut"
+            if step.before.unknown_why == JUMPED:
+                help_text += ", and let the jump arrive there"
             return RefusalError("VIB051", message, help_text), None
         if math.isnan(move.end[at]):
             message = f"where {axis} ends cannot be known: its number has no decimal point"

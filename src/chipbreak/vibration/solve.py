@@ -60,7 +60,7 @@ class CommandGroup:
         _require(self.multiples is None or min(self.multiples, default=0) >= 2, "multiples from 2 up")
         _require(self.periods_s != () and all(map(_is_positive, self.periods_s or ())), "periods above zero")
         _require(2 <= self.min_multiple <= MOST_TICKS, f"a lowest multiple from 2 to {MOST_TICKS}")
-        _require(self.max_multiple is None or self.max_multiple >= self.min_multiple, "multiples in order")
+        _require((self.max_multiple or math.inf) >= self.min_multiple, "a max_multiple from min_multiple up")
 
     def around(self, frequency_hz: float, count: int = 3) -> tuple[Period, ...]:
         """The ``count`` periods nearest in frequency, best first; of two equally near the slower first."""
@@ -215,7 +215,8 @@ def _count(speed: Given, period: Period, rules: SolverRules, reasons: list[str])
     if raw < min(count, rules.edges * rules.phase) / 2:
         what = f"S {speed} with f {shown(period.frequency_hz)} Hz makes N {shown(raw)}"
         slower = f"N {shown(count)} would need less than half that spindle speed"
-        raise RefusalError("VIB008", f"{what}; {slower}", "give a higher f, or N and f without S")
+        turns = shown(math.floor(_ratio(period, count)))
+        raise RefusalError("VIB008", f"{what}; {slower}", f"give S {turns}, or N and f without S")
     if not _prints_as(speed, count, period, rules):
         why = "nearest integer + phase (claim 7)" if rules.rounding == "claim-7" else "nearest n + phase"
         why += f", phase {shown(rules.phase)}" + (f", {rules.edges} edges" if rules.edges > 1 else "")
@@ -296,4 +297,4 @@ def _is_positive(value: float) -> bool:
 
 def _require(ok: bool, what: str) -> None:
     if not ok:
-        raise RefusalError("VIB009", f"vibration settings need {what}", "correct the machine profile")
+        raise RefusalError("VIB009", f"vibration settings need {what}", "correct that in the machine profile")
