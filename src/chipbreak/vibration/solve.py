@@ -60,7 +60,7 @@ class CommandGroup:
         _require(self.multiples is None or min(self.multiples, default=0) >= 2, "multiples from 2 up")
         _require(self.periods_s != () and all(map(_is_positive, self.periods_s or ())), "periods above zero")
         _require(2 <= self.min_multiple <= MOST_TICKS, f"a lowest multiple from 2 to {MOST_TICKS}")
-        _require((self.max_multiple or math.inf) >= self.min_multiple, "a max_multiple from min_multiple up")
+        _require(self.max_multiple is None or self.max_multiple >= self.min_multiple, "multiples in order")
 
     def around(self, frequency_hz: float, count: int = 3) -> tuple[Period, ...]:
         """The ``count`` periods nearest in frequency, best first; of two equally near the slower first."""
@@ -297,4 +297,4 @@ def _is_positive(value: float) -> bool:
 
 def _require(ok: bool, what: str) -> None:
     if not ok:
-        raise RefusalError("VIB009", f"vibration settings need {what}", "correct that in the machine profile")
+        raise RefusalError("VIB009", f"vibration settings need {what}", "correct [command] and [vibration] of the machine profile")
