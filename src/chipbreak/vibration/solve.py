@@ -297,4 +297,4 @@ def _is_positive(value: float) -> bool:
 
 def _require(ok: bool, what: str) -> None:
     if not ok:
-        raise RefusalError("VIB009", f"vibration settings need {what}", "correct [command] and [vibration] of the machine profile")
+        raise RefusalError("VIB009", f"vibration settings need {what}", "correct the machine profile")
