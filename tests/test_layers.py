@@ -114,6 +114,7 @@ vibration.directive
 vibration.request
 vibration.chain
 vibration.plan
+vibration.loop
 vibration.speeds
 vibration.advice
 vibration.blocks
@@ -135,6 +136,7 @@ passes.vibrate
 passes.check_tools
 
 emit
+unroll
 measure
 verify
 diff

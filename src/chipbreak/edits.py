@@ -24,6 +24,10 @@ class MoveTable:
     def __len__(self) -> int:
         return len(self.columns[0])
 
+    def rows(self, first: int, stop: int) -> MoveTable:
+        """The same with rows ``first`` to ``stop`` (exclusive) only."""
+        return MoveTable(self.letters, tuple(column[first:stop] for column in self.columns), self.decimals)
+
 
 @dataclass(frozen=True, eq=False)
 class Edit:

@@ -129,8 +129,9 @@ def _check_path(result: Trace, moves: ReadBack, planned: PlannedCut) -> Floats:
     unit = MM_PER_INCH if state.is_inch else 1.0
     increment = 10.0**-result.settings.output.decimals * unit / (10.0 if state.is_inch else 1.0)
     along, away = moves.along(cut.path, planned.expansion.distance_mm)
-    # Half an increment in each of up to three axes.
-    tolerance = math.sqrt(3.0) * 0.5 * increment + 1e-6
+    # Half an increment in each of up to three axes, and in a loop half of what its passes add up to.
+    drift = max((loop.drift_steps for loop in planned.expansion.loops or ()), default=0.0)
+    tolerance = math.sqrt(3.0) * 0.5 * (1.0 + drift) * increment + 1e-6
     if away.max() > tolerance + result.settings.vibration.chord_mm:
         raise SelfCheckError(f"a point lies {away.max():.4f} mm off the path")
     astray = float(np.abs(along - planned.expansion.distance_mm).max())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from chipbreak.edits import Edit
@@ -12,6 +12,7 @@ from chipbreak.units import MS_PER_S
 
 if TYPE_CHECKING:
     from chipbreak.measure import CheckedCut
+    from chipbreak.vibration.loop import Loop
 
 
 def explain_text(result: Result, profile: str) -> Iterator[str]:
@@ -80,6 +81,20 @@ def _cut_text(result: Result, checked: CheckedCut) -> Iterator[str]:
         f"    output   {checked.move_count} moves, {checked.duration_s:.2f} s,"
         f" axis up to {verdict.peak_speed_mm_s * 60.0:.0f} mm/min"
     )
+    loops = checked.planned.expansion.loops
+    if loops is not None:
+        yield f"    loop     {_loops(loops, checked.move_count)}"
+
+
+def _loops(loops: Sequence[Loop], move_count: int) -> str:
+    """What repeats, and how many blocks that leaves."""
+    if not loops:
+        return "none: no straight part of full stroke repeats often enough"
+    parts = ", ".join(f"{loop.vibrations} vibrations {loop.passes} times" for loop in loops)
+    written = move_count - sum(loop.count * (loop.passes - 1) for loop in loops)
+    drift = max(loop.drift_steps for loop in loops)
+    off = f", points up to {0.5 + drift / 2.0:.2f} steps from the exact motion" if drift > 0.001 else ""
+    return f"{parts}; {written} blocks of motion{off}"
 
 
 def _chip(revolutions: float, length_mm: float | None) -> str:
@@ -134,6 +149,10 @@ def _cut_json(result: Result, checked: CheckedCut) -> dict[str, Any]:
         "waveform": cut.cut.waveform,
         "alpha_share": cut.cut.alpha_share,
         "moves": checked.move_count,
+        "loops": [
+            {"vibrations": loop.vibrations, "passes": loop.passes, "drift_steps": loop.drift_steps}
+            for loop in checked.planned.expansion.loops or ()
+        ],
         "duration_s": checked.duration_s,
         "acceleration_mm_s2": checked.acceleration_mm_s2,
         "servo_share": checked.servo_share,

@@ -24,6 +24,7 @@ from chipbreak.syntax.numbers import print_number
 from chipbreak.vibration.advice import with_advice
 from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.chain import Chain, chains_of
+from chipbreak.vibration.loop import LoopNames, free_names
 from chipbreak.vibration.plan import VibratedCut, plan_cut
 from chipbreak.vibration.request import Request
 from chipbreak.vibration.speeds import SpeedChange, speed_changes
@@ -52,15 +53,21 @@ def plan(trace: Trace, settings: Settings, requests: Sequence[Request]) -> Vibra
     chains, diagnostics = chains_of(trace, requests)
     cuts: list[VibratedCut] = []
     expansions: list[Expansion] = []
+    try:
+        names = free_names(trace.program, settings) if chains else None
+    except RefusalError as error:
+        return VibrationPlan((), (), (_at_chain(trace, chains[0], error),))
     for chain in chains:
         try:
             cut = plan_cut(chain, settings)
             _check_motion_mode(trace, chain)
-            expansions.append(_expand(cut, settings))
+            expansion = _expand(cut, settings, names)
         except RefusalError as error:
             diagnostics.append(_at_chain(trace, chain, error))
             continue
         cuts.append(cut)
+        expansions.append(expansion)
+        names = names.behind(len(expansion.loops or ())) if names is not None else None
     if diagnostics:
         # A refused cut leaves the speeds around it open: nothing more can be said honestly.
         return VibrationPlan((), (), tuple(sorted(diagnostics, key=_by_line)))
@@ -79,9 +86,9 @@ def plan(trace: Trace, settings: Settings, requests: Sequence[Request]) -> Vibra
     return VibrationPlan(planned, tuple(edits + back), ())
 
 
-def _expand(cut: VibratedCut, settings: Settings) -> Expansion:
+def _expand(cut: VibratedCut, settings: Settings, names: LoopNames | None) -> Expansion:
     try:
-        return moves_of(cut, settings)
+        return moves_of(cut, settings, names)
     except RefusalError as error:
         raise with_advice(error, cut, settings, moves_of) from None
 

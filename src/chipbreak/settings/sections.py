@@ -79,6 +79,8 @@ class Output:
 
     feed_mode: str = _one_of("rev", "inverse", "minute")
     segments: str = _one_of("auto", "tick", "stroke")
+    form: str = _one_of("expanded", "loop")
+    loop_variable: int = field(default=33, metadata={"at_least": 1, "below": 1000})
     decimals: int = _digits(3)
     feed_decimals: int = _digits(5)
 

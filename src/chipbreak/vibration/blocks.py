@@ -6,7 +6,8 @@ positions.  The feed of each block follows from the rounded points and the time 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
 from chipbreak.vibration.bends import blocks_of
+from chipbreak.vibration.loop import Loop, LoopNames, among_kept, looped_points, same_feeds
 from chipbreak.vibration.path import split_at
 from chipbreak.vibration.plan import VibratedCut
 from chipbreak.vibration.timing import control_model, feeds_for_spans
@@ -33,36 +35,42 @@ _SAME_S = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class _Words:
-    """Axis words of every knot, in program units, rounded; (n, axes)."""
+    """Axis words of every knot, in program units, rounded; (n, axes).
+
+    ``letters`` are for the places themselves, or for distances where the cut is ``incremental``.
+    """
 
     letters: tuple[str, ...]
     absolute: Floats
     points_mm: Floats
     decimals: int
     incremental: bool
+    loops: Sequence[Loop]
 
 
 @dataclass(frozen=True, eq=False)
 class Expansion:
     """The moves of a cut: a first block with G1, a table, and a last block that ends exactly at the end.
 
-    ``distance_mm`` is where on the path each block ends, ``time_s`` when it should, both of shape (blocks,).
+    ``distance_mm`` is where on the path each block ends, ``time_s`` when it should, both of shape (blocks,);
+    a block of a loop counts in every pass.  ``loops`` are those of ``content``, None where none were asked.
     """
 
     content: tuple[str | MoveTable, ...]
     distance_mm: Floats
     time_s: Floats
+    loops: Sequence[Loop] | None = None
 
 
-def moves_of(cut: VibratedCut, settings: Settings) -> Expansion:
-    """Turn the knots of a cut into blocks.
+def moves_of(cut: VibratedCut, settings: Settings, names: LoopNames | None = None) -> Expansion:
+    """Turn the knots of a cut into blocks; with ``names`` its steady parts into loops.
 
     Errors: VIB023 when the whole cut rounds to nothing, VIB058 for distances finer than the output's digits,
     VIB059 for a stroke or feeds too fine for them.
     """
     chain = cut.chain
     time_s, distance_mm = _knots(cut, settings.vibration.chord_mm)
-    words = _axis_words(cut, distance_mm, settings)
+    words = _axis_words(cut, time_s, distance_mm, settings, loops=names is not None)
     step_mm = 10.0**-words.decimals * (MM_PER_INCH if chain.before.is_inch else 1.0)
     if cut.cut.stroke_mm < _LEAST_STEPS * step_mm:
         stroke = f"the stroke of {cut.cut.stroke_mm:.4g} mm"
@@ -79,15 +87,51 @@ def moves_of(cut: VibratedCut, settings: Settings) -> Expansion:
         message = f"this cut is incremental, and its end lies between two steps of {words.decimals} decimals"
         raise RefusalError("VIB058", message, f"write {words.decimals} decimals, or absolute positions")
     times[0] = time_s[0]
-    absolute, points = words.absolute[keep], words.points_mm[keep]
-    feeds = _feed_words(cut, times, distance_mm[keep], points, settings)
-    values = np.diff(absolute, axis=0) if words.incremental else absolute[1:]
-    decimals = (words.decimals,) * len(words.letters) + (feed_decimals(chain.before, settings),)
-    table = MoveTable((*words.letters, "F"), (*values.T, feeds), decimals)
+    loops = among_kept(words.loops, keep)
+    words = replace(words, absolute=words.absolute[keep], points_mm=words.points_mm[keep], loops=loops)
+    feeds = _feed_words(cut, times, distance_mm[keep], words, settings)
     ends = distance_mm[keep][1:]
     ends[-1] = cut.path.length_mm
-    blocks = _as_blocks(table, chain.after, _tail_is_programmed(cut, settings))
-    return Expansion(blocks, ends, times[1:])
+    content = _content(cut, settings, words, feeds, names)
+    return Expansion(content, ends, times[1:], loops if names is not None else None)
+
+
+def _content(
+    cut: VibratedCut, settings: Settings, words: _Words, feeds: Floats, names: LoopNames | None
+) -> tuple[str | MoveTable, ...]:
+    """First and last block as text, the rest as tables, the loops between their lines."""
+    chain = cut.chain
+    decimals = (words.decimals,) * len(words.letters) + (feed_decimals(chain.before, settings),)
+    distances = (*np.diff(words.absolute, axis=0).T, feeds)
+    columns = distances if words.incremental else (*words.absolute[1:].T, feeds)
+    table = MoveTable((*words.letters, "F"), columns, decimals)
+    content: list[str | MoveTable] = ["G1 " + _row(table, 0, None)]
+    at = 1
+    if names is not None:
+        letters, switch = _distance_letters(words, settings)
+        passes = MoveTable((*letters, "F"), distances, decimals)
+        for number, loop in enumerate(words.loops):
+            before, behind = names.lines(number, loop.passes)
+            content.append(table.rows(at, loop.first))
+            content += [*switch[:1], *before, passes.rows(loop.first, loop.first + loop.count)]
+            content += [*behind, *switch[1:]]
+            at = loop.stop
+    last = len(table) - 1
+    content.append(table.rows(at, last))
+    if last:
+        content.append(_row(table, last, chain.after.feed if _tail_is_programmed(cut, settings) else None))
+    return tuple(item for item in content if len(item))
+
+
+def _distance_letters(words: _Words, settings: Settings) -> tuple[tuple[str, ...], list[str]]:
+    """Letters for distances, and the blocks that switch to them and back where these need it."""
+    if words.incremental:
+        return words.letters, []
+    dialect = settings.dialect
+    if dialect.can("distance", "incremental"):
+        return words.letters, [dialect.code("distance", way) for way in ("incremental", "absolute")]
+    by_axis = {axis: letter for letter, axis in dialect.incremental.items()}
+    return tuple(by_axis[axis] for axis in words.letters), []
 
 
 def _knots(cut: VibratedCut, chord_mm: float) -> tuple[Floats, Floats]:
@@ -117,7 +161,9 @@ def _check_feed_digits(cut: VibratedCut, spans: Floats, feeds: Floats, settings:
         raise RefusalError("VIB059", message, "raise output.feed_decimals, or take another output.feed_mode")
 
 
-def _axis_words(cut: VibratedCut, distance_mm: Floats, settings: Settings) -> _Words:
+def _axis_words(
+    cut: VibratedCut, time_s: Floats, distance_mm: Floats, settings: Settings, *, loops: bool
+) -> _Words:
     chain, state = cut.chain, cut.chain.before
     points = cut.path.points(distance_mm)
     decimals = settings.output.decimals + (1 if state.is_inch else 0)
@@ -129,14 +175,18 @@ def _axis_words(cut: VibratedCut, distance_mm: Floats, settings: Settings) -> _W
     incremental = all(move.incremental for move in chain.moves)
     # The start is a position the program gave; incremental words count from it, whatever its digits.
     origin: Floats = points[0] * scale if incremental else np.zeros(3)
-    rounded = np.round(points * scale - origin, decimals)
+    exact_steps = (points * scale - origin) * 10.0**decimals
+    found: Sequence[Loop] = ()
+    steps = np.rint(exact_steps)
+    if loops:
+        steps[:, axes], found = looped_points(cut, time_s, exact_steps[:, axes], settings)
+    rounded = steps / 10.0**decimals
     letters = AXES
     if incremental and absolute_mode:
         by_axis = {axis: letter for letter, axis in settings.dialect.incremental.items()}
         letters = "".join(by_axis[axis] for axis in AXES)
-    return _Words(
-        tuple(letters[a] for a in axes), rounded[:, axes], (rounded + origin) / scale, decimals, incremental
-    )
+    points = (rounded + origin) / scale
+    return _Words(tuple(letters[a] for a in axes), rounded[:, axes], points, decimals, incremental, found)
 
 
 def _moving_axes(cut: VibratedCut) -> str:
@@ -157,27 +207,28 @@ def feed_decimals(state: State, settings: Settings) -> int:
 
 
 def _feed_words(
-    cut: VibratedCut, times: Floats, distance_mm: Floats, points: Floats, settings: Settings
+    cut: VibratedCut, times: Floats, distance_mm: Floats, words: _Words, settings: Settings
 ) -> Floats:
     """F of every block, (n - 1,), from the rounded points and the time that each block should really take.
 
     The plain revolutions at the end run at the programmed feed itself, not at one with rounding in it.
     """
-    moved = np.diff(points, axis=0)
+    moved = np.diff(words.points_mm, axis=0)
     spans = np.diff(times)
     plain_from = int(np.searchsorted(times[:-1], cut.time_s[-2] - _SAME_S))
     model = control_model(settings, cut.path)
     blocks = blocks_of(moved, np.diff(distance_mm), settings)
     feeds_mm_s = feeds_for_spans(blocks, spans, model, plain_from)
+    same_feeds(feeds_mm_s, words.loops)
     unit = MM_PER_INCH if cut.chain.before.is_inch else 1.0
     mode = settings.output.feed_mode
     if mode == "inverse":
-        words = feeds_mm_s / np.abs(blocks.lengths_mm) * S_PER_MIN
+        rates = feeds_mm_s / np.abs(blocks.lengths_mm) * S_PER_MIN
     elif mode == "minute":
-        words = feeds_mm_s / unit * S_PER_MIN
+        rates = feeds_mm_s / unit * S_PER_MIN
     else:
-        words = feeds_mm_s / unit * S_PER_MIN / cut.solution.speed_rpm
-    feeds: Floats = np.maximum(words, 10.0 ** -feed_decimals(cut.chain.before, settings))
+        rates = feeds_mm_s / unit * S_PER_MIN / cut.solution.speed_rpm
+    feeds: Floats = np.maximum(rates, 10.0 ** -feed_decimals(cut.chain.before, settings))
     if _tail_is_programmed(cut, settings):
         feed = cut.chain.before.feed
         assert feed is not None
@@ -190,17 +241,6 @@ def _tail_is_programmed(cut: VibratedCut, settings: Settings) -> bool:
     """True when the cut ends plainly and the output's feed mode is the program's own."""
     same_mode = cut.chain.before.modes["feed_mode"] == settings.output.feed_mode
     return same_mode and settings.output.feed_mode != "inverse" and cut.cut.end_revolutions > 0.0
-
-
-def _as_blocks(table: MoveTable, after: State, plain_end: bool) -> tuple[str | MoveTable, ...]:
-    """First and last block as text, the rest as a table."""
-    first = "G1 " + _row(table, 0, None)
-    count = len(table)
-    if count == 1:
-        return (first,)
-    middle = MoveTable(table.letters, tuple(c[1 : count - 1] for c in table.columns), table.decimals)
-    last = _row(table, count - 1, after.feed if plain_end else None)
-    return (first, middle, last) if len(middle) else (first, last)
 
 
 def _row(table: MoveTable, row: int, feed: Setting | None) -> str:

@@ -124,7 +124,7 @@ def _cut_of(chain: Chain, length_mm: float, solution: Solution, settings: Settin
 
 
 def _check_size(cut: Cut) -> None:
-    moves = cut.vibrations * (2 if cut.form == "stroke" else cut.ticks)
+    moves = cut.vibrations * cut.knots_per_vibration
     if moves > MOST_MOVES:
         message = f"this cut would become {moves} blocks; no program may have more than {MOST_MOVES} of them"
         raise RefusalError("VIB021", message, 'take output.segments "stroke", a lower f, or a higher feed')

@@ -87,6 +87,11 @@ class Cut:
             return 0
         return math.floor(vibrating_s / self.period_s + _FUZZ)
 
+    @property
+    def knots_per_vibration(self) -> int:
+        """How many knots of the motion one vibration has."""
+        return 2 if self.form == "stroke" else self.ticks
+
 
 def forward_ticks(ticks: int, alpha_share: float) -> int:
     """Whole base periods of the forward stroke, 1 to ``ticks`` - 1, nearest ``alpha_share`` of the vibration.
