@@ -114,6 +114,7 @@ vibration.directive
 vibration.request
 vibration.chain
 vibration.plan
+vibration.loop_names
 vibration.loop
 vibration.speeds
 vibration.advice

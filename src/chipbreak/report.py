@@ -90,11 +90,11 @@ def _loops(loops: Sequence[Loop], move_count: int) -> str:
     """What repeats, and how many blocks that leaves."""
     if not loops:
         return "none: no straight part of full stroke repeats often enough"
-    parts = ", ".join(f"{loop.vibrations} vibrations {loop.passes} times" for loop in loops)
+    each = [f"{one.vibrations} vibration{'s' * (one.vibrations > 1)} {one.passes} times" for one in loops]
     written = move_count - sum(loop.count * (loop.passes - 1) for loop in loops)
     drift = max(loop.drift_steps for loop in loops)
     off = f", points up to {0.5 + drift / 2.0:.2f} steps from the exact motion" if drift > 0.001 else ""
-    return f"{parts}; {written} blocks of motion{off}"
+    return f"{', '.join(each)}; {written} blocks of motion{off}"
 
 
 def _chip(revolutions: float, length_mm: float | None) -> str:

@@ -24,7 +24,7 @@ from chipbreak.syntax.numbers import print_number
 from chipbreak.vibration.advice import with_advice
 from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.chain import Chain, chains_of
-from chipbreak.vibration.loop import LoopNames, free_names
+from chipbreak.vibration.loop_names import LoopNames, free_names
 from chipbreak.vibration.plan import VibratedCut, plan_cut
 from chipbreak.vibration.request import Request
 from chipbreak.vibration.speeds import SpeedChange, speed_changes

@@ -21,7 +21,8 @@ from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
 from chipbreak.vibration.bends import blocks_of
-from chipbreak.vibration.loop import Loop, LoopNames, among_kept, looped_points, same_feeds
+from chipbreak.vibration.loop import Loop, among_kept, looped_points, same_feeds
+from chipbreak.vibration.loop_names import LoopNames
 from chipbreak.vibration.path import split_at
 from chipbreak.vibration.plan import VibratedCut
 from chipbreak.vibration.timing import control_model, feeds_for_spans
@@ -219,7 +220,7 @@ def _feed_words(
     model = control_model(settings, cut.path)
     blocks = blocks_of(moved, np.diff(distance_mm), settings)
     feeds_mm_s = feeds_for_spans(blocks, spans, model, plain_from)
-    same_feeds(feeds_mm_s, words.loops)
+    same_feeds(feeds_mm_s, words.loops, blocks, model, cut.cut.period_s)
     unit = MM_PER_INCH if cut.chain.before.is_inch else 1.0
     mode = settings.output.feed_mode
     if mode == "inverse":

@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.diagnostics import RefusalError
-from chipbreak.dialects.base import Loop as LoopWords
 from chipbreak.settings.sections import Settings
-from chipbreak.syntax.nodes import Call, Expression, Operation, Variable
-from chipbreak.syntax.parse import Program
 from chipbreak.units import MS_PER_S
+from chipbreak.vibration.bends import Blocks
 from chipbreak.vibration.plan import VibratedCut
+from chipbreak.vibration.planner import ControlModel
+from chipbreak.vibration.timing import motion_of
 from chipbreak.vibration.waveform import full_window
 
 Floats = NDArray[np.float64]
@@ -31,6 +31,7 @@ _NO_DRIFT_STEPS = 1e-6
 _FEWEST_PASSES_ALIKE = 4  # fewer passes of a pattern without drift are not worth its length
 _LEAST_SAVED_BLOCKS = 12
 _MOST_PERIODS = 1000
+_TIME_SHARE = 0.004
 _SAME_S = 1e-9
 _SAME_MM = 1e-9
 
@@ -52,83 +53,6 @@ class Loop:
     def stop(self) -> int:
         """The block behind the last pass."""
         return self.first + self.count * self.passes
-
-
-@dataclass(frozen=True)
-class LoopNames:
-    """What loops may be called in one program: a counter, and labels that are not taken."""
-
-    words: LoopWords
-    variable: int
-    labels: Sequence[int]
-
-    def behind(self, loops: int) -> LoopNames:
-        """The names that are left when some loops have been written."""
-        if self.words.reuses:
-            return self
-        return LoopNames(self.words, self.variable, self.labels[loops:])
-
-    def lines(self, loop: int, passes: int) -> tuple[list[str], list[str]]:
-        """The lines before and behind the blocks of a loop, the ``loop``-th of a cut."""
-        label = self.labels[0 if self.words.reuses else loop]
-        values = {"variable": self.variable, "label": label, "passes": passes}
-        return [t.format(**values) for t in self.words.begin], [t.format(**values) for t in self.words.end]
-
-
-def free_names(program: Program, settings: Settings) -> LoopNames | None:
-    """Names for the loops of a program, None where none are asked for.
-
-    Errors: VIB080 when the program needs the counter itself, or has taken every label.
-    """
-    words = settings.dialect.loop
-    if settings.output.form != "loop" or words is None:
-        return None
-    variables, labels = _taken(program)
-    counter = settings.output.loop_variable
-    counts = any("{variable}" in line for line in words.begin)
-    if counts and (counter in variables or None in variables):
-        why = f"uses #{counter}" if counter in variables else "uses variables whose number it works out"
-        message = f"the program {why}, and loops count in #{counter}"
-        raise RefusalError(
-            "VIB080", message, 'name another output.loop_variable, or take output.form "expanded"'
-        )
-    free = [label for label in words.labels if label not in labels]
-    if not free:
-        message = f"the program has loops of its own with every label from {words.labels[0]} on"
-        raise RefusalError("VIB080", message, 'take output.form "expanded" for this program')
-    return LoopNames(words, counter, free)
-
-
-def _taken(program: Program) -> tuple[set[int | None], set[int]]:
-    """Numbers of variables (None for one that is worked out) and of labels that a program says."""
-    variables: set[int | None] = set()
-    labels: set[int] = set()
-    for block in program.event_blocks():
-        expressions = [word.expression for word in block.words if word.expression is not None]
-        for assignment in block.assignments:
-            expressions += [assignment.target, assignment.value]
-        for control in block.controls:
-            expressions += control.arguments
-            if control.label.isdigit() and control.keyword != "GOTO":
-                labels.add(int(control.label))
-        variables.update(number for one in expressions for number in _variables(one))
-    return variables, labels
-
-
-def _variables(expression: Expression) -> Iterator[int | None]:
-    waiting = [expression]
-    while waiting:
-        one = waiting.pop()
-        if isinstance(one, Variable):
-            if isinstance(one.key, int):
-                yield one.key
-            elif not isinstance(one.key, str):
-                yield None
-                waiting.append(one.key)
-        elif isinstance(one, Call):
-            waiting += one.arguments
-        elif isinstance(one, Operation):
-            waiting += (one.left, one.right)
 
 
 def looped_points(
@@ -157,6 +81,8 @@ def looped_points(
             _repeat(steps, exact_steps, start, found, per_vibration)
             count, passes, drift = found
             loops.append(Loop(start, count * per_vibration, passes, count, drift))
+            if not drift:
+                break  # what is left is shorter than one pass; written out it stays exact
             # One vibration leads from the last point of this loop to the first of the next one.
             gone = _next_multiple(count * passes + 1, every)
             first += gone
@@ -242,7 +168,8 @@ def _pattern(
     best = int(left.argmin())
     if left[best] >= vibrations:
         return None
-    return int(count[best]), int(passes[best]), float(lacks[best] * passes[best])
+    drift = float(lacks[best] * passes[best]) if drifts[best] else 0.0
+    return int(count[best]), int(passes[best]), drift
 
 
 def _repeat(
@@ -278,15 +205,25 @@ def among_kept(loops: Sequence[Loop], keep: NDArray[np.bool_]) -> list[Loop]:
     return found
 
 
-def same_feeds(feeds: Floats, loops: Sequence[Loop]) -> None:
+def same_feeds(
+    feeds: Floats, loops: Sequence[Loop], blocks: Blocks, model: ControlModel, period_s: float
+) -> None:
     """Give every pass of a loop the feeds of its second one, in place.
 
     The first pass may be reached with another feed than its own last one, which LinuxCNC remembers.
-    Errors: VIB081 when later passes would need others.
+    Errors: VIB081 when a pass with these feeds would not take its time.
     """
     for loop in loops:
         passes = feeds[loop.first : loop.stop].reshape(loop.passes, loop.count)
-        if not np.allclose(passes[1:], passes[1], rtol=1e-6):
-            message = f"{loop.vibrations} vibrations need other feeds in every pass to keep their time"
-            raise RefusalError("VIB081", message, 'take another f, or output.form "expanded"')
         passes[:] = passes[1]
+        two = slice(loop.first, loop.first + 2 * loop.count)
+        run = Blocks(blocks.lengths_mm[two], blocks.bends[two], blocks.acceleration_mm_s2[two])
+        places_mm = np.append(0.0, np.cumsum(run.lengths_mm))
+        took_s = float(motion_of(places_mm, run, feeds[two], model).spans_s[loop.count :].sum())
+        wanted_s = loop.vibrations * period_s
+        if abs(took_s - wanted_s) > _TIME_SHARE * wanted_s:
+            message = (
+                f"a pass of {loop.vibrations} vibrations would take {took_s * MS_PER_S:.6g} ms"
+                f" instead of {wanted_s * MS_PER_S:.6g}"
+            )
+            raise RefusalError("VIB081", message, 'take another f, or output.form "expanded"')
