@@ -105,6 +105,7 @@ vibration.solve
 vibration.waveform
 vibration.laws
 vibration.path
+vibration.control
 vibration.planner
 vibration.bends
 vibration.timing
@@ -139,6 +140,7 @@ passes.check_tools
 emit
 unroll
 measure
+unbroken
 verify
 diff
 pipeline

@@ -21,11 +21,12 @@ from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
 from chipbreak.vibration.bends import blocks_of
+from chipbreak.vibration.control import control_model
 from chipbreak.vibration.loop import Loop, among_kept, looped_points, same_feeds
 from chipbreak.vibration.loop_names import LoopNames
 from chipbreak.vibration.path import split_at
 from chipbreak.vibration.plan import VibratedCut
-from chipbreak.vibration.timing import control_model, feeds_for_spans
+from chipbreak.vibration.timing import feeds_for_spans
 
 Floats = NDArray[np.float64]
 _SAME_MM = 1e-6
@@ -217,7 +218,7 @@ def _feed_words(
     moved = np.diff(words.points_mm, axis=0)
     spans = np.diff(times)
     plain_from = int(np.searchsorted(times[:-1], cut.time_s[-2] - _SAME_S))
-    model = control_model(settings, cut.path)
+    model = control_model(settings, cut.path, cut.chain.before)
     blocks = blocks_of(moved, np.diff(distance_mm), settings)
     feeds_mm_s = feeds_for_spans(blocks, spans, model, plain_from)
     same_feeds(feeds_mm_s, words.loops, blocks, model, cut.cut.period_s)

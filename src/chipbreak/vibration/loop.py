@@ -19,8 +19,8 @@ from chipbreak.diagnostics import RefusalError
 from chipbreak.settings.sections import Settings
 from chipbreak.units import MS_PER_S
 from chipbreak.vibration.bends import Blocks
+from chipbreak.vibration.control import ControlModel
 from chipbreak.vibration.plan import VibratedCut
-from chipbreak.vibration.planner import ControlModel
 from chipbreak.vibration.timing import motion_of
 from chipbreak.vibration.waveform import full_window
 
