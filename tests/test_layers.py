@@ -109,6 +109,7 @@ vibration.control
 vibration.planner
 vibration.bends
 vibration.timing
+vibration.piecewise
 vibration.verdict
 vibration.load
 vibration.directive
@@ -117,6 +118,8 @@ vibration.chain
 vibration.plan
 vibration.loop_names
 vibration.loop
+vibration.stands
+vibration.content
 vibration.speeds
 vibration.advice
 vibration.blocks

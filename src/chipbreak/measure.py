@@ -17,7 +17,7 @@ from chipbreak.vibration.bends import Blocks, blocks_of
 from chipbreak.vibration.control import ControlModel, control_model
 from chipbreak.vibration.load import flank_clearance_deg, least_acceleration_mm_s2, servo_share
 from chipbreak.vibration.readback import ReadBack, read_moves
-from chipbreak.vibration.timing import motion_of
+from chipbreak.vibration.stands import motion_with_stands
 from chipbreak.vibration.verdict import Verdict, judge
 from chipbreak.vibration.waveform import full_window
 
@@ -25,6 +25,7 @@ Floats = NDArray[np.float64]
 # Feeds are rounded, so the time of a cut differs from the plan by about half a unit in their last place.
 _TIME_TOLERANCE = 0.005
 _COUNT_TOLERANCE = 0.01
+_SAME_STAND_S = 1e-6
 # A control that stops at both ends of the cut and of its plain end needs a little longer.
 _STOP_TOLERANCE_S = 0.2
 
@@ -65,11 +66,13 @@ def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCu
     moved = np.diff(np.vstack((cut.path.legs[0].start, moves.points_mm)), axis=0)
     model = control_model(result.settings, cut.path, cut.chain.before)
     blocks = blocks_of(moved, np.diff(distance_mm), result.settings)
-    motion = motion_of(distance_mm, blocks, moves.feed_mm_s, model)
+    motion = motion_with_stands(distance_mm, blocks, moves.feed_mm_s, model, moves.stand_s)
     if not np.all(motion.spans_s > 0.0):
         raise SelfCheckError("a move takes no time")
-    time_s = np.concatenate(([0.0], np.cumsum(motion.spans_s)))
-    is_late = _is_late(result, float(time_s[-1]), cut.cut.duration_s)
+    if not np.allclose(moves.stand_s, expansion.stand_s, rtol=0.0, atol=_SAME_STAND_S):
+        raise SelfCheckError("the tool does not stand where, or as long as, it should")
+    time_s = np.concatenate(([0.0], np.cumsum(motion.spans_s + moves.stand_s)))
+    is_late = _is_late(result, float(time_s[-1]), cut.cut.duration_s + cut.end_stand_s)
     start = next(cut.chain.moves).start
     diameter_mm = 2.0 * max(abs(start.x), abs(cut.chain.after.position.x))
     verdict = judge(
@@ -111,6 +114,8 @@ def _top_speed(moves: ReadBack, blocks: Blocks, model: ControlModel) -> float:
 
 def _servo_share(result: Trace, planned: PlannedCut) -> float | None:
     """The weakest drive among the axes that move; None where the profile says nothing of them."""
+    if planned.cut.cut.waveform == "dwell":
+        return None  # it does not swing
     axes = [result.settings.axes[axis] for axis in planned.cut.chain.axes]
     shares = [
         servo_share(

@@ -52,11 +52,7 @@ def _cut_text(result: Result, checked: CheckedCut) -> Iterator[str]:
         f"    runs     S {solution.speed_rpm:g} rpm, N {solution.per_rev:.4g},"
         f" f {solution.frequency_hz:.5g} Hz ({solution.period.period_s * MS_PER_S:g} ms)"
     )
-    ratio = cut.cut.stroke_mm / cut.cut.feed_mm_rev
-    yield (
-        f"    stroke   {cut.cut.stroke_mm:.4g} mm = {ratio:.3g} x feed {cut.cut.feed_mm_rev:.4g} mm/rev,"
-        f" {cut.cut.waveform}, forward share {cut.cut.alpha_share:.3g}"
-    )
+    yield _wave(checked)
     if verdict.per_rev > 0.0:
         reached_hz = verdict.per_rev * solution.speed_rpm / S_PER_MIN
         yield f"    reaches  N {verdict.per_rev:.4g}, {reached_hz:.5g} Hz (planner model {checked.control})"
@@ -75,18 +71,36 @@ def _cut_text(result: Result, checked: CheckedCut) -> Iterator[str]:
         low, high = verdict.speed_band_rpm
         yield f"    band     breaks from {low:.0f} to {high:.0f} rpm at this frequency"
     needs = f"    machine  needs {checked.acceleration_mm_s2:.0f} mm/s2"
+    if cut.keeps_feed:
+        needs = "    machine  never turns back"
     if checked.servo_share is not None:
         needs += f", the servo leaves {checked.servo_share:.0%} of the stroke"
     if checked.clearance_deg is not None:
         needs += f"; the forward stroke uses {checked.clearance_deg:.2f} degrees of flank clearance"
     yield needs
+    ends = f", stands {cut.end_stand_s * MS_PER_S:.0f} ms at its end" if cut.end_stand_s else ""
     yield (
         f"    output   {checked.move_count} moves, {checked.duration_s:.2f} s,"
-        f" axis up to {verdict.peak_speed_mm_s * 60.0:.0f} mm/min"
+        f" axis up to {verdict.peak_speed_mm_s * 60.0:.0f} mm/min{ends}"
     )
     loops = checked.planned.expansion.loops
     if loops is not None:
         yield f"    loop     {_loops(loops, checked.move_count)}"
+
+
+def _wave(checked: CheckedCut) -> str:
+    """The stroke, or how far the tool feeds and how long it then stands."""
+    cut, rev_s = checked.planned.cut.cut, S_PER_MIN / checked.planned.cut.solution.speed_rpm
+    if cut.waveform == "dwell":
+        stand_s = float(checked.planned.expansion.stand_s[0])
+        return (
+            f"    dwell    {cut.speed_mm_s * cut.period_s:.4g} mm at {cut.feed_mm_rev:.4g} mm/rev, then"
+            f" stands {stand_s * MS_PER_S:.4g} ms = {stand_s / rev_s:.3g} revolutions"
+        )
+    return (
+        f"    stroke   {cut.stroke_mm:.4g} mm = {cut.stroke_mm / cut.feed_mm_rev:.3g} x feed"
+        f" {cut.feed_mm_rev:.4g} mm/rev, {cut.waveform}, forward share {cut.alpha_share:.3g}"
+    )
 
 
 def _loops(loops: Sequence[Loop], move_count: int) -> str:
@@ -151,6 +165,8 @@ def _cut_json(result: Result, checked: CheckedCut) -> dict[str, Any]:
         "stroke_mm": cut.cut.stroke_mm,
         "waveform": cut.cut.waveform,
         "alpha_share": cut.cut.alpha_share,
+        "stand_s": float(checked.planned.expansion.stand_s[0]),
+        "end_stand_s": cut.end_stand_s,
         "moves": checked.move_count,
         "loops": [
             {"vibrations": loop.vibrations, "passes": loop.passes, "drift_steps": loop.drift_steps}

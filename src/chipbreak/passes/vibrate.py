@@ -129,8 +129,8 @@ def _expansion(
         for line in range(chain.first, chain.last)
         if trace.program.block(line).is_empty and trace.program.block(line).comments
     ]
-    mode = settings.output.feed_mode
     was = chain.before.modes["feed_mode"]
+    mode = was if cut.keeps_feed else settings.output.feed_mode
     head = [*comments, chain.preamble(), speed]
     if speed and settings.spindle.settle_s > 0.0:
         head.append(f"G4 {settings.dialect.dwell_word}{print_number(settings.spindle.settle_s, 3)}")
@@ -139,7 +139,8 @@ def _expansion(
         like = {n for s in trace.events for n in codes_of(s.block, "feed_mode", settings.dialect)}
         head.append(settings.dialect.code("feed_mode", mode, like))
         feed_back = f"{settings.dialect.code('feed_mode', was, like)} {feed_back}"
-    tail = [] if mode == was and cut.cut.end_revolutions > 0.0 else [feed_back]
+    feed_stands = cut.keeps_feed or cut.cut.end_revolutions > 0.0
+    tail = [] if mode == was and feed_stands else [feed_back]
     switched, given_back = _modes_around(chain, settings)
     head += switched
     tail += given_back
@@ -148,7 +149,7 @@ def _expansion(
         f"VIB N{print_number(solution.per_rev, 4, point=False)}"
         f" F{print_number(solution.frequency_hz, 3, point=False)}"
         f" S{print_number(solution.speed_rpm, 3, point=False)}"
-        f" STROKE {print_number(cut.cut.stroke_mm, 4)}"
+        f" {'DWELL' if cut.keeps_feed else f'STROKE {print_number(cut.cut.stroke_mm, 4)}'}"
     )
     reason = "; ".join(cut.reasons) or "nothing to correct"
     content = (*(text for text in head if text), *moves, *tail)

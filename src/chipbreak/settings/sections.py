@@ -58,7 +58,7 @@ class Vibration:
     q: float | None = _above(None)
     a_mm: float | None = _above(None)
     margin: float = _at_least(1.2, 1.0)
-    waveform: str = _one_of("triangle", "sine")
+    waveform: str = _one_of("triangle", "sine", "dwell")
     alpha: float = field(default=0.5, metadata={"above": 0.0, "below": 1.0})
     phase: float | str = field(default="auto", metadata={"choices": ("auto",), "above": 0.0, "below": 1.0})
     pn: float | None = _at_least(None)
@@ -69,6 +69,7 @@ class Vibration:
     ramp_s: float | None = _at_least(None)
     ramp_exponent: float = _above(1.0)
     end_revolutions: float = _at_least(1.0)
+    end: str = _one_of("feed", "dwell")
     chord_mm: float = _above(0.001)
     edges: int = _at_least(1, 1)
 

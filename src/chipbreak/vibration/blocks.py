@@ -14,18 +14,19 @@ from numpy.typing import NDArray
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.edits import MoveTable
-from chipbreak.model.modal import Setting, State
+from chipbreak.model.modal import State
 from chipbreak.model.motion import AXES
 from chipbreak.model.words import is_diameter
 from chipbreak.settings.sections import Settings
-from chipbreak.syntax.numbers import print_number
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
 from chipbreak.vibration.bends import blocks_of
+from chipbreak.vibration.content import Columns, Words, content_of
 from chipbreak.vibration.control import control_model
 from chipbreak.vibration.loop import Loop, among_kept, looped_points, same_feeds
 from chipbreak.vibration.loop_names import LoopNames
 from chipbreak.vibration.path import split_at
 from chipbreak.vibration.plan import VibratedCut
+from chipbreak.vibration.stands import dwell_s, printed_s, without_stands
 from chipbreak.vibration.timing import feeds_for_spans
 
 Floats = NDArray[np.float64]
@@ -36,31 +37,18 @@ _SAME_S = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class _Words:
-    """Axis words of every knot, in program units, rounded; (n, axes).
-
-    ``letters`` are for the places themselves, or for distances where the cut is ``incremental``.
-    """
-
-    letters: tuple[str, ...]
-    absolute: Floats
-    points_mm: Floats
-    decimals: int
-    incremental: bool
-    loops: Sequence[Loop]
-
-
-@dataclass(frozen=True, eq=False)
 class Expansion:
     """The moves of a cut: a first block with G1, a table, and a last block that ends exactly at the end.
 
     ``distance_mm`` is where on the path each block ends, ``time_s`` when it should, both of shape (blocks,);
     a block of a loop counts in every pass.  ``loops`` are those of ``content``, None where none were asked.
+    ``stand_s`` is how long the tool stands behind each block, which belongs to its time but at the end.
     """
 
     content: tuple[str | MoveTable, ...]
     distance_mm: Floats
     time_s: Floats
+    stand_s: Floats
     loops: Sequence[Loop] | None = None
 
 
@@ -70,70 +58,45 @@ def moves_of(cut: VibratedCut, settings: Settings, names: LoopNames | None = Non
     Errors: VIB023 when the whole cut rounds to nothing, VIB058 for distances finer than the output's digits,
     VIB059 for a stroke or feeds too fine for them.
     """
-    chain = cut.chain
     time_s, distance_mm = _knots(cut, settings.vibration.chord_mm)
+    stands = np.zeros(len(time_s), np.bool_)
+    if cut.keeps_feed:
+        time_s, distance_mm, stands = without_stands(time_s, distance_mm)
     words = _axis_words(cut, time_s, distance_mm, settings, loops=names is not None)
-    step_mm = 10.0**-words.decimals * (MM_PER_INCH if chain.before.is_inch else 1.0)
-    if cut.cut.stroke_mm < _LEAST_STEPS * step_mm:
-        stroke = f"the stroke of {cut.cut.stroke_mm:.4g} mm"
-        message = f"{stroke} has fewer than {_LEAST_STEPS} steps of {step_mm:g} mm"
-        raise RefusalError("VIB059", message, "raise output.decimals, or give a larger Q or A")
     # Of knots that round to one point the last stays, so that the time goes to the move towards it and not
     # to the one behind it, which may be the plain end with a feed of its own.
     keep = np.append(np.any(np.diff(words.absolute, axis=0) != 0.0, axis=1), True)
     times = time_s[keep]
+    _check_digits(cut, words, stands[~keep])
     if len(times) == 1:
         message = f"the cut rounds to nothing at {words.decimals} decimals"
         raise RefusalError("VIB023", message, "a vibrated cut needs a distance to travel")
-    if words.incremental and np.abs(words.points_mm[-1] - cut.path.legs[-1].end).max() > _SAME_MM:
-        message = f"this cut is incremental, and its end lies between two steps of {words.decimals} decimals"
-        raise RefusalError("VIB058", message, f"write {words.decimals} decimals, or absolute positions")
     times[0] = time_s[0]
     loops = among_kept(words.loops, keep)
     words = replace(words, absolute=words.absolute[keep], points_mm=words.points_mm[keep], loops=loops)
-    feeds = _feed_words(cut, times, distance_mm[keep], words, settings)
+    stand_s = np.where(stands[keep][1:], dwell_s(cut, settings), 0.0)
+    stand_s[-1] = max(stand_s[-1], printed_s(cut.end_stand_s))
+    columns = Columns(words, stand_s, names)
+    if not cut.keeps_feed:
+        feeds = _feed_words(cut, times, distance_mm[keep], words, settings)
+        columns = replace(columns, feeds=feeds, feed_decimals=feed_decimals(cut.chain.before, settings))
     ends = distance_mm[keep][1:]
     ends[-1] = cut.path.length_mm
-    content = _content(cut, settings, words, feeds, names)
-    return Expansion(content, ends, times[1:], loops if names is not None else None)
+    content = content_of(columns, cut.chain, settings, plain_end=_tail_is_programmed(cut, settings))
+    return Expansion(content, ends, times[1:], stand_s, loops if names is not None else None)
 
 
-def _content(
-    cut: VibratedCut, settings: Settings, words: _Words, feeds: Floats, names: LoopNames | None
-) -> tuple[str | MoveTable, ...]:
-    """First and last block as text, the rest as tables, the loops between their lines."""
-    chain = cut.chain
-    decimals = (words.decimals,) * len(words.letters) + (feed_decimals(chain.before, settings),)
-    distances = (*np.diff(words.absolute, axis=0).T, feeds)
-    columns = distances if words.incremental else (*words.absolute[1:].T, feeds)
-    table = MoveTable((*words.letters, "F"), columns, decimals)
-    content: list[str | MoveTable] = ["G1 " + _row(table, 0, None)]
-    at = 1
-    if names is not None:
-        letters, switch = _distance_letters(words, settings)
-        passes = MoveTable((*letters, "F"), distances, decimals)
-        for number, loop in enumerate(words.loops):
-            before, behind = names.lines(number, loop.passes)
-            content.append(table.rows(at, loop.first))
-            content += [*switch[:1], *before, passes.rows(loop.first, loop.first + loop.count)]
-            content += [*behind, *switch[1:]]
-            at = loop.stop
-    last = len(table) - 1
-    content.append(table.rows(at, last))
-    if last:
-        content.append(_row(table, last, chain.after.feed if _tail_is_programmed(cut, settings) else None))
-    return tuple(item for item in content if len(item))
-
-
-def _distance_letters(words: _Words, settings: Settings) -> tuple[tuple[str, ...], list[str]]:
-    """Letters for distances, and the blocks that switch to them and back where these need it."""
-    if words.incremental:
-        return words.letters, []
-    dialect = settings.dialect
-    if dialect.can("distance", "incremental"):
-        return words.letters, [dialect.code("distance", way) for way in ("incremental", "absolute")]
-    by_axis = {axis: letter for letter, axis in dialect.incremental.items()}
-    return tuple(by_axis[axis] for axis in words.letters), []
+def _check_digits(cut: VibratedCut, words: Words, lost_stands: NDArray[np.bool_]) -> None:
+    """Refuse a stroke of few steps, and an end that incremental words cannot reach."""
+    step_mm = 10.0**-words.decimals * (MM_PER_INCH if cut.chain.before.is_inch else 1.0)
+    if cut.cut.stroke_mm < _LEAST_STEPS * step_mm or lost_stands.any():
+        larger = "take a larger E" if cut.keeps_feed else "give a larger Q or A"
+        stroke = f"the stroke of {cut.cut.stroke_mm:.4g} mm"
+        message = f"{stroke} has fewer than {_LEAST_STEPS} steps of {step_mm:g} mm"
+        raise RefusalError("VIB059", message, f"raise output.decimals, or {larger}")
+    if words.incremental and np.abs(words.points_mm[-1] - cut.path.legs[-1].end).max() > _SAME_MM:
+        message = f"this cut is incremental, and its end lies between two steps of {words.decimals} decimals"
+        raise RefusalError("VIB058", message, f"write {words.decimals} decimals, or absolute positions")
 
 
 def _knots(cut: VibratedCut, chord_mm: float) -> tuple[Floats, Floats]:
@@ -165,7 +128,7 @@ def _check_feed_digits(cut: VibratedCut, spans: Floats, feeds: Floats, settings:
 
 def _axis_words(
     cut: VibratedCut, time_s: Floats, distance_mm: Floats, settings: Settings, *, loops: bool
-) -> _Words:
+) -> Words:
     chain, state = cut.chain, cut.chain.before
     points = cut.path.points(distance_mm)
     decimals = settings.output.decimals + (1 if state.is_inch else 0)
@@ -188,7 +151,7 @@ def _axis_words(
         by_axis = {axis: letter for letter, axis in settings.dialect.incremental.items()}
         letters = "".join(by_axis[axis] for axis in AXES)
     points = (rounded + origin) / scale
-    return _Words(tuple(letters[a] for a in axes), rounded[:, axes], points, decimals, incremental, found)
+    return Words(tuple(letters[a] for a in axes), rounded[:, axes], points, decimals, incremental, found)
 
 
 def _moving_axes(cut: VibratedCut) -> str:
@@ -209,7 +172,7 @@ def feed_decimals(state: State, settings: Settings) -> int:
 
 
 def _feed_words(
-    cut: VibratedCut, times: Floats, distance_mm: Floats, words: _Words, settings: Settings
+    cut: VibratedCut, times: Floats, distance_mm: Floats, words: Words, settings: Settings
 ) -> Floats:
     """F of every block, (n - 1,), from the rounded points and the time that each block should really take.
 
@@ -243,14 +206,3 @@ def _tail_is_programmed(cut: VibratedCut, settings: Settings) -> bool:
     """True when the cut ends plainly and the output's feed mode is the program's own."""
     same_mode = cut.chain.before.modes["feed_mode"] == settings.output.feed_mode
     return same_mode and settings.output.feed_mode != "inverse" and cut.cut.end_revolutions > 0.0
-
-
-def _row(table: MoveTable, row: int, feed: Setting | None) -> str:
-    """One block; with ``feed`` its F is the program's own text."""
-    words = [
-        letter + print_number(float(column[row]), decimals)
-        for letter, column, decimals in zip(table.letters, table.columns, table.decimals, strict=True)
-    ]
-    if feed is not None:
-        words[-1] = f"F{feed.text}"
-    return " ".join(words)

@@ -65,7 +65,7 @@ def looped_points(
     """
     steps = np.rint(exact_steps)
     loops: list[Loop] = []
-    per_vibration = cut.cut.knots_per_vibration
+    per_vibration = cut.cut.moves_per_vibration
     for begin, last in _stretches(cut):
         every = _closing(cut, settings)
         first = _next_multiple(begin, every)
@@ -116,7 +116,7 @@ def _stretches(cut: VibratedCut) -> Iterator[tuple[int, int]]:
 
 def _closing(cut: VibratedCut, settings: Settings) -> int:
     """How many vibrations take whole servo periods, where the control runs whole ones."""
-    if settings.planner.model != "linuxcnc":
+    if settings.planner.model != "linuxcnc" or cut.keeps_feed:
         return 1
     servo_s = settings.planner.servo_period_ms / MS_PER_S
     periods = np.arange(1, _MOST_PERIODS + 1) * cut.cut.period_s / servo_s
