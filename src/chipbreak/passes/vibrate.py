@@ -25,6 +25,7 @@ from chipbreak.syntax.numbers import print_number
 from chipbreak.vibration.advice import with_advice
 from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.chain import Chain, chains_of
+from chipbreak.vibration.loop_names import LoopNames, free_names
 from chipbreak.vibration.plan import VibratedCut, plan_cut
 from chipbreak.vibration.request import Request
 from chipbreak.vibration.speeds import SpeedChange, speed_changes, speed_words
@@ -56,15 +57,21 @@ def plan(trace: Trace, settings: Settings, requests: Sequence[Request]) -> Vibra
     chains, diagnostics = chains_of(trace, requests)
     cuts: list[VibratedCut] = []
     expansions: list[Expansion] = []
+    try:
+        names = free_names(trace.program, settings) if chains else None
+    except RefusalError as error:
+        return VibrationPlan((), (), (_at_chain(trace, chains[0], error),))
     for chain in chains:
         try:
             cut = plan_cut(chain, settings)
             _check_motion_mode(trace, chain)
-            expansions.append(_expand(cut, settings))
+            expansion = _expand(cut, settings, names)
         except RefusalError as error:
             diagnostics.append(_at_chain(trace, chain, error))
             continue
         cuts.append(cut)
+        expansions.append(expansion)
+        names = names.behind(len(expansion.loops or ())) if names is not None else None
     if diagnostics:
         # A refused cut leaves the speeds around it open: nothing more can be said honestly.
         return VibrationPlan((), (), tuple(sorted(diagnostics, key=_by_line)))
@@ -91,9 +98,9 @@ def planned_cut(chain: Chain, trace: Trace, settings: Settings) -> PlannedCut:
     return PlannedCut(cut, made, _expansion(cut, made.content, speed, trace, settings))
 
 
-def _expand(cut: VibratedCut, settings: Settings) -> Expansion:
+def _expand(cut: VibratedCut, settings: Settings, names: LoopNames | None) -> Expansion:
     try:
-        return moves_of(cut, settings)
+        return moves_of(cut, settings, names)
     except RefusalError as error:
         raise with_advice(error, cut, settings, moves_of) from None
 
@@ -122,8 +129,8 @@ def _expansion(
         for line in range(chain.first, chain.last)
         if trace.program.block(line).is_empty and trace.program.block(line).comments
     ]
-    mode = settings.output.feed_mode
     was = chain.before.modes["feed_mode"]
+    mode = was if cut.keeps_feed else settings.output.feed_mode
     head = [*comments, chain.preamble(), speed]
     head += _settling(settings) if speed else []
     feed_back = f"F{chain.after.feed.text}" if chain.after.feed else ""
@@ -131,7 +138,8 @@ def _expansion(
         like = {n for s in trace.events for n in codes_of(s.block, "feed_mode", settings.dialect)}
         head.append(settings.dialect.code("feed_mode", mode, like))
         feed_back = f"{settings.dialect.code('feed_mode', was, like)} {feed_back}"
-    tail = [] if mode == was and cut.cut.end_revolutions > 0.0 else [feed_back]
+    feed_stands = cut.keeps_feed or cut.cut.end_revolutions > 0.0
+    tail = [] if mode == was and feed_stands else [feed_back]
     switched, given_back = _modes_around(chain, settings)
     head += switched
     tail += given_back
@@ -140,7 +148,7 @@ def _expansion(
         f"VIB N{print_number(solution.per_rev, 4, point=False)}"
         f" F{print_number(solution.frequency_hz, 3, point=False)}"
         f" S{print_number(solution.speed_rpm, 3, point=False)}"
-        f" STROKE {print_number(cut.cut.stroke_mm, 4)}"
+        f" {'DWELL' if cut.keeps_feed else f'STROKE {print_number(cut.cut.stroke_mm, 4)}'}"
     )
     reason = "; ".join(cut.reasons) or "nothing to correct"
     content = (*(text for text in head if text), *moves, *tail)
