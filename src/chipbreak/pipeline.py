@@ -178,7 +178,7 @@ def _chip_diagnostics(
     trace: Trace, cuts: list[CheckedCut], operations: list[Operation], *, allow_unbroken: bool
 ) -> list[Diagnostic]:
     """Cuts that were asked to break chips and do not, and vibration on a finishing operation."""
-    found = []
+    found = list[Diagnostic]()
     for checked in cuts:
         cut, verdict = checked.planned.cut, checked.verdict
         line = cut.chain.first
