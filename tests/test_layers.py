@@ -37,6 +37,7 @@ syntax.shapes
 syntax.parse
 syntax.columns
 
+settings.axis_words
 settings.sections
 settings.checking
 settings.load
@@ -112,12 +113,17 @@ vibration.stretches
 vibration.factors
 vibration.bends
 vibration.timing
+vibration.piecewise
 vibration.verdict
 vibration.load
 vibration.directive
 vibration.request
 vibration.chain
 vibration.plan
+vibration.loop_names
+vibration.loop
+vibration.stands
+vibration.content
 vibration.speeds
 vibration.advice
 vibration.blocks
@@ -139,6 +145,7 @@ passes.vibrate
 passes.check_tools
 
 emit
+unroll
 measure
 unbroken
 verify

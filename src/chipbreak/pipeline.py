@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -18,6 +19,7 @@ from chipbreak.settings import Settings, SettingsError
 from chipbreak.source import Source, read
 from chipbreak.syntax.parse import UNREADABLE, parse
 from chipbreak.tools.program import tool_table_for_checks
+from chipbreak.units import MM_PER_INCH
 from chipbreak.verify import verify
 from chipbreak.vibration.request import requests_of
 
@@ -26,8 +28,11 @@ if TYPE_CHECKING:
     from chipbreak.passes.vibrate import PlannedCut
 
 UNBROKEN, FINISHING, SERVO, UNREAD_WORD = "VIB060", "VIB061", "VIB062", "MOD001"
-MISSED = "VIB034"
+MISSED, TOO_FAST = "VIB034", "VIB064"
 _MOST_ALIKE = 5
+_MOST_ADVISED = 3  # what works is tried for the first of many cuts that fail alike
+# How much more surface speed than G96 asked for is said aloud.
+_MUCH_FASTER = 1.25
 
 
 class Result(NamedTuple):
@@ -79,7 +84,7 @@ def _run(
     diagnostics += found
     speed_edits, found = speeds.plan(trace, settings)
     diagnostics += found
-    planned, vibration_edits, found = _vibration(trace, settings)
+    planned, vibration_edits, found = _vibration(trace, settings, allow_unbroken=allow_unbroken)
     diagnostics += found
     if has_errors(diagnostics):
         raise ProgramRejectedError(in_place_order(diagnostics))
@@ -116,7 +121,7 @@ def _tool_checks(trace: Trace, settings: Settings) -> tuple[list[Operation], lis
 
 
 def _vibration(
-    trace: Trace, settings: Settings
+    trace: Trace, settings: Settings, *, allow_unbroken: bool
 ) -> tuple[Sequence[PlannedCut], Sequence[Edit], list[Diagnostic]]:
     """The vibrated cuts and their edits; a program that asks for none does not load what plans them."""
     requests, diagnostics = requests_of(trace)
@@ -124,7 +129,7 @@ def _vibration(
         return (), (), diagnostics
     from chipbreak.passes import vibrate
 
-    plan = vibrate.plan(trace, settings, requests)
+    plan = vibrate.plan(trace, settings, requests, allow_unbroken=allow_unbroken)
     return plan.cuts, plan.edits, diagnostics + list(plan.diagnostics)
 
 
@@ -173,15 +178,17 @@ def _chip_diagnostics(
     trace: Trace, cuts: list[CheckedCut], operations: list[Operation], *, allow_unbroken: bool
 ) -> list[Diagnostic]:
     """Cuts that were asked to break chips and do not, and vibration on a finishing operation."""
-    found = []
+    found = list[Diagnostic]()
     for checked in cuts:
         cut, verdict = checked.planned.cut, checked.verdict
         line = cut.chain.first
+        advise = sum(d.code in (UNBROKEN, MISSED) for d in found) < _MOST_ADVISED
         if checked.misses_plan:
-            found.append(_missed(trace, checked))
+            found.append(_missed(trace, checked, advise=advise))
         elif not verdict.breaks:
-            found.append(_unbroken(trace, checked, allow_unbroken=allow_unbroken))
+            found.append(_unbroken(trace, checked, allow_unbroken=allow_unbroken, advise=advise))
         found += _servo_diagnostics(trace, checked, allow_unbroken=allow_unbroken)
+        found += _surface_speed(trace, checked)
         kind = next((o.kind for o in operations if o.first_line <= line < o.last_line), Kind.UNKNOWN)
         if kind in (Kind.FINISH, Kind.SEMI_FINISH):
             message = (
@@ -195,7 +202,25 @@ def _chip_diagnostics(
     return found
 
 
-def _missed(trace: Trace, checked: CheckedCut) -> Diagnostic:
+def _surface_speed(trace: Trace, checked: CheckedCut) -> list[Diagnostic]:
+    """A warning where a cut of G96 grows in diameter, and the speed of its start is far too high for that."""
+    cut, state = checked.planned.cut, checked.planned.cut.chain.before
+    if state.modes["speed_mode"] != "surface" or not checked.clearances or state.speed is None:
+        return []
+    asked_m_min = state.speed.value * (MM_PER_INCH * 12.0 / 1000.0 if state.is_inch else 1.0)
+    diameter_mm = checked.clearances[0].diameter_mm
+    made_m_min = math.pi * diameter_mm * cut.solution.speed_rpm / 1000.0
+    if made_m_min <= _MUCH_FASTER * asked_m_min:
+        return []
+    message = (
+        f"G96 S{state.speed.text} runs as S{cut.solution.speed_rpm:g}: at diameter {diameter_mm:.4g} mm"
+        f" that is {made_m_min:.0f} m/min, {asked_m_min:.0f} were asked for"
+    )
+    help_text = "cut towards the centre, or give this cut N and a lower f, or a lower clamp (G50 S)"
+    return [trace.program.diagnose(cut.chain.first, TOO_FAST, message, help_text, severity=Severity.WARNING)]
+
+
+def _missed(trace: Trace, checked: CheckedCut, *, advise: bool) -> Diagnostic:
     """The control cannot keep to the plan: corners and bends of the path cost it time."""
     from chipbreak.unbroken import ways_out
 
@@ -204,12 +229,12 @@ def _missed(trace: Trace, checked: CheckedCut) -> Diagnostic:
         f"the control would take {checked.duration_s:.2f} s for this cut of {cut.cut.duration_s:.2f} s"
         f" and make N {verdict.per_rev:.3f} of {cut.solution.per_rev:.3f}: it rests at bends of the path"
     )
-    works = ways_out(trace, trace.settings, checked)
+    works = ways_out(trace, trace.settings, checked) if advise else ""
     help_text = f"works: {works}" if works else "ask for a lower frequency, or vibrate each block on its own"
     return trace.program.diagnose(cut.chain.first, MISSED, message, help_text)
 
 
-def _unbroken(trace: Trace, checked: CheckedCut, *, allow_unbroken: bool) -> Diagnostic:
+def _unbroken(trace: Trace, checked: CheckedCut, *, allow_unbroken: bool, advise: bool) -> Diagnostic:
     """Why the chips stay whole, and what would break them."""
     from chipbreak.unbroken import ways_out
 
@@ -218,7 +243,7 @@ def _unbroken(trace: Trace, checked: CheckedCut, *, allow_unbroken: bool) -> Dia
         f"this cut would not break chips: with a stroke of {cut.cut.stroke_mm:.4f} mm at N"
         f" {verdict.per_rev:.3f} the weakest vibration has a margin of {verdict.margin:.2f}, 1 is needed"
     )
-    works = ways_out(trace, trace.settings, checked)
+    works = ways_out(trace, trace.settings, checked) if advise else ""
     way_out = f"works: {works}" if works else "take another N, less feed, or leave Q and A out"
     help_text = f"{way_out}; --allow-unbroken lets it pass"
     severity = Severity.WARNING if allow_unbroken else Severity.ERROR

@@ -17,6 +17,24 @@ class Code(NamedTuple):
     value: str
 
 
+class Loop(NamedTuple):
+    """How a control repeats blocks: the lines before and behind them.
+
+    ``{passes}`` is how often, ``{label}`` one of ``labels``, ``{variable}`` the number of a counter.
+    ``reuses``: loops that do not lie in each other may have one label.
+    """
+
+    begin: tuple[str, ...]
+    end: tuple[str, ...]
+    labels: range
+    reuses: bool
+
+    @property
+    def statements(self) -> int:
+        """Lines that the control reads in each pass beside the blocks themselves."""
+        return 1 + len(self.end)
+
+
 class Dialect(NamedTuple):
     """A control's vocabulary.
 
@@ -27,6 +45,8 @@ class Dialect(NamedTuple):
     ``speed_limit``   G codes (times ten) that limit the spindle when they stand with S
     ``dwell_word``    the letter of seconds in a G4 block
     ``machine_retract`` blocks that take the tool to the machine's safe end of travel, in order
+    ``axis_letters``  letters that can name a linear axis
+    ``loop``          how blocks are repeated; None where the control has no way that is known
     """
 
     name: str
@@ -40,7 +60,9 @@ class Dialect(NamedTuple):
     speed_limit: frozenset[int] = frozenset()
     machine_retract: tuple[str, ...] = ()
     dwell_word: str = "X"
+    axis_letters: str = "XYZABC"
     reads_comments_in_lower_case: bool = False
+    loop: Loop | None = None
 
     def code(self, group: str, value: str, like: Collection[int] = ()) -> str:
         """The G code that sets a modal group, such as ``G95`` for feed_mode, rev.

@@ -22,6 +22,7 @@ _CUTTING_CODES = frozenset(
     {"rough-cycle", "finish-cycle", "peck-cycle", "thread-cycle", "macro-call", "service"}
 )
 _NOTHING, _CUTS, _PROBES = 0, 1, 2
+_MOVING = "XYZUVWABC"
 _WORK_OF_MOTION = {"rapid": _NOTHING, "none": _NOTHING, "probe": _PROBES}
 
 
@@ -109,7 +110,7 @@ def _work(trace: Trace) -> NDArray[np.int8]:
     lines = np.arange(len(mode), dtype=np.int32)
     lines[mode < 0] = 0
     mode = mode[np.maximum.accumulate(lines)]
-    work = np.where(program.bits & bits_of("XYZABCIJK"), np.maximum(mode, _NOTHING), np.int8(_NOTHING))
+    work = np.where(program.bits & bits_of(_MOVING + "IJK"), np.maximum(mode, _NOTHING), np.int8(_NOTHING))
     for step in trace.events:
         work[step.block.line] = _work_of(step)
     for first, last in trace.flow.contours:
@@ -134,7 +135,7 @@ def _work_of(step: Step) -> int:
     if step.once:
         return _NOTHING
     # Full circles name no axis; under a G code this profile does not know nobody has read the axes.
-    moving = "XYZABCIJK" if modes["motion"] in ("cw", "ccw") else "XYZABC"
+    moving = _MOVING + "IJK" if modes["motion"] in ("cw", "ccw") else _MOVING
     if any(word.address in moving for word in block.words):
         return _WORK_OF_MOTION.get(modes["motion"], _CUTS)
     return _NOTHING

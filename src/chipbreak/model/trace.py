@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from chipbreak.model.flow import Flow, read_flow
 from chipbreak.model.interpret import Interpreter, initial_state
 from chipbreak.model.modal import Position, Setting, State
-from chipbreak.model.motion import AXES
 from chipbreak.model.steps import Step
 from chipbreak.model.words import feed_value, is_diameter, length_mm
 from chipbreak.settings.sections import Settings
@@ -101,7 +100,7 @@ class Trace(NamedTuple):
         """True when a run gives distances, by G91 or by U and W."""
         if state.modes.get("distance", "absolute") == "incremental":
             return True
-        return bool(_used(self.program.bits[first:last]) & bits_of(self.settings.dialect.incremental))
+        return bool(_used(self.program.bits[first:last]) & bits_of(self.settings.axis_words.distances))
 
     def _values_are_plain(self, first: int, last: int) -> bool:
         """True when every number of a run means what it says."""
@@ -111,17 +110,17 @@ class Trace(NamedTuple):
 
     def _sum(self, state: State, last: int, letters: str, numbers: NDArray[np.float64]) -> State:
         """Add up the distances of a run whose blocks all have the same words."""
-        control = self.settings.control
+        control, words = self.settings.control, self.settings.axis_words
         word_of = {w.address: w for w in self.program.block(last - 1).words}
         ends = state.position._asdict()
         for column, letter in enumerate(letters):
-            axis = self.settings.dialect.incremental.get(letter, letter)
-            if axis not in AXES:
+            axis = words.axes.get(letter, "")
+            if axis not in words.signs:
                 continue
-            scale = MM_PER_INCH if state.is_inch else 1.0
+            scale = (MM_PER_INCH if state.is_inch else 1.0) * words.signs[axis]
             if axis == "X" and is_diameter(state, control):
                 scale /= 2.0
-            is_distance = letter != axis or state.modes.get("distance") == "incremental"
+            is_distance = letter in words.distances or state.modes.get("distance") == "incremental"
             total = numbers[:, column].sum() if is_distance else numbers[-1, column]
             ends[axis.lower()] = (ends[axis.lower()] if is_distance else 0.0) + float(total) * scale
         feed = word_of.get("F")
@@ -133,24 +132,25 @@ class Trace(NamedTuple):
     def _jump(self, state: State, first: int, last: int) -> State:
         """Take the last word of each letter in a run."""
         bits = self.program.bits[first:last]
-        used, control = _used(bits), self.settings.control
+        used, control, words = _used(bits), self.settings.control, self.settings.axis_words
         if used & MOTION_CODE:
             shape = self.program.shapes[self.program.plain[first + _last_of(bits, MOTION_CODE)]]
             state = state.with_modes({"motion": _MOTION[shape.motion or 0]})
-        lines = {a: first + _last_of(bits, bits_of(a)) for a in "XYZF" if used & bits_of(a)}
-        blocks = {line: self.program.block(line) for line in set(lines.values())}
+        letters = [pair for pair in (*words.letters.items(), ("", "F")) if used & bits_of(pair[1])]
+        lines = [first + _last_of(bits, bits_of(letter)) for _, letter in letters]
+        blocks = {line: self.program.block(line) for line in set(lines)}
         position = {}
-        for letter, line in lines.items():
+        for (axis, letter), line in zip(letters, lines, strict=True):
             word = blocks[line].word(letter)
             assert word is not None
-            if letter == "F":
+            if not axis:
                 feed = Setting(feed_value(word, state, control), word.value_text, line)
                 state = state._replace(feed=feed)
                 continue
-            value = length_mm(word, state, control)
-            if letter == "X" and is_diameter(state, control):
+            value = length_mm(word, state, control) * words.signs[axis]
+            if axis == "X" and is_diameter(state, control):
                 value /= 2.0
-            position[letter.lower()] = value
+            position[axis.lower()] = value
         return state._replace(position=state.position._replace(**position))
 
 

@@ -12,6 +12,7 @@ from typing import Any
 from chipbreak.diagnostics import Diagnostic, Severity
 from chipbreak.dialects import DIALECTS, Dialect, find
 from chipbreak.nearest import nearest
+from chipbreak.settings.axis_words import AXES, AxisWords, axis_words
 from chipbreak.settings.checking import (
     IMPOSSIBLE,
     UNKNOWN_KEY,
@@ -23,7 +24,7 @@ from chipbreak.settings.checking import (
     checked_value,
     hint_at,
 )
-from chipbreak.settings.sections import AXES, OPEN_SECTIONS, SECTIONS, Planner, Settings
+from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS, Axis, Planner, Settings
 from chipbreak.span import Place
 
 _PROFILES = Path(__file__).parents[1] / "profiles"
@@ -94,6 +95,10 @@ def _build(
         message = f"output.feed_mode {mode!r}: {dialect.title} has no code for it"
         others = [other for other in ("rev", "inverse", "minute") if dialect.can("feed_mode", other)]
         raise layer.fail(IMPOSSIBLE, "output.feed_mode", message, f"one of {', '.join(others)}")
+    if sections["output"].form == "loop" and dialect.loop is None:
+        message = f"output.form 'loop': how {dialect.title} repeats blocks is not known"
+        help_text = 'write form = "expanded", or name the control: fanuc-lathe, linuxcnc-lathe'
+        raise layer.fail(IMPOSSIBLE, "output.form", message, help_text)
     if sections["planner"].reversal_stop_ms and sections["planner"].model != "trapezoid":
         message = f"planner.reversal_stop_ms has no place in planner.model {sections['planner'].model!r}"
         hint = 'planner.model = "trapezoid", or leave it out'
@@ -104,10 +109,35 @@ def _build(
         call_sets=values["calls"],
         operations=values["operations"],
         axes=axes,
+        axis_words=_axis_words(layer, axes, dialect, checks=sections["checks"].enabled),
         dialect=dialect,
         origins=origins,
         **sections,
     )
+
+
+def _axis_words(layer: Layer, axes: Mapping[str, Axis], dialect: Dialect, *, checks: bool) -> AxisWords:
+    """The letters and signs of the axes, where the control can have them."""
+    letters = {name: axis.letter or name for name, axis in axes.items()}
+    for name, letter in letters.items():
+        key = f"axes.{name}.letter"
+        if letter not in dialect.axis_letters:
+            message = f"{key} = {letter!r}: {dialect.title} has another meaning for this letter"
+            raise layer.fail(IMPOSSIBLE, key, message, f"one of {', '.join(dialect.axis_letters)}")
+        other = next(axis for axis, one in letters.items() if one == letter)
+        if other != name:
+            message = f"{key} = {letter!r} is the letter of {other} too"
+            way_out = f"give axes.{other}.letter or axes.{name}.letter another one"
+            raise layer.fail(IMPOSSIBLE, key, message, way_out)
+    if letters["X"] != "X" and dialect.can("diameter", "diameter"):
+        message = f"axes.X.letter = {letters['X']!r}: G7 and G8 of {dialect.title} know X alone"
+        raise layer.fail(IMPOSSIBLE, "axes.X.letter", message, "leave the letter of X as it is")
+    words = axis_words(letters, {name: axis.sign for name, axis in axes.items()}, dialect.incremental)
+    for text in dialect.machine_retract if checks else ():
+        if words.renamed(text, dialect.incremental) is None:
+            message = f"tool checks retract with {text}, for which these axis letters leave no word"
+            raise layer.fail(IMPOSSIBLE, "checks.enabled", message, "checks.enabled = false")
+    return words
 
 
 def _check_modes(layer: Layer, planner: Planner, dialect: Dialect) -> None:
