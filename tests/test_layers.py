@@ -37,6 +37,7 @@ syntax.shapes
 syntax.parse
 syntax.columns
 
+settings.axis_words
 settings.sections
 settings.checking
 settings.load

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +31,13 @@ _SAME_STAND_S = 1e-6
 _STOP_TOLERANCE_S = 0.2
 
 
+class Clearance(NamedTuple):
+    """Flank clearance used up at a diameter."""
+
+    diameter_mm: float
+    degrees: float
+
+
 @dataclass(frozen=True, eq=False)
 class CheckedCut:
     """A vibrated cut with what its emitted moves do: seconds, and the verdict on its chips.
@@ -37,8 +45,8 @@ class CheckedCut:
     ``control`` is the law by which the moves were timed; ``misses_plan``: by it the cut takes another time
     than planned, or has another N.
     ``acceleration_mm_s2`` is the least that can run it; ``servo_share`` what the position loops leave of the
-    stroke, None without a gain; ``clearance_deg`` the flank clearance that the forward stroke uses up, None
-    without a diameter.
+    stroke, None without a gain; ``clearances`` the flank clearance that the forward stroke uses up at the
+    largest and the smallest diameter, none where the diameter is not known.
     """
 
     planned: PlannedCut
@@ -49,7 +57,7 @@ class CheckedCut:
     misses_plan: bool
     acceleration_mm_s2: float
     servo_share: float | None
-    clearance_deg: float | None
+    clearances: tuple[Clearance, ...]
 
 
 def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCut:
@@ -73,24 +81,25 @@ def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCu
         raise SelfCheckError("the tool does not stand where, or as long as, it should")
     time_s = np.concatenate(([0.0], np.cumsum(motion.spans_s + moves.stand_s)))
     is_late = _is_late(result, float(time_s[-1]), cut.cut.duration_s + cut.end_stand_s)
-    start = next(cut.chain.moves).start
-    diameter_mm = 2.0 * max(abs(start.x), abs(cut.chain.after.position.x))
+    largest_mm, smallest_mm = _diameters(np.append(cut.path.legs[0].start[0], moves.points_mm[:, 0]))
     verdict = judge(
         motion.time_s,
         motion.distance_mm,
         speed_rpm=cut.solution.speed_rpm,
         feed_mm_rev=cut.cut.feed_mm_rev,
         edges=cut.edges,
-        diameter_mm=diameter_mm if diameter_mm > 0.0 else None,
+        diameter_mm=largest_mm if largest_mm > 0.0 else None,
         steady_s=_steady_s(planned, time_s),
         waveform=cut.cut.waveform,
         alpha_share=cut.cut.alpha_share,
     )
     if model.law == "trapezoid":
         verdict = replace(verdict, peak_speed_mm_s=_top_speed(moves, blocks, model))
-    clearance = None
-    if diameter_mm > 0.0:
-        clearance = flank_clearance_deg(verdict.peak_speed_mm_s, diameter_mm, cut.solution.speed_rpm)
+    clearances = [
+        Clearance(d, flank_clearance_deg(verdict.peak_speed_mm_s, d, cut.solution.speed_rpm))
+        for d in dict.fromkeys((largest_mm, smallest_mm))
+        if largest_mm > 0.0
+    ]
     per_rev = cut.solution.per_rev
     off_count = verdict.per_rev > 0.0 and abs(verdict.per_rev - per_rev) > _COUNT_TOLERANCE * per_rev
     return CheckedCut(
@@ -102,8 +111,15 @@ def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCu
         is_late or off_count,
         least_acceleration_mm_s2(cut.cut, cut.solution.per_rev),
         _servo_share(result, planned),
-        clearance,
+        tuple(clearances),
     )
+
+
+def _diameters(radii_mm: Floats) -> tuple[float, float]:
+    """The largest and the smallest diameter of a cut from its signed radii; past the centre it is 0."""
+    low, high = float(radii_mm.min()), float(radii_mm.max())
+    smallest_mm = 0.0 if low < 0.0 < high else min(abs(low), abs(high))
+    return 2.0 * max(abs(low), abs(high)), 2.0 * smallest_mm
 
 
 def _top_speed(moves: ReadBack, blocks: Blocks, model: ControlModel) -> float:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from chipbreak.edits import Edit
 from chipbreak.passes import CHECK_TOOLS
 from chipbreak.pipeline import Result
+from chipbreak.settings import Settings
 from chipbreak.units import MS_PER_S, S_PER_MIN
 
 if TYPE_CHECKING:
@@ -15,13 +16,16 @@ if TYPE_CHECKING:
     from chipbreak.vibration.loop import Loop
 
 
-def explain_text(result: Result, profile: str) -> Iterator[str]:
+_MEMBERS = {1: "the tool (tool post)", -1: "the work (spindle carrier)"}
+
+
+def explain_text(result: Result, settings: Settings) -> Iterator[str]:
     """Every vibrated cut, operation and check, with the reasons."""
-    yield f"{result.source.name}, profile {profile}"
+    yield f"{result.source.name}, profile {settings.name}"
     yield ""
     yield f"Vibrated cuts: {len(result.cuts) or 'none'}"
     for cut in result.cuts:
-        yield from _cut_text(result, cut)
+        yield from _cut_text(result, cut, settings)
     yield ""
     yield f"Operations: {len(result.operations) or 'none'}"
     for index, operation in enumerate(result.operations, 1):
@@ -40,7 +44,7 @@ def _checks(result: Result) -> list[Edit]:
     return [edit for edit in result.edits if edit.pass_name == CHECK_TOOLS]
 
 
-def _cut_text(result: Result, checked: CheckedCut) -> Iterator[str]:
+def _cut_text(result: Result, checked: CheckedCut, settings: Settings) -> Iterator[str]:
     cut, verdict, solution = checked.planned.cut, checked.verdict, checked.planned.cut.solution
     block = cut.chain.requests[0].step.block.text.strip()
     yield f"  {_lines(result, checked)}: {block}"
@@ -75,9 +79,13 @@ def _cut_text(result: Result, checked: CheckedCut) -> Iterator[str]:
         needs = "    machine  never turns back"
     if checked.servo_share is not None:
         needs += f", the servo leaves {checked.servo_share:.0%} of the stroke"
-    if checked.clearance_deg is not None:
-        needs += f"; the forward stroke uses {checked.clearance_deg:.2f} degrees of flank clearance"
+    if checked.clearances:
+        used = ", ".join(f"{c.degrees:.2f} at {c.diameter_mm:.4g} mm" for c in checked.clearances)
+        needs += f"; degrees of flank clearance that the forward stroke uses: {used}"
     yield needs
+    if members := _members(checked, settings):
+        said = ", ".join(f"{axis} ({letter} words) by {_MEMBERS[sign]}" for axis, letter, sign in members)
+        yield f"    moved    {said}"
     ends = f", stands {cut.end_stand_s * MS_PER_S:.0f} ms at its end" if cut.end_stand_s else ""
     yield (
         f"    output   {checked.move_count} moves, {checked.duration_s:.2f} s,"
@@ -114,6 +122,14 @@ def _loops(loops: Sequence[Loop], move_count: int) -> str:
     return f"{', '.join(each)}; {written} blocks of motion{off}"
 
 
+def _members(checked: CheckedCut, settings: Settings) -> list[tuple[str, str, int]]:
+    """Axis, letter and sign of the axes of a cut, where the profile says which member moves."""
+    is_said = any(key.startswith("axes.") and key.endswith((".letter", ".sign")) for key in settings.origins)
+    words = settings.axis_words
+    axes = checked.planned.cut.chain.axes if is_said else ""
+    return [(axis, words.letters[axis], words.signs[axis]) for axis in axes]
+
+
 def _chip(revolutions: float, length_mm: float | None) -> str:
     return f"{revolutions:.2f} rev" + ("" if length_mm is None else f" ({length_mm:.0f} mm)")
 
@@ -125,13 +141,13 @@ def _lines(result: Result, checked: CheckedCut) -> str:
     return f"line {first}" if first == last else f"lines {first} to {last}"
 
 
-def explain_json(result: Result, profile: str) -> dict[str, Any]:
+def explain_json(result: Result, settings: Settings) -> dict[str, Any]:
     """The same facts for a program to read; lengths in mm, speeds in rpm and mm/s, times in s."""
     return {
         "file": result.source.name,
-        "profile": profile,
+        "profile": settings.name,
         "changed": result.changed,
-        "cuts": [_cut_json(result, cut) for cut in result.cuts],
+        "cuts": [_cut_json(result, cut, settings) for cut in result.cuts],
         "operations": [
             {
                 "tool": o.tool,
@@ -151,7 +167,7 @@ def explain_json(result: Result, profile: str) -> dict[str, Any]:
     }
 
 
-def _cut_json(result: Result, checked: CheckedCut) -> dict[str, Any]:
+def _cut_json(result: Result, checked: CheckedCut, settings: Settings) -> dict[str, Any]:
     cut, verdict, solution = checked.planned.cut, checked.verdict, checked.planned.cut.solution
     return {
         "first_line": result.source.place(cut.chain.first).line,
@@ -176,6 +192,10 @@ def _cut_json(result: Result, checked: CheckedCut) -> dict[str, Any]:
         "control": checked.control,
         "acceleration_mm_s2": checked.acceleration_mm_s2,
         "servo_share": checked.servo_share,
-        "clearance_deg": checked.clearance_deg,
+        "flank_clearance": [{"diameter_mm": c.diameter_mm, "deg": c.degrees} for c in checked.clearances],
+        "moved": {
+            axis: {"letter": letter, "by": "tool" if sign > 0 else "work"}
+            for axis, letter, sign in _members(checked, settings)
+        },
         "verdict": {name: getattr(verdict, name) for name in verdict.__dataclass_fields__},
     }

@@ -47,6 +47,7 @@ class Dialect:
     ``speed_limit``   G codes (times ten) that limit the spindle when they stand with S
     ``dwell_word``    the letter of seconds in a G4 block
     ``machine_retract`` blocks that take the tool to the machine's safe end of travel, in order
+    ``axis_letters``  letters that can name a linear axis
     ``loop``          how blocks are repeated; None where the control has no way that is known
     """
 
@@ -61,6 +62,7 @@ class Dialect:
     speed_limit: frozenset[int] = frozenset()
     machine_retract: tuple[str, ...] = ()
     dwell_word: str = "X"
+    axis_letters: str = "XYZABC"
     reads_comments_in_lower_case: bool = False
     loop: Loop | None = None
 

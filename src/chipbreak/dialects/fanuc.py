@@ -167,6 +167,7 @@ FANUC_MILL = Dialect(
         }
     ),
     tool_change="M6",
+    axis_letters="XYZUWABC",
     machine_retract=("G91 G28 Z0.", "G90"),
     loop=_LOOP,
 )

@@ -24,7 +24,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-from chipbreak.checks.borders import Border
+from chipbreak.checks.borders import Border, retract_blocks
 from chipbreak.checks.plan import PlannedCheck, plan_checks
 from chipbreak.diagnostics import Diagnostic
 from chipbreak.edits import Edit
@@ -93,7 +93,7 @@ class _Blocks:
         """Coolant off, tool up, spindle off."""
         if self.before.coolant:
             self.write("M9")
-        for text in self.dialect.machine_retract:
+        for text in retract_blocks(self.settings):
             self.write(text)
         if self.before.turns:
             self.write("M5")
@@ -125,4 +125,5 @@ class _Blocks:
             value /= MM_PER_INCH
         if axis == "X" and is_diameter(self.before, self.settings.control):
             value *= 2.0
-        return axis + print_number(value, _DECIMALS)
+        words = self.settings.axis_words
+        return words.letters[axis] + print_number(value * words.signs[axis], _DECIMALS)

@@ -85,7 +85,7 @@ def plan(trace: Trace, settings: Settings, requests: Sequence[Request]) -> Vibra
         _expansion(cut, made.content, own.get(cut.chain.first, ""), trace, settings)
         for cut, made in zip(cuts, expansions, strict=True)
     ]
-    back = [_speed_back(change) for change in changes if change.for_cut is None]
+    back = [_speed_back(change, trace, settings) for change in changes if change.for_cut is None]
     planned = tuple(map(PlannedCut, cuts, expansions, edits))
     return VibrationPlan(planned, tuple(edits + back), tuple(_smoothed(trace, chains, settings)))
 
@@ -132,8 +132,7 @@ def _expansion(
     was = chain.before.modes["feed_mode"]
     mode = was if cut.keeps_feed else settings.output.feed_mode
     head = [*comments, chain.preamble(), speed]
-    if speed and settings.spindle.settle_s > 0.0:
-        head.append(f"G4 {settings.dialect.dwell_word}{print_number(settings.spindle.settle_s, 3)}")
+    head += _settling(settings) if speed else []
     feed_back = f"F{chain.after.feed.text}" if chain.after.feed else ""
     if mode != was:
         like = {n for s in trace.events for n in codes_of(s.block, "feed_mode", settings.dialect)}
@@ -154,6 +153,13 @@ def _expansion(
     reason = "; ".join(cut.reasons) or "nothing to correct"
     content = (*(text for text in head if text), *moves, *tail)
     return Edit(chain.first, chain.last, content, title, reason, VIBRATE)
+
+
+def _settling(settings: Settings) -> list[str]:
+    """The dwell in which the spindle reaches a new speed."""
+    if settings.spindle.settle_s <= 0.0:
+        return []
+    return [f"G4 {settings.dialect.dwell_word}{print_number(settings.spindle.settle_s, 3)}"]
 
 
 def _modes_around(chain: Chain, settings: Settings) -> tuple[list[str], list[str]]:
@@ -194,9 +200,13 @@ def _is_same_mode(one: str, other: str) -> bool:
     return plain[0] == plain[1]
 
 
-def _speed_back(change: SpeedChange) -> Edit:
+def _speed_back(change: SpeedChange, trace: Trace, settings: Settings) -> Edit:
     reason = "the programmed spindle speed comes back before the block that needs it"
-    return Edit(change.line, change.line, (change.text,), "SPEED AS PROGRAMMED", reason, VIBRATE)
+    step = trace.step(change.line)
+    # A cut must find the speed reached, a thread above all; the end of the program need not.
+    waits = step.before.turns and not step.after.ended
+    content = (change.text, *(_settling(settings) if waits else ()))
+    return Edit(change.line, change.line, content, "SPEED AS PROGRAMMED", reason, VIBRATE)
 
 
 def _check_motion_mode(trace: Trace, chain: Chain) -> None:

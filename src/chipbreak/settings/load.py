@@ -13,6 +13,7 @@ from typing import Any
 from chipbreak.diagnostics import Diagnostic, Severity
 from chipbreak.dialects import DIALECTS, Dialect, find
 from chipbreak.nearest import nearest
+from chipbreak.settings.axis_words import AXES, AxisWords, axis_words
 from chipbreak.settings.checking import (
     IMPOSSIBLE,
     UNKNOWN_KEY,
@@ -24,7 +25,7 @@ from chipbreak.settings.checking import (
     checked_value,
     hint_at,
 )
-from chipbreak.settings.sections import AXES, OPEN_SECTIONS, SECTIONS, Planner, Settings
+from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS, Axis, Planner, Settings
 from chipbreak.span import Place
 
 
@@ -109,10 +110,35 @@ def _build(
         call_sets=values["calls"],
         operations=values["operations"],
         axes=axes,
+        axis_words=_axis_words(layer, axes, dialect, checks=sections["checks"].enabled),
         dialect=dialect,
         origins=origins,
         **sections,
     )
+
+
+def _axis_words(layer: Layer, axes: Mapping[str, Axis], dialect: Dialect, *, checks: bool) -> AxisWords:
+    """The letters and signs of the axes, where the control can have them."""
+    letters = {name: axis.letter or name for name, axis in axes.items()}
+    for name, letter in letters.items():
+        key = f"axes.{name}.letter"
+        if letter not in dialect.axis_letters:
+            message = f"{key} = {letter!r}: {dialect.title} has another meaning for this letter"
+            raise layer.fail(IMPOSSIBLE, key, message, f"one of {', '.join(dialect.axis_letters)}")
+        other = next(axis for axis, one in letters.items() if one == letter)
+        if other != name:
+            message = f"{key} = {letter!r} is the letter of {other} too"
+            way_out = f"give axes.{other}.letter or axes.{name}.letter another one"
+            raise layer.fail(IMPOSSIBLE, key, message, way_out)
+    if letters["X"] != "X" and dialect.can("diameter", "diameter"):
+        message = f"axes.X.letter = {letters['X']!r}: G7 and G8 of {dialect.title} know X alone"
+        raise layer.fail(IMPOSSIBLE, "axes.X.letter", message, "leave the letter of X as it is")
+    words = axis_words(letters, {name: axis.sign for name, axis in axes.items()}, dialect.incremental)
+    for text in dialect.machine_retract if checks else ():
+        if words.renamed(text, dialect.incremental) is None:
+            message = f"tool checks retract with {text}, for which these axis letters leave no word"
+            raise layer.fail(IMPOSSIBLE, "checks.enabled", message, "checks.enabled = false")
+    return words
 
 
 def _check_modes(layer: Layer, planner: Planner, dialect: Dialect) -> None:

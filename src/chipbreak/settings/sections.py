@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from chipbreak.dialects import Dialect
+from chipbreak.settings.axis_words import AXES, AxisWords
 
 
 def _one_of(default: str, *others: str) -> Any:
@@ -88,8 +89,14 @@ class Output:
 
 @dataclass(frozen=True)
 class Axis:
-    """What one axis can do; without numbers it is taken to follow any command."""
+    """How the control commands one axis, and what it can do.
 
+    ``letter`` is the axis's own name where it is not set.  ``sign`` is 1 where the tool moves, -1 where the
+    work does.  Without numbers an axis is taken to follow any command.
+    """
+
+    letter: str | None = field(default=None, metadata={"choices": tuple("XYZUVWABC")})
+    sign: int = field(default=1, metadata={"values": (1, -1)})
     max_velocity_mm_min: float | None = _above(None)
     max_acceleration_mm_s2: float | None = _above(None)
     position_gain_1_s: float | None = _above(None)
@@ -160,6 +167,7 @@ class Settings:
     tools: Tools
     planner: Planner
     axes: Mapping[str, Axis]
+    axis_words: AxisWords
     call_sets: Mapping[str, Mapping[str, tuple[str, ...]]]
     operations: Mapping[str, tuple[str, ...]]
     dialect: Dialect
@@ -170,7 +178,6 @@ class Settings:
         return self.origins.get(key, "default")
 
 
-AXES = ("X", "Y", "Z")
 SECTIONS: Mapping[str, type[Any]] = {
     "control": Control,
     "command": Command,

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from chipbreak.diagnostics import RefusalError
 from chipbreak.edits import MoveTable
 from chipbreak.model.modal import State
-from chipbreak.model.motion import AXES
 from chipbreak.model.words import is_diameter
+from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
 from chipbreak.vibration.bends import blocks_of
@@ -132,26 +132,39 @@ def _axis_words(
     chain, state = cut.chain, cut.chain.before
     points = cut.path.points(distance_mm)
     decimals = settings.output.decimals + (1 if state.is_inch else 0)
-    scale = np.ones(3) / (MM_PER_INCH if state.is_inch else 1.0)
+    names = settings.axis_words
+    scale = np.array([float(names.signs[axis]) for axis in AXES]) / (MM_PER_INCH if state.is_inch else 1.0)
     if is_diameter(state, settings.control):
         scale[0] *= 2.0
-    axes = [AXES.index(axis) for axis in _moving_axes(cut)]
-    absolute_mode = state.modes.get("distance") == "absolute"
+    moving = _moving_axes(cut)
+    axes = [AXES.index(axis) for axis in moving]
+    letters = [names.letters[axis] for axis in moving]
     incremental = all(move.incremental for move in chain.moves)
+    if incremental and state.modes.get("distance") == "absolute":
+        distances = [d for d in map(names.distance_letter, moving) if d]
+        incremental = len(distances) == len(moving)
+        letters = distances if incremental else letters
     # The start is a position the program gave; incremental words count from it, whatever its digits.
     origin: Floats = points[0] * scale if incremental else np.zeros(3)
     exact_steps = (points * scale - origin) * 10.0**decimals
     found: Sequence[Loop] = ()
     steps = np.rint(exact_steps)
-    if loops:
+    distance_letters = _distance_letters(letters, moving, settings, incremental=incremental)
+    if loops and distance_letters:
         steps[:, axes], found = looped_points(cut, time_s, exact_steps[:, axes], settings)
     rounded = steps / 10.0**decimals
-    letters = AXES
-    if incremental and absolute_mode:
-        by_axis = {axis: letter for letter, axis in settings.dialect.incremental.items()}
-        letters = "".join(by_axis[axis] for axis in AXES)
-    points = (rounded + origin) / scale
-    return Words(tuple(letters[a] for a in axes), rounded[:, axes], points, decimals, incremental, found)
+    places_mm = (rounded + origin) / scale
+    return Words(tuple(letters), rounded[:, axes], places_mm, decimals, incremental, distance_letters, found)
+
+
+def _distance_letters(
+    letters: Sequence[str], axes: str, settings: Settings, *, incremental: bool
+) -> tuple[str, ...]:
+    """Letters for distances along the axes of a cut, under G91 where there is that; none where neither is."""
+    if incremental or settings.dialect.can("distance", "incremental"):
+        return tuple(letters)
+    distances = tuple(d for d in map(settings.axis_words.distance_letter, axes) if d)
+    return distances if len(distances) == len(axes) else ()
 
 
 def _moving_axes(cut: VibratedCut) -> str:

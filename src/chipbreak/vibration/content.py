@@ -24,7 +24,8 @@ Floats = NDArray[np.float64]
 class Words:
     """Axis words of every knot, in program units, rounded; (n, axes).
 
-    ``letters`` are for the places themselves, or for distances where the cut is ``incremental``.
+    ``letters`` are for the places themselves, or for distances where the cut is ``incremental``;
+    ``distance_letters`` are those of loops.
     """
 
     letters: tuple[str, ...]
@@ -32,6 +33,7 @@ class Words:
     points_mm: Floats
     decimals: int
     incremental: bool
+    distance_letters: tuple[str, ...]
     loops: Sequence[Loop]
 
 
@@ -75,8 +77,8 @@ def content_of(
     content += dwells.behind(0)
     at = 1
     if names is not None:
-        letters, switch = _distance_letters(words, settings)
-        passes = columns.table(letters, distances)
+        switch = _switch(words, settings)
+        passes = columns.table(words.distance_letters, distances)
         for number, loop in enumerate(words.loops):
             before, behind = names.lines(number, loop.passes)
             content += dwells.rows(table, at, loop.first)
@@ -113,15 +115,11 @@ class _Dwells:
         return [replace(table.rows(a, b), behind="".join(self.behind(a))) for a, b in bounds]
 
 
-def _distance_letters(words: Words, settings: Settings) -> tuple[tuple[str, ...], list[str]]:
-    """Letters for distances, and the blocks that switch to them and back where these need it."""
-    if words.incremental:
-        return words.letters, []
-    dialect = settings.dialect
-    if dialect.can("distance", "incremental"):
-        return words.letters, [dialect.code("distance", way) for way in ("incremental", "absolute")]
-    by_axis = {axis: letter for letter, axis in dialect.incremental.items()}
-    return tuple(by_axis[axis] for axis in words.letters), []
+def _switch(words: Words, settings: Settings) -> list[str]:
+    """The blocks that switch to distances and back, where other letters do not say it."""
+    if words.incremental or words.distance_letters != words.letters:
+        return []
+    return [settings.dialect.code("distance", way) for way in ("incremental", "absolute")]
 
 
 def _row(table: MoveTable, row: int, feed: str = "") -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from math import inf, sqrt
 from typing import Literal, cast
 
+from chipbreak.diagnostics import RefusalError
 from chipbreak.model.modal import State
 from chipbreak.settings.sections import Axis, Settings
 from chipbreak.units import MM_PER_INCH, MS_PER_S, S_PER_MIN
@@ -68,7 +69,8 @@ class ControlModel:
 def control_model(settings: Settings, path: Path, state: State) -> ControlModel:
     """The control and its axes along a path: the limits of the direction that is limited most.
 
-    ``state`` is that before the cut; its path mode counts where the profile switches to none.
+    ``state`` is that before the cut; its path mode counts where the profile switches to none.  Errors: VIB035
+    when the law needs an acceleration that the profile does not have.
     """
     planner = settings.planner
     model = ControlModel(
@@ -80,8 +82,21 @@ def control_model(settings: Settings, path: Path, state: State) -> ControlModel:
     )
     model = _in_path_mode(model, settings, state)
     axes = [_limits(name, axis) for name, axis in settings.axes.items()]
-    models = [model.along(direction, axes) for direction in _directions(path)]
+    directions = _directions(path)
+    if model.law == "linuxcnc":
+        _require_accelerations(axes, directions)
+    models = [model.along(direction, axes) for direction in directions]
     return min(models, key=lambda m: (m.acceleration_mm_s2, m.velocity_mm_s))
+
+
+def _require_accelerations(
+    axes: Sequence[AxisLimits], directions: Sequence[tuple[float, float, float]]
+) -> None:
+    for index, axis in enumerate(axes):
+        if axis.acceleration_mm_s2 == inf and any(direction[index] for direction in directions):
+            key = f"axes.{axis.axis}.max_acceleration_mm_s2"
+            message = f"{axis.axis} moves, and the profile does not say how fast it can speed up ({key})"
+            raise RefusalError("VIB035", message, f"give {key}, or planner.model = \"ideal\"")
 
 
 def _in_path_mode(model: ControlModel, settings: Settings, state: State) -> ControlModel:

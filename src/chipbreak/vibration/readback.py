@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.model.modal import State
-from chipbreak.model.motion import AXES
 from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace
 from chipbreak.model.words import is_diameter, plain_value
+from chipbreak.settings.axis_words import AXES
 from chipbreak.syntax.columns import read_columns, uniform_run
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
 from chipbreak.vibration.path import Path
@@ -99,20 +99,20 @@ def _dwell_s(trace: Trace, step: Step) -> float:
 
 def _table_moves(trace: Trace, state: State, letters: str, numbers: Floats) -> tuple[Floats, Floats]:
     """Start and ends of the moves of a table, (n + 1, 3), and their F words, (n,)."""
-    settings = trace.settings
+    settings, words = trace.settings, trace.settings.axis_words
     unit = MM_PER_INCH if state.is_inch else 1.0
     start = _clean(np.array([state.position]))
     points = np.tile(start, (len(numbers), 1))
     incremental = state.modes.get("distance") == "incremental"
     for column, letter in enumerate(letters):
-        name = settings.dialect.incremental.get(letter, letter)
-        if name not in AXES:
+        name = words.axes.get(letter, "")
+        if name not in words.signs:
             continue
-        values = numbers[:, column] * unit
+        values = numbers[:, column] * (unit * words.signs[name])
         if name == "X" and is_diameter(state, settings.control):
             values = values / 2.0
         axis = AXES.index(name)
-        is_distance = incremental or letter != name
+        is_distance = incremental or letter in words.distances
         points[:, axis] = start[0, axis] + np.cumsum(values) if is_distance else values
     if "F" in letters:
         feeds = numbers[:, letters.index("F")]
