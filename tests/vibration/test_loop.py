@@ -264,6 +264,14 @@ def test_names_that_the_program_needs_are_not_taken() -> None:
     assert "DO2" in filtered(looped, "fanuc-lathe", LOOP)
 
 
+def test_a_counter_that_the_control_has_not_is_refused() -> None:
+    with pytest.raises(SettingsError) as caught:
+        chipbreak.load("fanuc-mill", [LOOP, "output.loop_variable=50"])
+    assert caught.value.diagnostic.code == "SET003"
+    assert "100 to 199" in caught.value.diagnostic.help
+    assert chipbreak.load("linuxcnc-lathe", [LOOP, "output.loop_variable=50"])  # it counts by itself
+
+
 def test_a_control_without_a_known_loop_is_refused() -> None:
     with pytest.raises(SettingsError) as caught:
         chipbreak.load("generic-lathe", [LOOP])

@@ -74,7 +74,9 @@ def moves_of(cut: VibratedCut, settings: Settings, names: LoopNames | None = Non
     times[0] = time_s[0]
     loops = among_kept(words.loops, keep)
     words = replace(words, absolute=words.absolute[keep], points_mm=words.points_mm[keep], loops=loops)
-    stand_s = np.where(stands[keep][1:], dwell_s(cut, settings), 0.0)
+    stand_s = np.zeros(len(times) - 1)
+    if cut.keeps_feed:
+        stand_s[stands[keep][1:]] = dwell_s(cut, settings)
     stand_s[-1] = max(stand_s[-1], printed_s(cut.end_stand_s))
     columns = Columns(words, stand_s, names)
     if not cut.keeps_feed:
