@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from chipbreak.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.edits import Edit, MoveTable
@@ -30,7 +30,7 @@ from chipbreak.vibration.plan import VibratedCut, plan_cut
 from chipbreak.vibration.request import Request
 from chipbreak.vibration.speeds import SpeedChange, speed_changes, speed_words
 
-SMOOTHED = "VIB063"
+SMOOTHED, TOO_SHORT = "VIB063", "VIB013"
 _OFF = re.compile(r"[PQ]\s*0\b")
 
 
@@ -52,9 +52,16 @@ class VibrationPlan:
     diagnostics: tuple[Diagnostic, ...]
 
 
-def plan(trace: Trace, settings: Settings, requests: Sequence[Request]) -> VibrationPlan:
-    """Plan every vibrated cut.  Errors are diagnostics; with one, the edits must not be used."""
+def plan(
+    trace: Trace, settings: Settings, requests: Sequence[Request], *, allow_unbroken: bool = False
+) -> VibrationPlan:
+    """Plan every vibrated cut.  Errors are diagnostics; with one, the edits must not be used.
+
+    ``allow_unbroken``: cuts too short to vibrate stay as they are, with a warning, where no word of theirs
+    asks for vibration (it would reach the control).
+    """
     chains, diagnostics = chains_of(trace, requests)
+    warnings = list[Diagnostic]()
     cuts: list[VibratedCut] = []
     expansions: list[Expansion] = []
     try:
@@ -67,7 +74,10 @@ def plan(trace: Trace, settings: Settings, requests: Sequence[Request]) -> Vibra
             _check_motion_mode(trace, chain)
             expansion = _expand(cut, settings, names)
         except RefusalError as error:
-            diagnostics.append(_at_chain(trace, chain, error))
+            if allow_unbroken and error.code == TOO_SHORT and not chain.asked_by_word:
+                warnings.append(replace(_at_chain(trace, chain, error), severity=Severity.WARNING))
+            else:
+                diagnostics.append(_at_chain(trace, chain, error))
             continue
         cuts.append(cut)
         expansions.append(expansion)
@@ -87,7 +97,7 @@ def plan(trace: Trace, settings: Settings, requests: Sequence[Request]) -> Vibra
     ]
     back = [_speed_back(change, trace, settings) for change in changes if change.for_cut is None]
     planned = tuple(map(PlannedCut, cuts, expansions, edits))
-    return VibrationPlan(planned, tuple(edits + back), tuple(_smoothed(trace, chains, settings)))
+    return VibrationPlan(planned, tuple(edits + back), (*warnings, *_smoothed(trace, chains, settings)))
 
 
 def planned_cut(chain: Chain, trace: Trace, settings: Settings) -> PlannedCut:
