@@ -42,7 +42,8 @@ class Expansion:
 
     ``distance_mm`` is where on the path each block ends, ``time_s`` when it should, both of shape (blocks,);
     a block of a loop counts in every pass.  ``loops`` are those of ``content``, None where none were asked.
-    ``stand_s`` is how long the tool stands behind each block, which belongs to its time but at the end.
+    ``stand_s`` is how long the tool stands behind each block, which belongs to its time but at the end; empty
+    where it never does.
     """
 
     content: tuple[str | MoveTable, ...]
@@ -74,10 +75,10 @@ def moves_of(cut: VibratedCut, settings: Settings, names: LoopNames | None = Non
     times[0] = time_s[0]
     loops = among_kept(words.loops, keep)
     words = replace(words, absolute=words.absolute[keep], points_mm=words.points_mm[keep], loops=loops)
-    stand_s = np.zeros(len(times) - 1)
-    if cut.keeps_feed:
-        stand_s[stands[keep][1:]] = dwell_s(cut, settings)
-    stand_s[-1] = max(stand_s[-1], printed_s(cut.end_stand_s))
+    stand_s = np.empty(0)
+    if cut.keeps_feed or cut.end_stand_s > 0.0:
+        stand_s = np.where(stands[keep][1:], dwell_s(cut, settings), 0.0)
+        stand_s[-1] = max(stand_s[-1], printed_s(cut.end_stand_s))
     columns = Columns(words, stand_s, names)
     if not cut.keeps_feed:
         feeds = _feed_words(cut, times, distance_mm[keep], words, settings)
@@ -148,13 +149,13 @@ def _axis_words(
         letters = distances if incremental else letters
     # The start is a position the program gave; incremental words count from it, whatever its digits.
     origin: Floats = points[0] * scale if incremental else np.zeros(3)
-    exact_steps = (points * scale - origin) * 10.0**decimals
     found: Sequence[Loop] = ()
-    steps = np.rint(exact_steps)
     distance_letters = _distance_letters(letters, moving, settings, incremental=incremental)
+    rounded = (points * scale - origin) * 10.0**decimals
     if loops and distance_letters:
-        steps[:, axes], found = looped_points(cut, time_s, exact_steps[:, axes], settings)
-    rounded = steps / 10.0**decimals
+        rounded[:, axes], found = looped_points(cut, time_s, rounded[:, axes], settings)
+    np.rint(rounded, out=rounded)
+    rounded /= 10.0**decimals
     places_mm = (rounded + origin) / scale
     return Words(tuple(letters), rounded[:, axes], places_mm, decimals, incremental, distance_letters, found)
 

@@ -41,7 +41,8 @@ class Words:
 class Columns:
     """What the blocks say: axis words, the time that the tool stands behind each, (n,), and its F, (n,).
 
-    Without ``feeds`` all blocks have the feed that the program gives them.
+    ``stand_s`` is empty where the tool never stands.  Without ``feeds`` all blocks have the feed that the
+    program gives them.
     """
 
     words: Words
@@ -66,8 +67,8 @@ def content_of(
     With ``plain_end`` the last block has the program's own F, in its own text.
     """
     words, names = columns.words, columns.names
-    distances = np.diff(words.absolute, axis=0)
-    table = columns.table(words.letters, distances if words.incremental else words.absolute[1:])
+    places = np.diff(words.absolute, axis=0) if words.incremental else words.absolute[1:]
+    table = columns.table(words.letters, places)
     last = len(table) - 1
     content: list[str | MoveTable] = ["G1 " + _row(table, 0)]
     if columns.feeds is None:
@@ -78,7 +79,7 @@ def content_of(
     at = 1
     if names is not None:
         switch = _switch(words, settings)
-        passes = columns.table(words.distance_letters, distances)
+        passes = columns.table(words.distance_letters, np.diff(words.absolute, axis=0))
         for number, loop in enumerate(words.loops):
             before, behind = names.lines(number, loop.passes)
             content += dwells.rows(table, at, loop.first)
@@ -103,13 +104,15 @@ class _Dwells:
 
     def behind(self, row: int) -> list[str]:
         """The dwell behind one block, if there is one."""
-        stand_s = float(self.stand_s[row])
+        stand_s = float(self.stand_s[row]) if len(self.stand_s) else 0.0
         return [f"G4 {self.word}{print_number(stand_s, STAND_DECIMALS)}"] if stand_s > 0.0 else []
 
     def rows(self, table: MoveTable, first: int, stop: int) -> list[MoveTable]:
         """Rows in tables, each of which has the same dwell behind every row."""
         if stop <= first:
             return []
+        if not self.stand_s[first:stop].any():
+            return [table.rows(first, stop)]
         changes = first + 1 + np.flatnonzero(np.diff(self.stand_s[first:stop]))
         bounds = pairwise([first, *changes.tolist(), stop])
         return [replace(table.rows(a, b), behind="".join(self.behind(a))) for a, b in bounds]

@@ -79,9 +79,9 @@ def motion_with_stands(
     distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats, model: ControlModel, stand_s: Floats
 ) -> Motion:
     """:func:`timing.motion_of` for blocks behind which the tool stands, (n,) seconds beside the spans."""
-    ends = np.flatnonzero(stand_s > 0.0) + 1
-    if not len(ends):
+    if not stand_s.any():
         return motion_of(distance_mm, blocks, feeds_mm_s, model)
+    ends = np.flatnonzero(stand_s > 0.0) + 1
     if ends[-1] != len(stand_s):
         ends = np.append(ends, len(stand_s))
     spans_s = np.empty(len(stand_s))
