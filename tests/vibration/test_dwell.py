@@ -105,7 +105,7 @@ def test_it_breaks_where_it_stands_a_revolution_and_is_refused_elsewhere(
     rev_s = 60.0 / cut.planned.cut.solution.speed_rpm
     assert cut.verdict.breaks
     assert cut.verdict.margin == pytest.approx(stand_s / rev_s * edges)
-    assert cut.verdict.margin >= 1.0
+    assert cut.verdict.margin >= 1.0 - 1e-9  # a stand of exactly a revolution will do
     assert stand_s / rev_s == pytest.approx(turns * (1.0 - alpha), abs=2.0 * speed / 60_000.0 + 0.02)
     assert cut.verdict.per_rev == pytest.approx(1.0 / turns, rel=0.02)
     assert {move.span_s > 0.0 for move in run_program(done.data.decode()).moves} == {True}
@@ -150,7 +150,8 @@ def test_any_cut_ends_at_its_end_and_keeps_its_feed(
             words = [Decimal(t) for t in re.findall(rf"{letter}(-?[0-9.]+)", inside)]
             assert sum(words) == Decimal(f"{wanted:.3f}")
     turn_s = 60.0 / cut.planned.cut.solution.speed_rpm
-    assert (stands[-1] < 1.02 * turn_s) == (end == "dwell")
+    assert inside.splitlines()[-1].startswith("G4") == (end == "dwell")
+    assert stands[-1] >= turn_s
 
 
 def test_the_shoulder_may_be_cleaned_by_standing() -> None:
