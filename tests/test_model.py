@@ -250,7 +250,23 @@ def test_feed_and_speed(program: str, feed: float | None, speed: float | str | N
 def test_speed_limits(program: str, limit: float | None) -> None:
     state = after(program)
     assert (state.speed_limit.value if state.speed_limit else None) == limit
+
+
+def test_the_limit_of_linuxcnc_stands_with_its_g96() -> None:
     assert after("G96 D1500 S120", "linuxcnc-lathe").speed_limit == (1500.0, "1500", 0)
+    assert after("G96 D1500 S120\nS100", "linuxcnc-lathe").speed_limit == (1500.0, "1500", 0)
+    assert after("G96 D1500 S120\nG96 S100", "linuxcnc-lathe").speed_limit is None
+    assert after("G96 D1500 S120\nG97 S500", "linuxcnc-lathe").speed_limit is None
+    assert after("G96 D1500 S120").speed_limit is None, "on another control D is no limit"
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "off"),
+    [("G7.1 C20.", "", False), ("G7.1 C20.", "G7.1 C0", True), ("G107 H20.", "G107 H0.", True)],
+)
+def test_a_cylinder_of_no_radius_ends_it(*, first: str, second: str, off: bool) -> None:
+    modes = after(f"{first}\n{second}", "fanuc-lathe").modes
+    assert modes["cylinder"] == ("off" if off else "on")
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from chipbreak.model.motion import move_of
 from chipbreak.model.peripheral import peripheral_of
 from chipbreak.model.requests import vibration_words
 from chipbreak.model.steps import CUTTING, Move, Step
-from chipbreak.model.words import JUMPED, codes_of, cylinder_of, feed_value, plain_value
+from chipbreak.model.words import JUMPED, codes_of, cylinder_of, feed_value, plain_value, surface_limit
 from chipbreak.settings.axis_words import AXES, CENTRES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
@@ -169,6 +169,8 @@ class Interpreter:
             after = replace(after, feed=None)
         if modes["speed_mode"] != state.modes["speed_mode"]:
             after = replace(after, speed=None)
+        if "speed_mode" in changes and self.dialect.surface_limit:
+            after = replace(after, speed_limit=surface_limit(block, modes["speed_mode"], self.dialect))
         if "path" in changes:
             after = replace(after, path_words=self._group_words(block, "path"))
         if "look_ahead" in changes:
@@ -184,8 +186,6 @@ class Interpreter:
             elif word.address == "S":
                 setting = Setting(plain_value(word), word.value_text, block.line)
                 after = replace(after, speed_limit=setting) if limits else replace(after, speed=setting)
-            elif word.address == "D" and changes.get("speed_mode") == "surface":
-                after = replace(after, speed_limit=Setting(plain_value(word), word.value_text, block.line))
         if any(modes.get(group, "off") != state.modes.get(group, "off") for group in _COORDINATE_GROUPS):
             after = after.lost("the coordinate system changed")
         if changes.get("length_offset") == "on":
