@@ -12,7 +12,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from chipbreak.diagnostics import Diagnostic, RefusalError, Severity
@@ -51,8 +51,13 @@ class VibrationPlan:
     diagnostics: tuple[Diagnostic, ...]
 
 
-def plan(trace: Trace, settings: Settings, requests: Sequence[Request]) -> VibrationPlan:
-    """Plan every vibrated cut.  Errors are diagnostics; with one, the edits must not be used."""
+def plan(
+    trace: Trace, settings: Settings, requests: Sequence[Request], checks: Collection[int] = ()
+) -> VibrationPlan:
+    """Plan every vibrated cut; ``checks`` are the lines before which a tool check stands.
+
+    Errors are diagnostics; with one, the edits must not be used.
+    """
     chains, diagnostics = chains_of(trace, requests)
     cuts: list[VibratedCut] = []
     expansions: list[Expansion] = []
@@ -69,7 +74,7 @@ def plan(trace: Trace, settings: Settings, requests: Sequence[Request]) -> Vibra
         # A refused cut leaves the speeds around it open: nothing more can be said honestly.
         return VibrationPlan((), (), tuple(sorted(diagnostics, key=_by_line)))
     try:
-        changes = speed_changes(trace, cuts, settings)
+        changes = speed_changes(trace, cuts, settings, checks)
     except RefusalError as error:
         chain = next(chain for chain in chains if chain.before.speed is None)
         return VibrationPlan((), (), (_at_chain(trace, chain, error),))

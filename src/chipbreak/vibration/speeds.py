@@ -7,7 +7,7 @@ the end of the program.  Between two vibrated cuts of one speed nothing is comma
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from chipbreak.diagnostics import RefusalError
@@ -32,10 +32,13 @@ class SpeedChange:
     for_cut: VibratedCut | None
 
 
-def speed_changes(trace: Trace, cuts: Sequence[VibratedCut], settings: Settings) -> list[SpeedChange]:
+def speed_changes(
+    trace: Trace, cuts: Sequence[VibratedCut], settings: Settings, checks: Collection[int] = ()
+) -> list[SpeedChange]:
     """All speed commands that the vibrated cuts need, in order.
 
-    Errors: VIB057 when the programmed speed must come back and is not known.
+    ``checks`` are lines before which something is inserted that counts on the programmed speed.  Errors:
+    VIB057 when the programmed speed must come back and is not known.
     """
     changes: list[SpeedChange] = []
     commanded: tuple[str, float] | None = None  # mode and speed, None while the program's own is active
@@ -49,7 +52,7 @@ def speed_changes(trace: Trace, cuts: Sequence[VibratedCut], settings: Settings)
         if commanded is None:
             continue
         stop = cuts[index + 1].chain.first if index + 1 < len(cuts) else trace.program.source.body.stop
-        back = _needs_programmed(trace, cut.chain.last, stop)
+        back = _needs_programmed(trace, cut.chain.last, stop, checks)
         if back is not None:
             if back.text:
                 changes.append(back)
@@ -74,11 +77,14 @@ def speed_words(
     return f"{settings.dialect.code('speed_mode', wanted[0])} {speed}"
 
 
-def _needs_programmed(trace: Trace, first: int, stop: int) -> SpeedChange | None:
+def _needs_programmed(
+    trace: Trace, first: int, stop: int, checks: Collection[int]
+) -> SpeedChange | None:
     """Where the programmed speed must be back; an empty text where the program commands a speed itself."""
     state = trace.before(first)
     for step in trace.steps(first, stop):
-        if step.block.line in trace.flow.targets:  # who jumps here comes with the programmed speed
+        # Who jumps here comes with the programmed speed, and a check gives it back behind itself.
+        if step.block.line in trace.flow.targets or step.block.line in checks:
             return SpeedChange(step.block.line, _own_words(state, trace.settings), None)
         state = step.after
         if step.after.speed != step.before.speed and step.after.speed is not None:
@@ -92,7 +98,7 @@ def _needs_programmed(trace: Trace, first: int, stop: int) -> SpeedChange | None
                 way_out = "give S before the cut, even when N and f make another of it, or behind it"
                 raise RefusalError("VIB057", f"{message} which the program does not say", way_out)
             return SpeedChange(step.block.line, _own_words(step.before, trace.settings), None)
-    return None
+    return SpeedChange(stop, _own_words(state, trace.settings), None) if stop in checks else None
 
 
 def _says_speed_mode(step: Step) -> bool:
