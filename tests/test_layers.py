@@ -110,12 +110,17 @@ vibration.control
 vibration.planner
 vibration.bends
 vibration.timing
+vibration.piecewise
 vibration.verdict
 vibration.load
 vibration.directive
 vibration.request
 vibration.chain
 vibration.plan
+vibration.loop_names
+vibration.loop
+vibration.stands
+vibration.content
 vibration.speeds
 vibration.advice
 vibration.blocks
@@ -137,6 +142,7 @@ passes.vibrate
 passes.check_tools
 
 emit
+unroll
 measure
 unbroken
 verify

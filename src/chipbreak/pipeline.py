@@ -84,7 +84,7 @@ def _run(
     diagnostics += found
     speed_edits, found = speeds.plan(trace, settings)
     diagnostics += found
-    planned, vibration_edits, found = _vibration(trace, settings, check_edits)
+    planned, vibration_edits, found = _vibration(trace, settings, check_edits, allow_unbroken=allow_unbroken)
     diagnostics += found
     if has_errors(diagnostics):
         raise ProgramRejectedError(in_place_order(diagnostics))
@@ -120,7 +120,7 @@ def _tool_checks(trace: Trace, settings: Settings) -> tuple[list[Operation], lis
 
 
 def _vibration(
-    trace: Trace, settings: Settings, checks: Sequence[Edit]
+    trace: Trace, settings: Settings, checks: Sequence[Edit], *, allow_unbroken: bool
 ) -> tuple[Sequence[PlannedCut], Sequence[Edit], list[Diagnostic]]:
     """The vibrated cuts and their edits; a program that asks for none does not load what plans them."""
     requests, diagnostics = requests_of(trace)
@@ -128,7 +128,8 @@ def _vibration(
         return (), (), diagnostics
     from chipbreak.passes import vibrate
 
-    plan = vibrate.plan(trace, settings, requests, {edit.first for edit in checks})
+    lines = {edit.first for edit in checks}
+    plan = vibrate.plan(trace, settings, requests, lines, allow_unbroken=allow_unbroken)
     return plan.cuts, plan.edits, diagnostics + list(plan.diagnostics)
 
 

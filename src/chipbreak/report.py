@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from chipbreak.edits import Edit
@@ -13,6 +13,7 @@ from chipbreak.units import MS_PER_S, S_PER_MIN
 
 if TYPE_CHECKING:
     from chipbreak.measure import CheckedCut
+    from chipbreak.vibration.loop import Loop
 
 
 _MEMBERS = {1: "the tool (tool post)", -1: "the work (spindle carrier)"}
@@ -55,11 +56,7 @@ def _cut_text(result: Result, checked: CheckedCut, settings: Settings) -> Iterat
         f"    runs     S {solution.speed_rpm:g} rpm, N {solution.per_rev:.4g},"
         f" f {solution.frequency_hz:.5g} Hz ({solution.period.period_s * MS_PER_S:g} ms)"
     )
-    ratio = cut.cut.stroke_mm / cut.cut.feed_mm_rev
-    yield (
-        f"    stroke   {cut.cut.stroke_mm:.4g} mm = {ratio:.3g} x feed {cut.cut.feed_mm_rev:.4g} mm/rev,"
-        f" {cut.cut.waveform}, forward share {cut.cut.alpha_share:.3g}"
-    )
+    yield _wave(checked)
     if verdict.per_rev > 0.0:
         reached_hz = verdict.per_rev * solution.speed_rpm / S_PER_MIN
         yield f"    reaches  N {verdict.per_rev:.4g}, {reached_hz:.5g} Hz (planner model {checked.control})"
@@ -78,6 +75,8 @@ def _cut_text(result: Result, checked: CheckedCut, settings: Settings) -> Iterat
         low, high = verdict.speed_band_rpm
         yield f"    band     breaks from {low:.0f} to {high:.0f} rpm at this frequency"
     needs = f"    machine  needs {checked.acceleration_mm_s2:.0f} mm/s2"
+    if cut.keeps_feed:
+        needs = "    machine  never turns back"
     if checked.servo_share is not None:
         needs += f", the servo leaves {checked.servo_share:.0%} of the stroke"
     if checked.clearances:
@@ -87,10 +86,40 @@ def _cut_text(result: Result, checked: CheckedCut, settings: Settings) -> Iterat
     if members := _members(checked, settings):
         said = ", ".join(f"{axis} ({letter} words) by {_MEMBERS[sign]}" for axis, letter, sign in members)
         yield f"    moved    {said}"
+    ends = f", stands {cut.end_stand_s * MS_PER_S:.0f} ms at its end" if cut.end_stand_s else ""
     yield (
         f"    output   {checked.move_count} moves, {checked.duration_s:.2f} s,"
-        f" axis up to {verdict.peak_speed_mm_s * 60.0:.0f} mm/min"
+        f" axis up to {verdict.peak_speed_mm_s * 60.0:.0f} mm/min{ends}"
     )
+    loops = checked.planned.expansion.loops
+    if loops is not None:
+        yield f"    loop     {_loops(loops, checked.move_count)}"
+
+
+def _wave(checked: CheckedCut) -> str:
+    """The stroke, or how far the tool feeds and how long it then stands."""
+    cut, rev_s = checked.planned.cut.cut, S_PER_MIN / checked.planned.cut.solution.speed_rpm
+    if cut.waveform == "dwell":
+        stand_s = float(checked.planned.expansion.stand_s[0])
+        return (
+            f"    dwell    {cut.speed_mm_s * cut.period_s:.4g} mm at {cut.feed_mm_rev:.4g} mm/rev, then"
+            f" stands {stand_s * MS_PER_S:.4g} ms = {stand_s / rev_s:.3g} revolutions"
+        )
+    return (
+        f"    stroke   {cut.stroke_mm:.4g} mm = {cut.stroke_mm / cut.feed_mm_rev:.3g} x feed"
+        f" {cut.feed_mm_rev:.4g} mm/rev, {cut.waveform}, forward share {cut.alpha_share:.3g}"
+    )
+
+
+def _loops(loops: Sequence[Loop], move_count: int) -> str:
+    """What repeats, and how many blocks that leaves."""
+    if not loops:
+        return "none: no straight part of full stroke repeats often enough"
+    each = [f"{one.vibrations} vibration{'s' * (one.vibrations > 1)} {one.passes} times" for one in loops]
+    written = move_count - sum(loop.count * (loop.passes - 1) for loop in loops)
+    drift = max(loop.drift_steps for loop in loops)
+    off = f", points up to {0.5 + drift / 2.0:.2f} steps from the exact motion" if drift > 0.001 else ""
+    return f"{', '.join(each)}; {written} blocks of motion{off}"
 
 
 def _members(checked: CheckedCut, settings: Settings) -> list[tuple[str, str, int]]:
@@ -152,7 +181,13 @@ def _cut_json(result: Result, checked: CheckedCut, settings: Settings) -> dict[s
         "stroke_mm": cut.cut.stroke_mm,
         "waveform": cut.cut.waveform,
         "alpha_share": cut.cut.alpha_share,
+        "stand_s": float(checked.planned.expansion.stand_s[0]),
+        "end_stand_s": cut.end_stand_s,
         "moves": checked.move_count,
+        "loops": [
+            {"vibrations": loop.vibrations, "passes": loop.passes, "drift_steps": loop.drift_steps}
+            for loop in checked.planned.expansion.loops or ()
+        ],
         "duration_s": checked.duration_s,
         "control": checked.control,
         "acceleration_mm_s2": checked.acceleration_mm_s2,

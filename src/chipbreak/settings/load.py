@@ -96,6 +96,10 @@ def _build(
         message = f"output.feed_mode {mode!r}: {dialect.title} has no code for it"
         others = [other for other in ("rev", "inverse", "minute") if dialect.can("feed_mode", other)]
         raise layer.fail(IMPOSSIBLE, "output.feed_mode", message, f"one of {', '.join(others)}")
+    if sections["output"].form == "loop" and dialect.loop is None:
+        message = f"output.form 'loop': how {dialect.title} repeats blocks is not known"
+        help_text = 'write form = "expanded", or name the control: fanuc-lathe, linuxcnc-lathe'
+        raise layer.fail(IMPOSSIBLE, "output.form", message, help_text)
     if sections["planner"].reversal_stop_ms and sections["planner"].model != "trapezoid":
         message = f"planner.reversal_stop_ms has no place in planner.model {sections['planner'].model!r}"
         hint = 'planner.model = "trapezoid", or leave it out'

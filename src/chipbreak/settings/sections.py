@@ -59,7 +59,7 @@ class Vibration:
     q: float | None = _above(None)
     a_mm: float | None = _above(None)
     margin: float = _at_least(1.2, 1.0)
-    waveform: str = _one_of("triangle", "sine")
+    waveform: str = _one_of("triangle", "sine", "dwell")
     alpha: float = field(default=0.5, metadata={"above": 0.0, "below": 1.0})
     phase: float | str = field(default="auto", metadata={"choices": ("auto",), "above": 0.0, "below": 1.0})
     pn: float | None = _at_least(None)
@@ -70,6 +70,7 @@ class Vibration:
     ramp_s: float | None = _at_least(None)
     ramp_exponent: float = _above(1.0)
     end_revolutions: float = _at_least(1.0)
+    end: str = _one_of("feed", "dwell")
     chord_mm: float = _above(0.001)
     edges: int = _at_least(1, 1)
 
@@ -80,6 +81,8 @@ class Output:
 
     feed_mode: str = _one_of("rev", "inverse", "minute")
     segments: str = _one_of("auto", "tick", "stroke")
+    form: str = _one_of("expanded", "loop")
+    loop_variable: int = field(default=33, metadata={"at_least": 1, "below": 1000})
     decimals: int = _digits(3)
     feed_decimals: int = _digits(5)
 

@@ -49,8 +49,14 @@ def with_advice(
             f"N {shown(round(cut.solution.per_rev, 4))} with the same feed works at"
             f" f {shown(period.frequency_hz)} Hz, S {slower.solution.speed_rpm:.0f}"
         )
-        return RefusalError(error.code, error.message, f"{error.help}; {works}")
-    return error
+        return RefusalError(error.code, error.message, f"{error.help}; {works}{_standing(cut)}")
+    return RefusalError(error.code, error.message, f"{error.help}{_standing(cut)}")
+
+
+def _standing(cut: VibratedCut) -> str:
+    """What needs no reversal: at this E the tool stands for 1.2 revolutions (per edge)."""
+    turns = 1.2 / cut.edges / (1.0 - cut.cut.alpha_share)
+    return f"; WAVE DWELL with E {shown(round(turns, 2))} never turns back and stands instead"
 
 
 def _slower(cut: VibratedCut, period: Period, settings: Settings) -> VibratedCut:

@@ -72,6 +72,11 @@ class Chain:
         named = {axis for move in self.moves for axis in move.axes + move.plane}
         return "".join(axis for axis in AXES if axis in named)
 
+    @property
+    def asked_by_word(self) -> bool:
+        """True when words of its blocks ask for the vibration, and no comment or profile alone."""
+        return any(request.by_word for request in self.requests)
+
     def preamble(self) -> str:
         """Words of the first block that act before its move and are no part of its move or speed."""
         block = self.requests[0].step.block

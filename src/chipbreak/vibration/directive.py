@@ -21,11 +21,12 @@ KEYS = {
     "ALPHA": "forward share",
     "RAMP": "ramp length [vibrations]",
     "EDGES": "cutting edges",
-    "WAVE": "TRIANGLE or SINE",
+    "WAVE": "TRIANGLE, SINE or DWELL",
 }
-WAVES = ("TRIANGLE", "SINE")
+WAVES = ("TRIANGLE", "SINE", "DWELL")
 _DIRECTIVE = re.compile(r"\s*VIB(?:[\s,]+(.*?))?\s*$", re.IGNORECASE | re.DOTALL)
-_ITEM = re.compile(r"\s*([A-Z]+?)\s*(?:=\s*)?(TRIANGLE|SINE|[-+]?(?:\d+\.?\d*|\.\d+))(?=[\s,A-Z]|$)[\s,]*")
+_VALUE = rf"{'|'.join(WAVES)}|[-+]?(?:\d+\.?\d*|\.\d+)"
+_ITEM = re.compile(rf"\s*([A-Z]+?)\s*(?:=\s*)?({_VALUE})(?=[\s,A-Z]|$)[\s,]*")
 
 
 @dataclass(frozen=True)
