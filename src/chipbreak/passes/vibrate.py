@@ -29,8 +29,9 @@ from chipbreak.vibration.loop_names import LoopNames, free_names
 from chipbreak.vibration.plan import VibratedCut, plan_cut
 from chipbreak.vibration.request import Request
 from chipbreak.vibration.speeds import SpeedChange, speed_changes, speed_words
+from chipbreak.vibration.waveform import TOO_SHORT
 
-SMOOTHED, TOO_SHORT = "VIB063", "VIB013"
+SMOOTHED = "VIB063"
 _OFF = re.compile(r"[PQ]\s*0\b")
 
 
