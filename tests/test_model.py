@@ -308,3 +308,9 @@ def test_words_that_nothing_reads_are_named() -> None:
     steps = list(traced("G1 X1. P5\nG1 X1. R2.\nG2 X1. R2.\nG4 P5\nM98 P100\nG1 Z2. L3 F.1\n").steps(0, 6))
     shown = [[step.block.text[w.start : w.end] for w in step.unread] for step in steps]
     assert shown == [["P5"], ["R2."], [], [], [], ["L3"]]
+
+
+@pytest.mark.parametrize("line", ["G68 X0. Y0. R30.", "G51 X0. Y0. P2000", "G51.1 X0."])
+def test_the_words_of_a_rotation_are_read_by_it(line: str) -> None:
+    settings = chipbreak.load("fanuc-mill", ["checks.enabled=false"])
+    assert not chipbreak.rewrite(f"G0 X1. Y1.\n{line}\nM30\n".encode(), settings).diagnostics

@@ -127,11 +127,12 @@ class Interpreter:
         if "macro-call" not in once:  # T, M and S of a G65 block are arguments
             after = self._machine_functions(after, block)
         move = None
-        if not any(changes.get(group) == "on" for group in _CENTRE_GROUPS):
+        has_centre = any(changes.get(group) == "on" for group in _CENTRE_GROUPS)
+        if not has_centre:
             after, move = self._motion(after, block, once, unknown)
         after = self._flow_of_control(after, block)
         seen = (*vibration, *(w for w in block.words if w.address in mode_words))
-        unread = () if reads_all or block.has_macro else self._unread(block, seen, after, move)
+        unread = () if reads_all or has_centre or block.has_macro else self._unread(block, seen, after, move)
         return Step(block, state, after, move, once, vibration, unread)
 
     def _codes(self, block: Block) -> tuple[dict[str, str], frozenset[str], bool]:
