@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
+import chipbreak
 from chipbreak.model.interpret import initial_state
 from chipbreak.model.modal import State
 from chipbreak.model.trace import Trace, interpret
