@@ -84,7 +84,7 @@ def plan_cut(chain: Chain, settings: Settings) -> VibratedCut:
     except RefusalError as error:
         if request.waveform == "dwell" and error.code == NEVER_BREAKS:
             turns = 1.0 / edges / (1.0 - alpha)
-            way_out = f"take E {turns:.4g} or more, and not a whole N: a dwell stands for a revolution (per edge)"
+            way_out = f"take E {turns:.4g} or more: a dwell stands for a revolution (per edge)"
             raise RefusalError(error.code, error.message, way_out) from None
         raise
     cut = _cut_of(chain, path.length_mm, solution, settings)
