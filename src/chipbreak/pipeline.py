@@ -85,7 +85,8 @@ def _run(
     diagnostics += found
     speed_edits, found = speeds.plan(trace, settings)
     diagnostics += found
-    planned, vibration_edits, found = _vibration(trace, settings, check_edits, allow_unbroken=allow_unbroken)
+    checks_at = [edit.first for edit in check_edits]
+    planned, vibration_edits, found = _vibration(trace, settings, checks_at, allow_unbroken=allow_unbroken)
     diagnostics += found
     if has_errors(diagnostics):
         raise ProgramRejectedError(in_place_order(diagnostics))
@@ -121,7 +122,7 @@ def _tool_checks(trace: Trace, settings: Settings) -> tuple[list[Operation], lis
 
 
 def _vibration(
-    trace: Trace, settings: Settings, checks: Sequence[Edit], *, allow_unbroken: bool
+    trace: Trace, settings: Settings, checks_at: Sequence[int], *, allow_unbroken: bool
 ) -> tuple[Sequence[PlannedCut], Sequence[Edit], list[Diagnostic]]:
     """The vibrated cuts and their edits; a program that asks for none does not load what plans them."""
     requests, diagnostics = requests_of(trace)
@@ -129,8 +130,9 @@ def _vibration(
         return (), (), diagnostics
     from chipbreak.passes import vibrate
 
-    lines = {edit.first for edit in checks}
-    plan = vibrate.plan(trace, settings, requests, lines, allow_unbroken=allow_unbroken)
+    plan = vibrate.plan(
+        trace, settings, requests, checks_at=checks_at, allow_unbroken=allow_unbroken
+    )
     return plan.cuts, plan.edits, diagnostics + list(plan.diagnostics)
 
 

@@ -58,14 +58,15 @@ def plan(
     trace: Trace,
     settings: Settings,
     requests: Sequence[Request],
-    checks: Collection[int] = (),
     *,
+    checks_at: Collection[int] = (),
     allow_unbroken: bool = False,
 ) -> VibrationPlan:
     """Plan every vibrated cut.  Errors are diagnostics; with one, the edits must not be used.
 
-    ``checks`` are the lines before which a tool check stands.  ``allow_unbroken``: cuts too short to vibrate
-    stay as they are, with a warning, where no word of theirs asks for vibration (it would reach the control).
+    ``checks_at`` are the lines before which tool checks will stand.
+    ``allow_unbroken``: cuts too short to vibrate stay as they are, with a warning, where no word of theirs
+    asks for vibration (it would reach the control).
     """
     chains, diagnostics = chains_of(trace, requests)
     warnings = list[Diagnostic]()
@@ -93,7 +94,7 @@ def plan(
         # A refused cut leaves the speeds around it open: nothing more can be said honestly.
         return VibrationPlan((), (), tuple(sorted(diagnostics, key=_by_line)))
     try:
-        changes = speed_changes(trace, cuts, settings, checks)
+        changes = speed_changes(trace, cuts, settings, checks_at)
     except RefusalError as error:
         chain = next(chain for chain in chains if chain.before.speed is None)
         return VibrationPlan((), (), (_at_chain(trace, chain, error),))

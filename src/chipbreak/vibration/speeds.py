@@ -33,12 +33,12 @@ class SpeedChange:
 
 
 def speed_changes(
-    trace: Trace, cuts: Sequence[VibratedCut], settings: Settings, checks: Collection[int] = ()
+    trace: Trace, cuts: Sequence[VibratedCut], settings: Settings, checks_at: Collection[int] = ()
 ) -> list[SpeedChange]:
     """All speed commands that the vibrated cuts need, in order.
 
-    ``checks`` are lines before which something is inserted that counts on the programmed speed.  Errors:
-    VIB057 when the programmed speed must come back and is not known.
+    ``checks_at`` are the lines before which tool checks will stand: they stop the spindle and start it as
+    programmed.  Errors: VIB057 when the programmed speed must come back and is not known.
     """
     changes: list[SpeedChange] = []
     commanded: tuple[str, float] | None = None  # mode and speed, None while the program's own is active
@@ -52,7 +52,8 @@ def speed_changes(
         if commanded is None:
             continue
         stop = cuts[index + 1].chain.first if index + 1 < len(cuts) else trace.program.source.body.stop
-        back = _needs_programmed(trace, cut.chain.last, stop, checks)
+        checks = [line for line in checks_at if cut.chain.last <= line <= stop]
+        back = _needs_programmed(trace, cut.chain.last, stop, min(checks, default=None))
         if back is not None:
             if back.text:
                 changes.append(back)
@@ -77,14 +78,16 @@ def speed_words(
     return f"{settings.dialect.code('speed_mode', wanted[0])} {speed}"
 
 
-def _needs_programmed(
-    trace: Trace, first: int, stop: int, checks: Collection[int]
-) -> SpeedChange | None:
-    """Where the programmed speed must be back; an empty text where the program commands a speed itself."""
+def _needs_programmed(trace: Trace, first: int, stop: int, check: int | None) -> SpeedChange | None:
+    """Where the programmed speed must be back; an empty text where the program commands a speed itself.
+
+    ``check`` is the line before which the first tool check stands, None where none does.
+    """
     state = trace.before(first)
     for step in trace.steps(first, stop):
-        # Who jumps here comes with the programmed speed, and a check gives it back behind itself.
-        if step.block.line in trace.flow.targets or step.block.line in checks:
+        if step.block.line == check and state.speed is not None:
+            return SpeedChange(check, _own_words(state, trace.settings), None)
+        if step.block.line in trace.flow.targets:  # who jumps here comes with the programmed speed
             return SpeedChange(step.block.line, _own_words(state, trace.settings), None)
         state = step.after
         if step.after.speed != step.before.speed and step.after.speed is not None:
@@ -98,7 +101,9 @@ def _needs_programmed(
                 way_out = "give S before the cut, even when N and f make another of it, or behind it"
                 raise RefusalError("VIB057", f"{message} which the program does not say", way_out)
             return SpeedChange(step.block.line, _own_words(step.before, trace.settings), None)
-    return SpeedChange(stop, _own_words(state, trace.settings), None) if stop in checks else None
+    if check == stop and state.speed is not None:
+        return SpeedChange(check, _own_words(state, trace.settings), None)
+    return None
 
 
 def _says_speed_mode(step: Step) -> bool:
