@@ -25,6 +25,7 @@ WAYS: dict[str, list[Way]] = {
     "axis-moves-too-slowly": [("N1.5", "N1.5 f10")],
     "axis-without-acceleration": ["axes.Y.max_acceleration_mm_s2=20000", 'planner.model="ideal"'],
     "block-delete": [("/G1", "G1"), ("N1.5", "")],
+    "check-has-no-place": [("(.FINISH.)", r"G0 Z15.\nG40 X1.\n\1\nG0 X1. Y2.\nG1 Z-1. F50.")],
     "chips-do-not-break": [("Q0.5", "Q1.06")],
     "contour-of-a-cycle": [("N1.5", ""), ("G7.*P100.*\n", "")],
     "control-reads-too-few-blocks": [("N1.5", "N1.5 f41.6667")],
