@@ -119,7 +119,8 @@ class Interpreter:
         motion = {**state.modes, **changes}.get("motion")
         reads_all = bool(once & _READS_ALL)
         # A full circle may name its centre only.
-        moving = self.axis_letters | _CENTRE_LETTERS if motion in _ARCS else self.axis_letters
+        # So is an axis of another profile's: its wish must be refused, not passed over.
+        moving = self.axis_letters | set(AXES) | (_CENTRE_LETTERS if motion in _ARCS else set())
         mode_words = "PQR" if changes.keys() & _MODES_WITH_WORDS else ""
         cuts = motion in CUTTING and not (unknown or mode_words)
         vibration = vibration_words(block, moving, cuts=cuts, has_once=reads_all)
