@@ -179,7 +179,10 @@ def test_what_cannot_be(profile: str, sets: list[str], key: str) -> None:
     assert found.help
 
 
-@pytest.mark.parametrize("cut", ["G1 Z-5. B-3. F.1 N1.5", "G1 Z-5. F.1 N1.5", "G1 Z-5. F.1 f62.5", "G1 Z-5. F.1"])
+CUTS = ("G1 Z-5. B-3. F.1 N1.5", "G1 Z-5. F.1 N1.5", "G1 Z-5. F.1 f62.5", "G1 Z-5. F.1")
+
+
+@pytest.mark.parametrize("cut", CUTS)
 def test_a_letter_that_no_axis_has_is_not_passed_over(cut: str) -> None:
     program = f"G97 S3000 M3\nG0 X20. B2. (VIB N1.5)\n{cut}\nM30\n"
     with pytest.raises(chipbreak.ProgramRejectedError) as caught:
