@@ -84,7 +84,8 @@ def _run(
     diagnostics += found
     speed_edits, found = speeds.plan(trace, settings)
     diagnostics += found
-    planned, vibration_edits, found = _vibration(trace, settings, allow_unbroken=allow_unbroken)
+    checks_at = [edit.first for edit in check_edits]
+    planned, vibration_edits, found = _vibration(trace, settings, checks_at, allow_unbroken=allow_unbroken)
     diagnostics += found
     if has_errors(diagnostics):
         raise ProgramRejectedError(in_place_order(diagnostics))
@@ -121,7 +122,7 @@ def _tool_checks(trace: Trace, settings: Settings) -> tuple[list[Operation], lis
 
 
 def _vibration(
-    trace: Trace, settings: Settings, *, allow_unbroken: bool
+    trace: Trace, settings: Settings, checks_at: Sequence[int], *, allow_unbroken: bool
 ) -> tuple[Sequence[PlannedCut], Sequence[Edit], list[Diagnostic]]:
     """The vibrated cuts and their edits; a program that asks for none does not load what plans them."""
     requests, diagnostics = requests_of(trace)
@@ -129,7 +130,9 @@ def _vibration(
         return (), (), diagnostics
     from chipbreak.passes import vibrate
 
-    plan = vibrate.plan(trace, settings, requests, allow_unbroken=allow_unbroken)
+    plan = vibrate.plan(
+        trace, settings, requests, checks_at=checks_at, allow_unbroken=allow_unbroken
+    )
     return plan.cuts, plan.edits, diagnostics + list(plan.diagnostics)
 
 
@@ -241,7 +244,8 @@ def _unbroken(trace: Trace, checked: CheckedCut, *, allow_unbroken: bool, advise
     cut, verdict = checked.planned.cut, checked.verdict
     message = (
         f"this cut would not break chips: with a stroke of {cut.cut.stroke_mm:.4f} mm at N"
-        f" {verdict.per_rev:.3f} the weakest vibration has a margin of {verdict.margin:.2f}, 1 is needed"
+        f" {verdict.per_rev or cut.solution.per_rev:.3f} the weakest vibration has a margin of"
+        f" {verdict.margin:.2f}, 1 is needed"
     )
     works = ways_out(trace, trace.settings, checked) if advise else ""
     way_out = f"works: {works}" if works else "take another N, less feed, or leave Q and A out"

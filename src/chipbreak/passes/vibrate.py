@@ -12,7 +12,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from chipbreak.diagnostics import Diagnostic, RefusalError, Severity
@@ -29,9 +29,10 @@ from chipbreak.vibration.loop_names import LoopNames, free_names
 from chipbreak.vibration.plan import VibratedCut, plan_cut
 from chipbreak.vibration.request import Request
 from chipbreak.vibration.speeds import SpeedChange, speed_changes, speed_words
+from chipbreak.vibration.waveform import TOO_SHORT
 
 _MOST_ADVISED = 3  # what works is tried for the first refused cuts; the others fail alike
-SMOOTHED, TOO_SHORT = "VIB063", "VIB013"
+SMOOTHED = "VIB063"
 _OFF = re.compile(r"[PQ]\s*0\b")
 
 
@@ -54,10 +55,16 @@ class VibrationPlan:
 
 
 def plan(
-    trace: Trace, settings: Settings, requests: Sequence[Request], *, allow_unbroken: bool = False
+    trace: Trace,
+    settings: Settings,
+    requests: Sequence[Request],
+    *,
+    checks_at: Collection[int] = (),
+    allow_unbroken: bool = False,
 ) -> VibrationPlan:
     """Plan every vibrated cut.  Errors are diagnostics; with one, the edits must not be used.
 
+    ``checks_at`` are the lines before which tool checks will stand.
     ``allow_unbroken``: cuts too short to vibrate stay as they are, with a warning, where no word of theirs
     asks for vibration (it would reach the control).
     """
@@ -87,7 +94,7 @@ def plan(
         # A refused cut leaves the speeds around it open: nothing more can be said honestly.
         return VibrationPlan((), (), tuple(sorted(diagnostics, key=_by_line)))
     try:
-        changes = speed_changes(trace, cuts, settings)
+        changes = speed_changes(trace, cuts, settings, checks_at)
     except RefusalError as error:
         chain = next(chain for chain in chains if chain.before.speed is None)
         return VibrationPlan((), (), (_at_chain(trace, chain, error),))
