@@ -21,13 +21,15 @@ class Loop(NamedTuple):
     """How a control repeats blocks: the lines before and behind them.
 
     ``{passes}`` is how often, ``{label}`` one of ``labels``, ``{variable}`` the number of a counter.
-    ``reuses``: loops that do not lie in each other may have one label.
+    ``reuses``: loops that do not lie in each other may have one label.  ``variables``: the numbers that a
+    counter may have; empty where there is none.
     """
 
     begin: tuple[str, ...]
     end: tuple[str, ...]
     labels: range
     reuses: bool
+    variables: tuple[range, ...] = ()
 
     @property
     def statements(self) -> int:

@@ -95,10 +95,8 @@ def _build(
         message = f"output.feed_mode {mode!r}: {dialect.title} has no code for it"
         others = [other for other in ("rev", "inverse", "minute") if dialect.can("feed_mode", other)]
         raise layer.fail(IMPOSSIBLE, "output.feed_mode", message, f"one of {', '.join(others)}")
-    if sections["output"].form == "loop" and dialect.loop is None:
-        message = f"output.form 'loop': how {dialect.title} repeats blocks is not known"
-        help_text = 'write form = "expanded", or name the control: fanuc-lathe, linuxcnc-lathe'
-        raise layer.fail(IMPOSSIBLE, "output.form", message, help_text)
+    if sections["output"].form == "loop":
+        _check_loop(layer, sections["output"].loop_variable, dialect)
     if sections["planner"].reversal_stop_ms and sections["planner"].model != "trapezoid":
         message = f"planner.reversal_stop_ms has no place in planner.model {sections['planner'].model!r}"
         hint = 'planner.model = "trapezoid", or leave it out'
@@ -114,6 +112,19 @@ def _build(
         origins=origins,
         **sections,
     )
+
+
+def _check_loop(layer: Layer, variable: int, dialect: Dialect) -> None:
+    """Refuse loops where it is not known how, or with a counter that the control does not have."""
+    if dialect.loop is None:
+        message = f"output.form 'loop': how {dialect.title} repeats blocks is not known"
+        help_text = 'write form = "expanded", or name the control: fanuc-lathe, linuxcnc-lathe'
+        raise layer.fail(IMPOSSIBLE, "output.form", message, help_text)
+    there = dialect.loop.variables
+    if there and not any(variable in numbers for numbers in there):
+        message = f"output.loop_variable {variable}: {dialect.title} has no such variable"
+        known = ", ".join(f"{numbers[0]} to {numbers[-1]}" for numbers in there)
+        raise layer.fail(IMPOSSIBLE, "output.loop_variable", message, f"one of {known}")
 
 
 def _axis_words(layer: Layer, axes: Mapping[str, Axis], dialect: Dialect, *, checks: bool) -> AxisWords:

@@ -55,8 +55,8 @@ def with_advice(
 
 
 def _standing(cut: VibratedCut) -> str:
-    """What needs no reversal: at this E the tool stands for 1.2 revolutions (per edge)."""
-    turns = 1.2 / cut.edges / (1.0 - cut.cut.alpha_share)
+    """What needs no reversal: at this E half of what is left to the stand is to spare."""
+    turns = 1.5 / cut.edges / (1.0 - cut.cut.alpha_share)
     return f"; WAVE DWELL with E {shown(round(turns, 2))} never turns back and stands instead"
 
 
