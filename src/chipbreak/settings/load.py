@@ -6,7 +6,6 @@ import os
 import re
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -28,11 +27,12 @@ from chipbreak.settings.checking import (
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS, Axis, Planner, Settings
 from chipbreak.span import Place
 
+_PROFILES = Path(__file__).parents[1] / "profiles"
+
 
 def profile_names() -> list[str]:
     """The shipped profiles."""
-    folder = resources.files("chipbreak") / "profiles"
-    return sorted(p.name.removesuffix(".toml") for p in folder.iterdir() if p.name.endswith(".toml"))
+    return sorted(path.stem for path in _PROFILES.glob("*.toml"))
 
 
 def profile_text(profile: str) -> tuple[str, str]:
@@ -41,8 +41,7 @@ def profile_text(profile: str) -> tuple[str, str]:
     Raises SettingsError when there is neither.
     """
     if profile in profile_names():
-        text = (resources.files("chipbreak") / "profiles" / f"{profile}.toml").read_text("utf-8")
-        return profile, text
+        return profile, (_PROFILES / f"{profile}.toml").read_text("utf-8")
     path = Path(profile)
     if path.suffix != ".toml" and not path.is_file():
         near = nearest(profile, profile_names())

@@ -15,9 +15,9 @@ from chipbreak.settings.sections import Settings
 from chipbreak.units import MS_PER_S, S_PER_MIN
 from chipbreak.vibration.bends import Blocks
 from chipbreak.vibration.control import ControlModel, control_model
+from chipbreak.vibration.given import shown
 from chipbreak.vibration.plan import VibratedCut
 from chipbreak.vibration.planner import predict
-from chipbreak.vibration.solve import shown
 from chipbreak.vibration.timing import Motion, motion_of
 
 Floats = NDArray[np.float64]
