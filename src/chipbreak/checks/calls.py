@@ -11,8 +11,7 @@ from __future__ import annotations
 import enum
 import string
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 from chipbreak.checks.tool_values import DATA_FIELDS, data_texts
 from chipbreak.diagnostics import RefusalError
@@ -44,8 +43,7 @@ class Event(enum.Enum):
         return self.value.upper().replace("_", " ")
 
 
-@dataclass(frozen=True)
-class CallValues:
+class CallValues(NamedTuple):
     """What the fields of a call stand for; None where an event has no such value."""
 
     tool: int | None = None
@@ -120,8 +118,7 @@ BUILT_IN: Final[Mapping[str, Mapping[str, Sequence[str]]]] = {
 }
 
 
-@dataclass(frozen=True)
-class CallSet:
+class CallSet(NamedTuple):
     """The blocks of every event that is called."""
 
     name: str
