@@ -124,7 +124,9 @@ checks.edges
 checks.ground
 checks.reliance
 checks.tool_values
+checks.call_sets
 checks.calls
+checks.known
 checks.borders
 checks.limits
 checks.plan

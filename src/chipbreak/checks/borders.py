@@ -82,14 +82,18 @@ class _Spot:
 
 
 class BorderFinder:
-    """Looks for safe borders in one program."""
+    """Looks for safe borders in one program.
 
-    def __init__(self, trace: Trace, ground: Ground) -> None:
+    ``keeps_offsets`` is False for calls that may end the length offset, as some makers' cycles do.
+    """
+
+    def __init__(self, trace: Trace, ground: Ground, *, keeps_offsets: bool = True) -> None:
         self.trace, self.ground = trace, ground
         self.dialect = trace.settings.dialect
         steps = list(retract_steps(trace.settings))
         self._retracted = {axis for step in steps for axis in named_axes(step, trace.settings)}
         self._retract_homes = any("home" in step.once for step in steps)
+        self._calls_end_offset = not keeps_offsets
 
     def find(self, where: Range) -> Border | NoBorder:
         """The first safe line of a range."""
@@ -162,8 +166,11 @@ class BorderFinder:
         if why:
             return NoBorder(spot.line, why)
         is_on = state.modes.get("length_offset", "off") != "off"
-        has_offset = is_on and self._retract_homes and not spot.z_is_home
+        has_offset = is_on and (self._calls_end_offset or (self._retract_homes and not spot.z_is_home))
         needed = reliance(self.trace, spot.line, spot.homed, has_offset=has_offset)
+        if needed.length_offset and spot.z_is_home:
+            why = "the next blocks rely on a length offset, which a reference return or the calls may end"
+            return NoBorder(spot.line, why)
         axes = set(needed.axes)
         if "Z" in axes or needed.length_offset:
             # The way down to Z starts where X and Y stood, and ends at a height that counts from the offset.

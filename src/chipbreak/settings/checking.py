@@ -64,7 +64,12 @@ def checked_value(layer: Layer, section: str, key: str, value: Any) -> Any:
     if meta.get("table"):
         if not isinstance(value, dict):
             raise layer.fail(WRONG_TYPE, full, f"{full} is a table", f"write [{full}] with a line for each")
-        return {k: _checked_value(layer, full, v, (float,), meta) for k, v in value.items()}
+        for tool in value:
+            if not tool.isdecimal():
+                message = f"{full}: {tool!r} is no tool number"
+                raise layer.fail(IMPOSSIBLE, f"{full}.{tool}", message, "one line a tool, such as 4 = ...")
+        inner = typing.get_args(hints[key])[1]
+        return {k: _checked_value(layer, f"{full}.{k}", v, (inner,), meta) for k, v in value.items()}
     kinds = _kinds(hints[key])
     if tuple in kinds:
         items = value if isinstance(value, list) else [value]
@@ -97,6 +102,7 @@ def _checked_value(
             ("above" not in meta or value >= meta["above"] + _SMALLEST)
             and ("below" not in meta or value < meta["below"])
             and ("at_least" not in meta or value >= meta["at_least"])
+            and ("numbers" not in meta or value in meta["numbers"])
             and abs(value) <= _LARGEST
         )
     if not fits:
@@ -128,6 +134,8 @@ def _expected(kinds: tuple[type, ...], meta: Mapping[str, Any]) -> str:
     parts = []
     if "choices" in meta:
         parts.append("one of " + ", ".join(meta["choices"]))
+    if "numbers" in meta:
+        return "expected " + " or ".join(map(str, meta["numbers"]))
     if float in kinds or int in kinds:
         parts.append("a whole number" if float not in kinds else "a number")
         limits = [("above", "above"), ("at_least", "of at least"), ("below", "below")]

@@ -24,7 +24,7 @@ from chipbreak.settings.checking import (
     checked_value,
     hint_at,
 )
-from chipbreak.settings.sections import AXES, OPEN_SECTIONS, SECTIONS, Settings
+from chipbreak.settings.sections import AXES, LEAST_STORE, OPEN_SECTIONS, SECTIONS, Macros, Settings
 from chipbreak.span import Place
 
 
@@ -102,6 +102,11 @@ def _build(
         if is_used and not _is_path_mode(text, dialect):
             message = f"planner.{key} = {text!r} is no path mode of this control"
             raise layer.fail(IMPOSSIBLE, f"planner.{key}", message, 'for example "G61" or "G64 P0.01"')
+    _check_macros(layer, sections["macros"])
+    for tool, sister in sections["checks"].sister.items():
+        if int(tool) == sister:
+            message = f"checks.sister.{tool} = {sister}: a tool is no sister of its own"
+            raise layer.fail(IMPOSSIBLE, f"checks.sister.{tool}", message, "name another tool, or none")
     return Settings(
         name=profile,
         call_sets=values["calls"],
@@ -111,6 +116,22 @@ def _build(
         origins=origins,
         **sections,
     )
+
+
+def _check_macros(layer: Layer, macros: Macros) -> None:
+    """What one key alone does not say."""
+    if "{angle}" not in macros.orient or set("{}") & set(macros.orient.replace("{angle}", "")):
+        message = f'macros.orient = "{macros.orient}": its one field is {{angle}}'
+        raise layer.fail(IMPOSSIBLE, "macros.orient", message, 'for example "M19 R{angle}"')
+    for key in ("orient", "laser_on", "laser_off"):
+        for text in getattr(macros, key).split("\n"):
+            if not (text.isascii() and (text.isprintable() or not text)) or len(text) > 72:
+                message = f'macros.{key}: "{text}" is no block that a control can read'
+                raise layer.fail(IMPOSSIBLE, f"macros.{key}", message, "plain letters and digits, 72 at most")
+    if macros.store_last < macros.store_first + LEAST_STORE:
+        message = f"macros.store_last = {macros.store_last} leaves no room behind store_first"
+        help_text = f"at least {LEAST_STORE}: a tool takes 12 variables, and its teeth times its heights"
+        raise layer.fail(IMPOSSIBLE, "macros.store_last", message, help_text)
 
 
 def _is_path_mode(text: str, dialect: Dialect) -> bool:
