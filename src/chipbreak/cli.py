@@ -267,7 +267,7 @@ def profile_list() -> None:
     from chipbreak.settings import load, profile_names
 
     for name in profile_names():
-        click.echo(f"{name:16} {load(name).dialect.title}")
+        click.echo(f"{name:20} {load(name).dialect.title}")
 
 
 @profile.command("show")

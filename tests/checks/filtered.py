@@ -74,7 +74,10 @@ def traced(data: bytes, rules: Settings) -> Trace:
 
 def filtered(data: bytes, profile: str = "fanuc-mill", *options: str) -> Filtered:
     """The program with its checks; all is known of its tools."""
-    short = (SHORT_CALLS[profile.partition("-")[0]], "checks.calls=short")
+    calls = SHORT_CALLS[profile.partition("-")[0]]
+    if profile.endswith("lathe"):  # where S turns the workpiece
+        calls = calls.replace(" S{speed_rpm}", "")
+    short = (calls, "checks.calls=short")
     rules = settings.load(profile, (*short, *options))
     trace = traced(data, rules)
     operations = operations_of(trace, KindRules.from_profile(rules.operations))

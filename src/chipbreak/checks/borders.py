@@ -84,16 +84,16 @@ class _Spot:
 class BorderFinder:
     """Looks for safe borders in one program.
 
-    ``keeps_offsets`` is False for calls that may end the length offset, as some makers' cycles do.
+    ``calls_end_offset`` is True for calls that may end the length offset, as some makers' cycles do.
     """
 
-    def __init__(self, trace: Trace, ground: Ground, *, keeps_offsets: bool = True) -> None:
+    def __init__(self, trace: Trace, ground: Ground, *, calls_end_offset: bool = False) -> None:
         self.trace, self.ground = trace, ground
         self.dialect = trace.settings.dialect
         steps = list(retract_steps(trace.settings))
         self._retracted = {axis for step in steps for axis in named_axes(step, trace.settings)}
         self._retract_homes = any("home" in step.once for step in steps)
-        self._calls_end_offset = not keeps_offsets
+        self._calls_end_offset = calls_end_offset
 
     def find(self, where: Range) -> Border | NoBorder:
         """The first safe line of a range."""
@@ -167,7 +167,13 @@ class BorderFinder:
             return NoBorder(spot.line, why)
         is_on = state.modes.get("length_offset", "off") != "off"
         has_offset = is_on and (self._calls_end_offset or (self._retract_homes and not spot.z_is_home))
-        needed = reliance(self.trace, spot.line, spot.homed, has_offset=has_offset)
+        needed = reliance(
+            self.trace,
+            spot.line,
+            spot.homed,
+            has_offset=has_offset,
+            home_ends_offset=not self._calls_end_offset,
+        )
         if needed.length_offset and spot.z_is_home:
             why = "the next blocks rely on a length offset, which a reference return or the calls may end"
             return NoBorder(spot.line, why)

@@ -16,12 +16,12 @@ class ShippedCalls:
     """Blocks by event, and what stands behind the last of them.
 
     ``tails``          behind the last block where a tool has a sister, or not every workpiece is checked
-    ``keeps_offsets``  the calls are known to leave the length offset in force
+    ``ends_offset``    the calls may end the length offset, as one of these cycles is known to
     """
 
     blocks: Mapping[str, Sequence[str]]
     tails: Mapping[str, str] = field(default_factory=dict)
-    keeps_offsets: bool = False
+    ends_offset: bool = False
 
 
 # Tool data is in mm, whatever the program counts in; it lasts for the TRACE straight behind the check.
@@ -41,7 +41,6 @@ _FANUC = ShippedCalls(
         "trace": " K{every}",
         "chip_check": " K{every} U{sister}",
     },
-    keeps_offsets=True,
 )
 _LINUXCNC = ShippedCalls(
     {
@@ -60,15 +59,14 @@ _LINUXCNC = ShippedCalls(
         "trace": " [0] [{every}]",
         "chip_check": " [{every}] [{sister}]",
     },
-    keeps_offsets=True,
 )
 BUILT_IN: Final[Mapping[str, ShippedCalls]] = {"fanuc-mill": _FANUC, "linuxcnc-mill": _LINUXCNC}
 
 NAMED: Final[Mapping[str, ShippedCalls]] = {
-    "haas": ShippedCalls({"chip_check": ("G65 P9853 T{tool} B0. H{limit}",)}),
-    "renishaw": ShippedCalls({"chip_check": ("G65 P9858 T{tool} H{limit}",)}),
-    "speedio-renishaw": ShippedCalls({"chip_check": ("G65 P8858 B1 H{limit} T{tool}",)}),
-    "speedio-blum": ShippedCalls({"chip_check": ("G65 P8915 B2 Q{limit}",)}),
+    "haas": ShippedCalls({"chip_check": ("G65 P9853 T{tool} B0. H{limit}",)}, ends_offset=True),
+    "renishaw": ShippedCalls({"chip_check": ("G65 P9858 T{tool} H{limit}",)}, ends_offset=True),
+    "speedio-renishaw": ShippedCalls({"chip_check": ("G65 P8858 B1 H{limit} T{tool}",)}, ends_offset=True),
+    "speedio-blum": ShippedCalls({"chip_check": ("G65 P8915 B2 Q{limit}",)}, ends_offset=True),
 }
 # All of them are macro B calls of machining centres.
 NAMED_DIALECT: Final = "fanuc-mill"

@@ -108,7 +108,7 @@ class CallSet:
     name: str
     blocks: Mapping[Event, tuple[str, ...]]
     tails: Mapping[Event, str]
-    keeps_offsets: bool
+    ends_offset: bool
 
     def has(self, event: Event) -> bool:
         """True when this set has a call for an event."""
@@ -168,7 +168,7 @@ def calls_of(settings: Settings) -> CallSet:
             _check(where, template + (tail if template == templates[-1] else ""), event, limit, settings)
         blocks[event] = tuple(templates)
     tails = {Event(key): tail for key, tail in shipped.tails.items()}
-    found = CallSet(name, blocks, tails, shipped.keeps_offsets)
+    found = CallSet(name, blocks, tails, shipped.ends_offset)
     asked = {"every": settings.checks.every > 1, "sister": bool(settings.checks.sister)}
     for field, is_asked in asked.items():
         if is_asked and not found.hands_over(field):

@@ -86,7 +86,7 @@ class _Planner:
         self.operations = operations
         self.calls: CallSet = calls_of(settings)
         self.main = main_program(trace)
-        self.finder = BorderFinder(trace, Ground(trace, self.main), keeps_offsets=self.calls.keeps_offsets)
+        self.finder = BorderFinder(trace, Ground(trace, self.main), calls_end_offset=self.calls.ends_offset)
         # How many workpieces a check is for; the control counts them where the beam is measured.
         self.every = self.checks.every
         self.cutting = [op for op in operations if op.cuts and op.kind is not Kind.PROBE]
