@@ -79,7 +79,7 @@ def _run(
     diagnostics += found
     speed_edits, found = speeds.plan(trace, settings)
     diagnostics += found
-    planned, vibration_edits, found = _vibration(trace, settings)
+    planned, vibration_edits, found = _vibration(trace, settings, check_edits)
     diagnostics += found
     if has_errors(diagnostics):
         raise ProgramRejectedError(in_place_order(diagnostics))
@@ -115,7 +115,7 @@ def _tool_checks(trace: Trace, settings: Settings) -> tuple[list[Operation], lis
 
 
 def _vibration(
-    trace: Trace, settings: Settings
+    trace: Trace, settings: Settings, check_edits: Sequence[Edit]
 ) -> tuple[Sequence[PlannedCut], Sequence[Edit], list[Diagnostic]]:
     """The vibrated cuts and their edits; a program that asks for none does not load what plans them."""
     requests, diagnostics = requests_of(trace)
@@ -123,7 +123,7 @@ def _vibration(
         return (), (), diagnostics
     from chipbreak.passes import vibrate
 
-    plan = vibrate.plan(trace, settings, requests)
+    plan = vibrate.plan(trace, settings, requests, [edit.first for edit in check_edits])
     return plan.cuts, plan.edits, diagnostics + list(plan.diagnostics)
 
 

@@ -11,7 +11,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from chipbreak.diagnostics import Diagnostic, RefusalError
@@ -47,8 +47,13 @@ class VibrationPlan:
     diagnostics: tuple[Diagnostic, ...]
 
 
-def plan(trace: Trace, settings: Settings, requests: Sequence[Request]) -> VibrationPlan:
-    """Plan every vibrated cut.  Errors are diagnostics; with one, the edits must not be used."""
+def plan(
+    trace: Trace, settings: Settings, requests: Sequence[Request], checks_at: Collection[int] = ()
+) -> VibrationPlan:
+    """Plan every vibrated cut.  Errors are diagnostics; with one, the edits must not be used.
+
+    ``checks_at`` are the lines before which tool checks will stand.
+    """
     chains, diagnostics = chains_of(trace, requests)
     cuts: list[VibratedCut] = []
     expansions: list[Expansion] = []
@@ -65,7 +70,7 @@ def plan(trace: Trace, settings: Settings, requests: Sequence[Request]) -> Vibra
         # A refused cut leaves the speeds around it open: nothing more can be said honestly.
         return VibrationPlan((), (), tuple(sorted(diagnostics, key=_by_line)))
     try:
-        changes = speed_changes(trace, cuts, settings)
+        changes = speed_changes(trace, cuts, settings, checks_at)
     except RefusalError as error:
         chain = next(chain for chain in chains if chain.before.speed is None)
         return VibrationPlan((), (), (_at_chain(trace, chain, error),))

@@ -7,7 +7,7 @@ the end of the program.  Between two vibrated cuts of one speed nothing is comma
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from chipbreak.diagnostics import RefusalError
@@ -32,10 +32,13 @@ class SpeedChange:
     for_cut: VibratedCut | None
 
 
-def speed_changes(trace: Trace, cuts: Sequence[VibratedCut], settings: Settings) -> list[SpeedChange]:
+def speed_changes(
+    trace: Trace, cuts: Sequence[VibratedCut], settings: Settings, checks_at: Collection[int] = ()
+) -> list[SpeedChange]:
     """All speed commands that the vibrated cuts need, in order.
 
-    Errors: VIB057 when the programmed speed must come back and is not known.
+    ``checks_at`` are the lines before which tool checks will stand: they stop the spindle and start it as
+    programmed.  Errors: VIB057 when the programmed speed must come back and is not known.
     """
     changes: list[SpeedChange] = []
     commanded: tuple[str, float] | None = None  # mode and speed, None while the program's own is active
@@ -49,7 +52,8 @@ def speed_changes(trace: Trace, cuts: Sequence[VibratedCut], settings: Settings)
         if commanded is None:
             continue
         stop = cuts[index + 1].chain.first if index + 1 < len(cuts) else trace.program.source.body.stop
-        back = _needs_programmed(trace, cut.chain.last, stop)
+        checks = [line for line in checks_at if cut.chain.last <= line <= stop]
+        back = _needs_programmed(trace, cut.chain.last, stop, min(checks, default=None))
         if back is not None:
             if back.text:
                 changes.append(back)
@@ -73,10 +77,15 @@ def _speed_words(
     return f"{settings.dialect.code('speed_mode', wanted[0])} {speed}"
 
 
-def _needs_programmed(trace: Trace, first: int, stop: int) -> SpeedChange | None:
-    """Where the programmed speed must be back; an empty text where the program commands a speed itself."""
+def _needs_programmed(trace: Trace, first: int, stop: int, check: int | None) -> SpeedChange | None:
+    """Where the programmed speed must be back; an empty text where the program commands a speed itself.
+
+    ``check`` is the line before which the first tool check stands, None where none does.
+    """
     state = trace.before(first)
     for step in trace.steps(first, stop):
+        if step.block.line == check and state.speed is not None:
+            return SpeedChange(check, _own_words(state, trace.settings), None)
         if step.block.line in trace.flow.targets:  # who jumps here comes with the programmed speed
             return SpeedChange(step.block.line, _own_words(state, trace.settings), None)
         state = step.after
@@ -91,6 +100,8 @@ def _needs_programmed(trace: Trace, first: int, stop: int) -> SpeedChange | None
                 way_out = "give S before the cut, even when N and f make another of it, or behind it"
                 raise RefusalError("VIB057", f"{message} which the program does not say", way_out)
             return SpeedChange(step.block.line, _own_words(step.before, trace.settings), None)
+    if check == stop and state.speed is not None:
+        return SpeedChange(check, _own_words(state, trace.settings), None)
     return None
 
 
