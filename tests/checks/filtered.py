@@ -10,11 +10,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from chipbreak import restore, settings
 from chipbreak.diagnostics import Diagnostic
-from chipbreak.edits import Edit, in_order
+from chipbreak.edits import Edit
 from chipbreak.emit import render
 from chipbreak.model.kinds import KindRules
 from chipbreak.model.operations import Operation, operations_of
@@ -86,26 +84,6 @@ def filtered(data: bytes, profile: str = "fanuc-mill", *options: str) -> Filtere
     return Filtered(rules, data, output, trace, operations, edits, diagnostics)
 
 
-LONG_LINES = 3000  # beyond, looking at every plain move one by one takes minutes
-SAMPLES = 60
-
-
-def sampled_pairs(result: Filtered) -> list[tuple[Step, Step | None]]:
-    """Of a long program: every block that is more than a plain move, the line behind it, and a sample."""
-    after = traced(result.output, result.settings)
-    body = result.trace.program.source.body
-    events = result.trace.program.events
-    spread = np.linspace(body.start, body.stop - 1, SAMPLES).astype(np.int64)
-    chosen = np.unique(np.concatenate((events, events + 1, spread)))
-    chosen = chosen[chosen < body.stop]
-    found = restore.regions(after.program.source)
-    firsts = np.array([edit.first for edit in in_order(result.edits)])
-    added = np.cumsum([0, *(region.last - region.first for region in found)])
-    new_lines = chosen + added[np.searchsorted(firsts, chosen, "right")]
-    pairs = zip(new_lines.tolist(), chosen.tolist(), strict=True)
-    return [(after.step(new), result.trace.step(old)) for new, old in pairs]
-
-
 def pairs(result: Filtered) -> list[tuple[Step, Step | None]]:
     """Every step of the result: with the original step of its line, or None inside an insertion."""
     after = traced(result.output, result.settings)
@@ -127,9 +105,6 @@ def check(result: Filtered) -> None:
         for text in edit.content:
             assert isinstance(text, str)
             assert len(text) <= min(80, result.settings.control.max_line_chars)
-    if len(result.trace.program.source.body) > LONG_LINES:
-        same_states(sampled_pairs(result))
-        return
     paired = pairs(result)
     same_states(paired)
     if not result.settings.dialect.is_lathe:  # a lathe comes down slanting from wherever it is
@@ -141,6 +116,7 @@ def restored(data: bytes) -> bytes:
 
 
 def same_states(paired: list[tuple[Step, Step | None]]) -> None:
+    """At every block the control is in the state of the original, and cuts start where they did."""
     for new, old in paired:
         if old is None:
             continue
@@ -153,6 +129,10 @@ def same_states(paired: list[tuple[Step, Step | None]]) -> None:
         for name in ("speed", "feed", "speed_limit"):
             a, b = getattr(one, name), getattr(other, name)
             assert (a and a.text) == (b and b.text), (name, where)
+        if old.move is not None and old.move.kind != "rapid":
+            for now, was in zip(new.before.position, one.position, strict=True):
+                assert math.isnan(was) or _equal(now, was), f"begins elsewhere: {where}"
+            assert new.move is not None and new.move.kind == old.move.kind, where
 
 
 @dataclass
