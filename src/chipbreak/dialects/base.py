@@ -28,6 +28,7 @@ class Dialect:
     ``speed_limit``   G codes (times ten) that limit the spindle when they stand with S
     ``dwell_word``    the letter of seconds in a G4 block
     ``machine_retract`` blocks that take the tool to the machine's safe end of travel, in order
+    ``retract_is_absolute`` these blocks must not stand in incremental mode
     """
 
     name: str
@@ -40,6 +41,7 @@ class Dialect:
     incremental: Mapping[str, str] = field(default_factory=dict)
     speed_limit: frozenset[int] = frozenset()
     machine_retract: tuple[str, ...] = ()
+    retract_is_absolute: bool = False
     dwell_word: str = "X"
     reads_comments_in_lower_case: bool = False
 

@@ -55,6 +55,7 @@ LINUXCNC_LATHE = Dialect(
     tool_change="M6",
     dwell_word="P",
     machine_retract=("G53 G0 X0", "G53 G0 Z0"),
+    retract_is_absolute=True,
     reads_comments_in_lower_case=True,
 )
 
@@ -67,5 +68,6 @@ LINUXCNC_MILL = Dialect(
     tool_change="M6",
     dwell_word="P",
     machine_retract=("G53 G0 Z0",),
+    retract_is_absolute=True,
     reads_comments_in_lower_case=True,
 )
