@@ -1,4 +1,4 @@
-"""Mill programs with tool checks in them, past LinuxCNC's own interpreter, with the macros that are called."""
+"""Mill programs with tool checks past LinuxCNC's own interpreter, with the macros that they call."""
 
 from __future__ import annotations
 

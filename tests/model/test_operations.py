@@ -67,6 +67,15 @@ def test_a_title_may_stand_before_or_behind_its_tool_call() -> None:
         assert short(operations(program)) == [(1, "rough", "ROUGH A"), (2, "finish", "FINISH B")]
 
 
+def test_a_block_number_of_its_own_heads_an_operation() -> None:
+    """FIN alone may be the end in French or Spanish; behind a block number it is the work that follows."""
+    found = operations(f"N1 (RGH)\nT1 M6\n{CUT}N2(FIN)\n{CUT}N3 (FIN)\nM30\n")
+    assert short([op for op in found if op.cuts]) == [(1, "rough", "RGH"), (1, "finish", "FIN")]
+    assert short(operations(f"T1 M6 (RGH)\n{CUT}N2 (ROUGHING END MILL)\n{CUT}(FIN)\nM30\n")) == [
+        (1, "rough", "RGH")
+    ]
+
+
 def test_one_tool_may_do_two_operations() -> None:
     found = operations(f"T1 M6\n(ROUGH .168 DEEP STEP)\n{CUT}(FINISH .168 DEEP STEP FLOOR)\n{CUT}")
     assert [(op.tool, op.kind.value) for op in found] == [(1, "rough"), (1, "finish")]
