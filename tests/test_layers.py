@@ -105,6 +105,7 @@ vibration.solve
 vibration.waveform
 vibration.laws
 vibration.path
+vibration.control
 vibration.planner
 vibration.bends
 vibration.timing
@@ -138,6 +139,7 @@ passes.check_tools
 
 emit
 measure
+unbroken
 verify
 diff
 pipeline

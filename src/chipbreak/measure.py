@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,17 +12,19 @@ from chipbreak.diagnostics import SelfCheckError
 from chipbreak.model.trace import Trace
 from chipbreak.passes.vibrate import PlannedCut
 from chipbreak.restore import Region
-from chipbreak.units import MM_PER_INCH
-from chipbreak.vibration.bends import blocks_of
+from chipbreak.units import MM_PER_INCH, MS_PER_S
+from chipbreak.vibration.bends import Blocks, blocks_of
+from chipbreak.vibration.control import ControlModel, control_model
 from chipbreak.vibration.load import flank_clearance_deg, least_acceleration_mm_s2, servo_share
 from chipbreak.vibration.readback import ReadBack, read_moves
-from chipbreak.vibration.timing import control_model, motion_of
+from chipbreak.vibration.timing import motion_of
 from chipbreak.vibration.verdict import Verdict, judge
 from chipbreak.vibration.waveform import full_window
 
 Floats = NDArray[np.float64]
 # Feeds are rounded, so the time of a cut differs from the plan by about half a unit in their last place.
 _TIME_TOLERANCE = 0.005
+_COUNT_TOLERANCE = 0.01
 # A control that stops at both ends of the cut and of its plain end needs a little longer.
 _STOP_TOLERANCE_S = 0.2
 
@@ -31,15 +33,19 @@ _STOP_TOLERANCE_S = 0.2
 class CheckedCut:
     """A vibrated cut with what its emitted moves do: seconds, and the verdict on its chips.
 
+    ``control`` is the law by which the moves were timed; ``misses_plan``: by it the cut takes another time
+    than planned, or has another N.
     ``acceleration_mm_s2`` is the least that can run it; ``servo_share`` what the position loops leave of the
     stroke, None without a gain; ``clearance_deg`` the flank clearance that the forward stroke uses up, None
     without a diameter.
     """
 
     planned: PlannedCut
+    control: str
     duration_s: float
     move_count: int
     verdict: Verdict
+    misses_plan: bool
     acceleration_mm_s2: float
     servo_share: float | None
     clearance_deg: float | None
@@ -57,13 +63,13 @@ def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCu
     _check_speed(result, region, planned)
     distance_mm = _check_path(result, moves, planned)
     moved = np.diff(np.vstack((cut.path.legs[0].start, moves.points_mm)), axis=0)
-    model = control_model(result.settings, cut.path)
+    model = control_model(result.settings, cut.path, cut.chain.before)
     blocks = blocks_of(moved, np.diff(distance_mm), result.settings)
     motion = motion_of(distance_mm, blocks, moves.feed_mm_s, model)
     if not np.all(motion.spans_s > 0.0):
         raise SelfCheckError("a move takes no time")
     time_s = np.concatenate(([0.0], np.cumsum(motion.spans_s)))
-    _check_time(result, float(time_s[-1]), cut.cut.duration_s)
+    is_late = _is_late(result, float(time_s[-1]), cut.cut.duration_s)
     start = next(cut.chain.moves).start
     diameter_mm = 2.0 * max(abs(start.x), abs(cut.chain.after.position.x))
     verdict = judge(
@@ -77,26 +83,45 @@ def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCu
         waveform=cut.cut.waveform,
         alpha_share=cut.cut.alpha_share,
     )
+    if model.law == "trapezoid":
+        verdict = replace(verdict, peak_speed_mm_s=_top_speed(moves, blocks, model))
     clearance = None
     if diameter_mm > 0.0:
         clearance = flank_clearance_deg(verdict.peak_speed_mm_s, diameter_mm, cut.solution.speed_rpm)
+    per_rev = cut.solution.per_rev
+    off_count = verdict.per_rev > 0.0 and abs(verdict.per_rev - per_rev) > _COUNT_TOLERANCE * per_rev
     return CheckedCut(
         planned,
+        model.law,
         float(time_s[-1]),
         count,
         verdict,
+        is_late or off_count,
         least_acceleration_mm_s2(cut.cut, cut.solution.per_rev),
         _servo_share(result, planned),
         clearance,
     )
 
 
+def _top_speed(moves: ReadBack, blocks: Blocks, model: ControlModel) -> float:
+    """What an axis reaches that speeds up and brakes within a block, of which only the ends are known."""
+    reachable = np.sqrt(model.acceleration_mm_s2 * np.abs(blocks.lengths_mm))
+    return float(np.minimum(np.minimum(moves.feed_mm_s, model.velocity_mm_s), reachable).max())
+
+
 def _servo_share(result: Trace, planned: PlannedCut) -> float | None:
-    """The weakest position loop among the axes that move."""
-    axes = result.settings.axes
-    gains = [axes[axis].position_gain_1_s for axis in planned.cut.chain.axes]
-    known = [gain for gain in gains if gain is not None]
-    return servo_share(planned.cut.solution.frequency_hz, min(known)) if known else None
+    """The weakest drive among the axes that move; None where the profile says nothing of them."""
+    axes = [result.settings.axes[axis] for axis in planned.cut.chain.axes]
+    shares = [
+        servo_share(
+            planned.cut.solution.frequency_hz,
+            axis.position_gain_1_s,
+            None if axis.acc_dec_ms is None else axis.acc_dec_ms / MS_PER_S,
+        )
+        for axis in axes
+        if axis.position_gain_1_s is not None or axis.acc_dec_ms is not None
+    ]
+    return min(shares, default=None)
 
 
 def _steady_s(planned: PlannedCut, time_s: Floats) -> tuple[float, float]:
@@ -106,12 +131,14 @@ def _steady_s(planned: PlannedCut, time_s: Floats) -> tuple[float, float]:
     return float(first), float(last)
 
 
-def _check_time(result: Trace, duration_s: float, planned_s: float) -> None:
+def _is_late(result: Trace, duration_s: float, planned_s: float) -> bool:
+    """True when the control needs another time than planned.  Raises SelfCheckError when F is to blame."""
     tolerance_s = _TIME_TOLERANCE * planned_s
-    if result.settings.planner.model != "ideal":
-        tolerance_s += _STOP_TOLERANCE_S
-    if abs(duration_s - planned_s) > tolerance_s:
-        raise SelfCheckError(f"a cut planned to take {planned_s:.3f} s takes {duration_s:.3f} s")
+    if result.settings.planner.model == "ideal":
+        if abs(duration_s - planned_s) > tolerance_s:
+            raise SelfCheckError(f"a cut planned to take {planned_s:.3f} s takes {duration_s:.3f} s")
+        return False
+    return abs(duration_s - planned_s) > tolerance_s + _STOP_TOLERANCE_S
 
 
 def _check_speed(result: Trace, region: Region, planned: PlannedCut) -> None:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from chipbreak.passes.vibrate import PlannedCut
 
 UNBROKEN, FINISHING, SERVO, UNREAD_WORD = "VIB060", "VIB061", "VIB062", "MOD001"
+MISSED = "VIB034"
 _MOST_ALIKE = 5
 
 
@@ -176,18 +177,10 @@ def _chip_diagnostics(
     for checked in cuts:
         cut, verdict = checked.planned.cut, checked.verdict
         line = cut.chain.first
-        if not verdict.breaks:
-            least_mm = cut.cut.stroke_mm / verdict.margin if verdict.margin > 0.0 else float("inf")
-            message = (
-                f"this cut would not break chips: stroke {cut.cut.stroke_mm:.4f} mm at N"
-                f" {verdict.per_rev:.3f}, at least {least_mm:.4f} mm is needed"
-            )
-            help_text = (
-                f"give Q {least_mm / cut.cut.feed_mm_rev * 1.05:.2f} or more, another N,"
-                " or leave Q and A out; --allow-unbroken lets it pass"
-            )
-            severity = Severity.WARNING if allow_unbroken else Severity.ERROR
-            found.append(trace.program.diagnose(line, UNBROKEN, message, help_text, severity=severity))
+        if checked.misses_plan:
+            found.append(_missed(trace, checked))
+        elif not verdict.breaks:
+            found.append(_unbroken(trace, checked, allow_unbroken=allow_unbroken))
         found += _servo_diagnostics(trace, checked, allow_unbroken=allow_unbroken)
         kind = next((o.kind for o in operations if o.first_line <= line < o.last_line), Kind.UNKNOWN)
         if kind in (Kind.FINISH, Kind.SEMI_FINISH):
@@ -200,6 +193,36 @@ def _chip_diagnostics(
                 trace.program.diagnose(line, FINISHING, message, help_text, severity=Severity.WARNING)
             )
     return found
+
+
+def _missed(trace: Trace, checked: CheckedCut) -> Diagnostic:
+    """The control cannot keep to the plan: corners and bends of the path cost it time."""
+    from chipbreak.unbroken import ways_out
+
+    cut, verdict = checked.planned.cut, checked.verdict
+    message = (
+        f"the control would take {checked.duration_s:.2f} s for this cut of {cut.cut.duration_s:.2f} s"
+        f" and make N {verdict.per_rev:.3f} of {cut.solution.per_rev:.3f}: it rests at bends of the path"
+    )
+    works = ways_out(trace, trace.settings, checked)
+    help_text = f"works: {works}" if works else "ask for a lower frequency, or vibrate each block on its own"
+    return trace.program.diagnose(cut.chain.first, MISSED, message, help_text)
+
+
+def _unbroken(trace: Trace, checked: CheckedCut, *, allow_unbroken: bool) -> Diagnostic:
+    """Why the chips stay whole, and what would break them."""
+    from chipbreak.unbroken import ways_out
+
+    cut, verdict = checked.planned.cut, checked.verdict
+    message = (
+        f"this cut would not break chips: with a stroke of {cut.cut.stroke_mm:.4f} mm at N"
+        f" {verdict.per_rev:.3f} the weakest vibration has a margin of {verdict.margin:.2f}, 1 is needed"
+    )
+    works = ways_out(trace, trace.settings, checked)
+    way_out = f"works: {works}" if works else "take another N, less feed, or leave Q and A out"
+    help_text = f"{way_out}; --allow-unbroken lets it pass"
+    severity = Severity.WARNING if allow_unbroken else Severity.ERROR
+    return trace.program.diagnose(cut.chain.first, UNBROKEN, message, help_text, severity=severity)
 
 
 def _servo_diagnostics(trace: Trace, checked: CheckedCut, *, allow_unbroken: bool) -> list[Diagnostic]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from chipbreak.edits import Edit
 from chipbreak.passes import CHECK_TOOLS
 from chipbreak.pipeline import Result
-from chipbreak.units import MS_PER_S
+from chipbreak.units import MS_PER_S, S_PER_MIN
 
 if TYPE_CHECKING:
     from chipbreak.measure import CheckedCut
@@ -56,6 +56,9 @@ def _cut_text(result: Result, checked: CheckedCut) -> Iterator[str]:
         f"    stroke   {cut.cut.stroke_mm:.4g} mm = {ratio:.3g} x feed {cut.cut.feed_mm_rev:.4g} mm/rev,"
         f" {cut.cut.waveform}, forward share {cut.cut.alpha_share:.3g}"
     )
+    if verdict.per_rev > 0.0:
+        reached_hz = verdict.per_rev * solution.speed_rpm / S_PER_MIN
+        yield f"    reaches  N {verdict.per_rev:.4g}, {reached_hz:.5g} Hz (planner model {checked.control})"
     chips = "chips break" if verdict.breaks else "CHIPS DO NOT BREAK"
     longest = _chip(verdict.longest_chip_rev, verdict.longest_chip_mm)
     first = _chip(verdict.first_chip_rev, verdict.first_chip_mm)
@@ -135,6 +138,7 @@ def _cut_json(result: Result, checked: CheckedCut) -> dict[str, Any]:
         "alpha_share": cut.cut.alpha_share,
         "moves": checked.move_count,
         "duration_s": checked.duration_s,
+        "control": checked.control,
         "acceleration_mm_s2": checked.acceleration_mm_s2,
         "servo_share": checked.servo_share,
         "clearance_deg": checked.clearance_deg,

@@ -161,6 +161,8 @@ def _difference(was: State, now: State) -> str:
         return f"the modal state ({', '.join(sorted(groups))})"
     if was.path_words and was.path_words != now.path_words:
         return "the path mode"
+    if was.smooth_words and was.smooth_words != now.smooth_words:
+        return "the smoothing"
     if _value(was.feed) != _value(now.feed):
         return "the feed"
     pairs = (("tool", was.tool, now.tool), ("spindle", was.spindle, now.spindle))

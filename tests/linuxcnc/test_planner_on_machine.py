@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from chipbreak.diagnostics import RefusalError
+from chipbreak.vibration.control import ControlModel
 from chipbreak.vibration.planner import (
-    ControlModel,
     feeds_for_times,
     predict,
     reached,

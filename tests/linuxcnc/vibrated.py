@@ -205,6 +205,10 @@ def grid() -> list[Job]:
         Job(SHOULDER, 600, "E2", 2000, inverse),
         Job(ROUNDED, 1250, "N1.5", 20000),
         Job(ROUNDED, 600, "E2", 5000, minute),
+        Job(TURNING, 1250, "N1.5", 10000, ("planner.path_mode=G64",)),
+        Job(TURNING, 1250, "N1.5", 10000, ("planner.path_mode=G64 P0.002",)),
+        Job(TURNING, 1250, "N1.5", 20000, ("planner.path_mode=G61.1", *sine)),
+        Job(SHOULDER, 600, "N1.5", 10000, ("planner.path_mode=G61.1",)),
     ]
     weak = [
         Job(TURNING, 1250, "N1.5 Q0.9", 10000, breaks=False),

@@ -10,9 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from chipbreak.diagnostics import RefusalError
+from chipbreak.vibration.control import AxisLimits, ControlModel
 from chipbreak.vibration.planner import (
-    AxisLimits,
-    ControlModel,
     feed_for_time,
     feeds_for_times,
     predict,
@@ -160,6 +159,18 @@ def test_the_trapezoid_runs_through_joints_and_stops_where_told() -> None:
     slow_fast = predict([1.0, 1.0], [10.0, 20.0], model)
     assert slow_fast == pytest.approx([0.1 + 0.005, 0.01 + 0.02 + (1 - 0.15 - 0.2) / 20])
     assert predict([1.0, 1.0], [20.0, 10.0], model) == pytest.approx(slow_fast[::-1])
+
+
+def test_a_control_that_waits_until_the_axis_is_in_position() -> None:
+    model = ControlModel("trapezoid", 500.0, 2000.0, reversal_stop_s=0.005)
+    lengths = [0.1, 0.1, -0.1]
+    moving = predict(lengths, 5.0, ControlModel("trapezoid", 500.0, 2000.0))
+    assert predict(lengths, 5.0, model) == pytest.approx(moving + np.array([0.0, 0.005, 0.005]))
+    assert feed_for_time(0.1, 0.0425, model) == pytest.approx(2.769, abs=5e-4)
+    assert predict([0.1], [feed_for_time(0.1, 0.0425, model)], model) == pytest.approx([0.0425])
+    with pytest.raises(RefusalError) as refused:
+        feed_for_time(0.1, 0.005, model)
+    assert refused.value.code == "VIB030"
 
 
 def test_ideal_and_the_limits_of_reading_and_speed() -> None:

@@ -98,7 +98,7 @@ def test_the_way_out_of_an_unbroken_cut_works() -> None:
     with pytest.raises(chipbreak.ProgramRejectedError) as caught:
         chipbreak.rewrite(program.encode(), chipbreak.load("generic-lathe"))
     (error,) = caught.value.diagnostics
-    ratio = error.help.split("give Q ")[1].split()[0]
+    ratio = error.help.split("works: Q ")[1].split()[0]
     assert len(run_program(filtered(program.replace("Q0.5", f"Q{ratio}"))).cuts) == 1
 
 
@@ -107,6 +107,21 @@ def test_vibration_on_a_finishing_operation_is_warned_of() -> None:
     result = chipbreak.rewrite(program.encode(), chipbreak.load("generic-lathe"))
     assert [d.code for d in result.diagnostics] == ["VIB061"]
     assert result.changed
+
+
+@pytest.mark.parametrize(
+    ("words", "sets", "codes"),
+    [
+        ("G5.1 Q1", [], ["VIB063"]),
+        ("G08 P1", [], ["VIB063"]),
+        ("G5.1 Q0", [], []),
+        ("G5.1 Q1", ["planner.smoothing_off=G5.1 Q0", "planner.smoothing_on=G5.1 Q1"], []),
+    ],
+)
+def test_smoothing_in_a_vibrated_cut_is_warned_of(words: str, sets: list[str], codes: list[str]) -> None:
+    settings = chipbreak.load("fanuc-mill", ["checks.enabled=false", *sets])
+    program = f"G21 G95 S3000 M3\n{words}\nG0 X0. Z2.\nG1 Z-3. F0.05 N1.5\nM30\n"
+    assert [d.code for d in chipbreak.rewrite(program.encode(), settings).diagnostics] == codes
 
 
 def test_one_refused_cut_stops_the_whole_program() -> None:

@@ -12,7 +12,10 @@ from chipbreak.syntax.parse import Program
 from chipbreak.tools.merge import ToolTable
 from chipbreak.tools.needs import not_given
 
-NO_SPEED, NOT_LOOKED_AT, LEFT_TO_CONTROL = "CHK003", "CHK005", "CHK007"
+NO_BORDER, NO_SPEED, NO_SHAPE = "CHK002", "CHK003", "CHK004"
+NOT_LOOKED_AT, WHICH_TOOL, LEFT_TO_CONTROL = "CHK005", "CHK006", "CHK007"
+# A check that is left out; a strict profile makes an error of it.
+_LEFT_OUT = (NO_BORDER, NO_SPEED, NO_SHAPE, WHICH_TOOL)
 
 
 @dataclass
@@ -71,6 +74,8 @@ class Known:
     def say(self, line: int, code: str, message: str, help_text: str = "") -> None:
         """A warning at a line of the program, a note where nobody can do anything about it."""
         severity = Severity.NOTE if code == NOT_LOOKED_AT else Severity.WARNING
+        if self.checks.strict and code in _LEFT_OUT:
+            severity = Severity.ERROR
         line = min(line, self.program.source.line_count - 1)
         if line < 0:
             self.diagnostics.append(Diagnostic(code, severity, message, help_text))

@@ -17,7 +17,7 @@ from itertools import groupby, pairwise
 from chipbreak.checks.borders import Border, BorderFinder, NoBorder, Range
 from chipbreak.checks.calls import CallSet, CallValues, Event, calls_of
 from chipbreak.checks.ground import Ground
-from chipbreak.checks.known import NOT_LOOKED_AT, Known
+from chipbreak.checks.known import NO_BORDER, NO_SHAPE, NOT_LOOKED_AT, WHICH_TOOL, Known
 from chipbreak.checks.limits import Limit, limit_before
 from chipbreak.diagnostics import Diagnostic
 from chipbreak.model.kinds import Kind
@@ -28,8 +28,7 @@ from chipbreak.settings.sections import Settings
 from chipbreak.tools.merge import ToolTable
 from chipbreak.tools.tips import Tip, tip_of
 
-NO_TOOL_CALL, NO_BORDER, NO_SHAPE, WHICH_TOOL = "CHK001", "CHK002", "CHK004", "CHK006"
-SISTER_IS_CALLED = "CHK008"
+NO_TOOL_CALL, SISTER_IS_CALLED = "CHK001", "CHK008"
 
 
 @dataclass(frozen=True)

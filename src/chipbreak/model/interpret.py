@@ -27,6 +27,8 @@ _SPINDLE = {3: "cw", 4: "ccw", 5: "stop", 19: "stop"}
 _ENDS = (2, 30, 99)
 _CALLS = (97, 98, 198)
 # Codes whose block gives its other words a meaning of their own: no axis motion, no vibration words.
+Words = tuple[Word, ...]
+_MODES_WITH_WORDS = frozenset({"path", "look_ahead"})  # P, Q and R beside G64 or G5.1 are theirs
 _READS_ALL = frozenset(
     {
         "dwell",
@@ -118,7 +120,9 @@ class Interpreter:
         reads_all = bool(once & _READS_ALL)
         # A full circle may name its centre only.
         moving = self.axis_letters | _CENTRE_LETTERS if motion in _ARCS else self.axis_letters
-        vibration = vibration_words(block, moving, cuts=motion in CUTTING and not unknown, has_once=reads_all)
+        mode_words = "PQR" if changes.keys() & _MODES_WITH_WORDS else ""
+        cuts = motion in CUTTING and not (unknown or mode_words)
+        vibration = vibration_words(block, moving, cuts=cuts, has_once=reads_all)
         after = self._values(state, block, changes, once, vibration)
         if "macro-call" not in once:  # T, M and S of a G65 block are arguments
             after = self._machine_functions(after, block)
@@ -126,7 +130,8 @@ class Interpreter:
         if not any(changes.get(group) == "on" for group in _CENTRE_GROUPS):
             after, move = self._motion(after, block, once, unknown)
         after = self._flow_of_control(after, block)
-        unread = () if reads_all or block.has_macro else self._unread(block, vibration, after, move)
+        seen = (*vibration, *(w for w in block.words if w.address in mode_words))
+        unread = () if reads_all or block.has_macro else self._unread(block, seen, after, move)
         return Step(block, state, after, move, once, vibration, unread)
 
     def _codes(self, block: Block) -> tuple[dict[str, str], frozenset[str], bool]:
@@ -153,7 +158,7 @@ class Interpreter:
         block: Block,
         changes: dict[str, str],
         once: frozenset[str],
-        vibration: tuple[Word, ...],
+        vibration: Words,
     ) -> State:
         """(1) feed mode, (2) feed, (3) speed, (7) the other modal groups."""
         modes = {**state.modes, **changes}
@@ -163,7 +168,9 @@ class Interpreter:
         if modes["speed_mode"] != state.modes["speed_mode"]:
             after = replace(after, speed=None)
         if "path" in changes:
-            after = replace(after, path_words=self._path_words(block))
+            after = replace(after, path_words=self._group_words(block, "path"))
+        if "look_ahead" in changes:
+            after = replace(after, smooth_words=self._group_words(block, "look_ahead"))
         limits = self._is_speed_limit(block)
         reads_all = bool(once & _READS_ALL) and not limits
         for word in block.words:
@@ -184,11 +191,10 @@ class Interpreter:
             after = replace(after, unknown_why="tool length compensation changed Z")
         return after
 
-    def _path_words(self, block: Block) -> str:
-        """``G64 P0.01 Q0.005``: the path mode in the program's own words."""
-        codes = codes_of(block, "path", self.dialect)
-        is_code = [w.address == "G" and round((w.number or 0.0) * 10) in codes for w in block.words]
-        words = [w for w, mine in zip(block.words, is_code, strict=True) if mine or w.address in "PQ"]
+    def _group_words(self, block: Block, group: str) -> str:
+        """``G64 P0.01 Q0.005``, ``G5.1 Q1 R3``: a mode in the program's own words."""
+        addresses = {("G", n / 10.0) for n in codes_of(block, group, self.dialect)}
+        words = [w for w in block.words if w.address in "PQR" or (w.address, w.number) in addresses]
         return " ".join(block.text[w.start : w.end] for w in words)
 
     def _is_speed_limit(self, block: Block) -> bool:
@@ -253,9 +259,7 @@ class Interpreter:
                 state = state.lost("a subprogram moves the tool")
         return state
 
-    def _unread(
-        self, block: Block, vibration: tuple[Word, ...], after: State, move: Move | None
-    ) -> tuple[Word, ...]:
+    def _unread(self, block: Block, seen: Words, after: State, move: Move | None) -> Words:
         read = _PLAIN_LETTERS | self.axis_letters
         motion = after.modes.get("motion", "")
         if motion in _ARCS:
@@ -264,7 +268,7 @@ class Interpreter:
             return ()
         if any(w.address == "M" and w.number is not None for w in block.words) and move is None:
             return ()
-        return tuple(w for w in block.words if w.letter.upper() not in read and w not in vibration)
+        return tuple(w for w in block.words if w.letter.upper() not in read and w not in seen)
 
 
 def _m_code(state: State, code: int) -> State:

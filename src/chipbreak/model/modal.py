@@ -39,6 +39,7 @@ class State:
     ``speed_limit``    G50/G92 S, LinuxCNC's G96 D [rpm]
     ``unknown_why``    why the position, the feed or the speed cannot be known
     ``path_words``     the path mode as the program wrote it, with its P and Q; empty while it said none
+    ``smooth_words``   the same for look-ahead and smoothing (``G5.1 Q1 R3``)
     """
 
     modes: Mapping[str, str]
@@ -53,6 +54,7 @@ class State:
     next_tool: int | None = None
     ended: bool = False
     path_words: str = ""
+    smooth_words: str = ""
 
     def with_modes(self, changes: Mapping[str, str]) -> State:
         """The same with some modal groups changed."""

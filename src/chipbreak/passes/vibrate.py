@@ -11,10 +11,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+import re
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
-from chipbreak.diagnostics import Diagnostic, RefusalError
+from chipbreak.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.edits import Edit, MoveTable
 from chipbreak.model.trace import Trace
 from chipbreak.model.words import codes_of
@@ -26,7 +27,10 @@ from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.chain import Chain, chains_of
 from chipbreak.vibration.plan import VibratedCut, plan_cut
 from chipbreak.vibration.request import Request
-from chipbreak.vibration.speeds import SpeedChange, speed_changes
+from chipbreak.vibration.speeds import SpeedChange, speed_changes, speed_words
+
+SMOOTHED = "VIB063"
+_OFF = re.compile(r"[PQ]\s*0\b")
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +85,15 @@ def plan(
     ]
     back = [_speed_back(change) for change in changes if change.for_cut is None]
     planned = tuple(map(PlannedCut, cuts, expansions, edits))
-    return VibrationPlan(planned, tuple(edits + back), ())
+    return VibrationPlan(planned, tuple(edits + back), tuple(_smoothed(trace, chains, settings)))
+
+
+def planned_cut(chain: Chain, trace: Trace, settings: Settings) -> PlannedCut:
+    """One cut on its own, with its speed said; for trying what would work.  Errors: RefusalError."""
+    cut = plan_cut(chain, settings)
+    made = moves_of(cut, settings)
+    speed = speed_words(None, ("rpm", cut.solution.speed_rpm), settings)
+    return PlannedCut(cut, made, _expansion(cut, made.content, speed, trace, settings))
 
 
 def _expand(cut: VibratedCut, settings: Settings) -> Expansion:
@@ -126,14 +138,9 @@ def _expansion(
         head.append(settings.dialect.code("feed_mode", mode, like))
         feed_back = f"{settings.dialect.code('feed_mode', was, like)} {feed_back}"
     tail = [] if mode == was and cut.cut.end_revolutions > 0.0 else [feed_back]
-    path_mode = settings.planner.path_mode
-    if path_mode and chain.before.path_words != path_mode:
-        # A straight oscillation is collinear: a blending path mode may round it away.  It would also round
-        # the corner from a cut before this one, unless the tool rests there.
-        if chain.requests[0].step.before.modes["motion"] != "rapid":
-            head.append(f"G4 {settings.dialect.dwell_word}0")
-        head.append(path_mode)
-        tail.append(chain.before.path_words or settings.planner.usual_path_mode)
+    switched, given_back = _modes_around(chain, settings)
+    head += switched
+    tail += given_back
     solution = cut.solution
     title = (
         f"VIB N{print_number(solution.per_rev, 4, point=False)}"
@@ -144,6 +151,44 @@ def _expansion(
     reason = "; ".join(cut.reasons) or "nothing to correct"
     content = (*(text for text in head if text), *moves, *tail)
     return Edit(chain.first, chain.last, content, title, reason, VIBRATE)
+
+
+def _modes_around(chain: Chain, settings: Settings) -> tuple[list[str], list[str]]:
+    """Path mode and smoothing for the cut, and what the program had, to be given back.
+
+    A straight oscillation is collinear: a path mode that blends, or a smoothing, may round it away.  It would
+    also round the corner from a cut before this one, unless the tool rests there.
+    """
+    planner, before = settings.planner, chain.before
+    head, tail = list[str](), list[str]()
+    if planner.smoothing_off and not _is_same_mode(before.smooth_words, planner.smoothing_off):
+        head.append(planner.smoothing_off)
+        tail.append(before.smooth_words or planner.smoothing_on)
+    if planner.path_mode and not _is_same_mode(before.path_words, planner.path_mode):
+        if chain.requests[0].step.before.modes["motion"] != "rapid":
+            head.append(f"G4 {settings.dialect.dwell_word}0")
+        head.append(planner.path_mode)
+        tail.append(before.path_words or planner.usual_path_mode)
+    return head, tail
+
+
+def _smoothed(trace: Trace, chains: Sequence[Chain], settings: Settings) -> Iterator[Diagnostic]:
+    """A warning where the program smooths and the profile does not say how that is switched off."""
+    for chain in chains:
+        words = chain.before.smooth_words
+        if settings.planner.smoothing_off or not words or _OFF.search(words):
+            continue
+        message = f"smoothing or look-ahead ({words}) is active and may round the oscillation away"
+        help_text = "switch it off before the cut, or give planner.smoothing_off and smoothing_on"
+        yield trace.program.diagnose(
+            chain.first, SMOOTHED, message, help_text, severity=Severity.WARNING
+        )
+
+
+def _is_same_mode(one: str, other: str) -> bool:
+    """``G05.1Q0`` is ``G5.1 Q0``."""
+    plain = [re.sub(r"(?<=[A-Z])0+(?=[0-9])", "", text.upper()).replace(" ", "") for text in (one, other)]
+    return plain[0] == plain[1]
 
 
 def _speed_back(change: SpeedChange) -> Edit:

@@ -24,7 +24,16 @@ from chipbreak.settings.checking import (
     checked_value,
     hint_at,
 )
-from chipbreak.settings.sections import AXES, LEAST_STORE, OPEN_SECTIONS, SECTIONS, Macros, Settings
+from chipbreak.settings.sections import (
+    AXES,
+    LEAST_STORE,
+    OPEN_SECTIONS,
+    SECTIONS,
+    Checks,
+    Macros,
+    Planner,
+    Settings,
+)
 from chipbreak.span import Place
 
 
@@ -95,18 +104,13 @@ def _build(
         message = f"output.feed_mode {mode!r}: {dialect.title} has no code for it"
         others = [other for other in ("rev", "inverse", "minute") if dialect.can("feed_mode", other)]
         raise layer.fail(IMPOSSIBLE, "output.feed_mode", message, f"one of {', '.join(others)}")
-    for key in ("path_mode", "usual_path_mode"):
-        text = getattr(sections["planner"], key)
-        # Without a path mode to switch to, there is none to give back.
-        is_used = bool(sections["planner"].path_mode)
-        if is_used and not _is_path_mode(text, dialect):
-            message = f"planner.{key} = {text!r} is no path mode of this control"
-            raise layer.fail(IMPOSSIBLE, f"planner.{key}", message, 'for example "G61" or "G64 P0.01"')
+    if sections["planner"].reversal_stop_ms and sections["planner"].model != "trapezoid":
+        message = f"planner.reversal_stop_ms has no place in planner.model {sections['planner'].model!r}"
+        hint = 'planner.model = "trapezoid", or leave it out'
+        raise layer.fail(IMPOSSIBLE, "planner.reversal_stop_ms", message, hint)
+    _check_modes(layer, sections["planner"], dialect)
     _check_macros(layer, sections["macros"])
-    for tool, sister in sections["checks"].sister.items():
-        if int(tool) == sister:
-            message = f"checks.sister.{tool} = {sister}: a tool is no sister of its own"
-            raise layer.fail(IMPOSSIBLE, f"checks.sister.{tool}", message, "name another tool, or none")
+    _check_sisters(layer, sections["checks"])
     return Settings(
         name=profile,
         call_sets=values["calls"],
@@ -134,11 +138,33 @@ def _check_macros(layer: Layer, macros: Macros) -> None:
         raise layer.fail(IMPOSSIBLE, "macros.store_last", message, help_text)
 
 
-def _is_path_mode(text: str, dialect: Dialect) -> bool:
-    """``G61`` or ``G64 P0.01 Q0.005``, with a code that the dialect has in its path group."""
-    match = re.fullmatch(r"G(\d+(?:\.\d)?)(?: [PQ]\d*\.?\d+)*", text)
+def _check_sisters(layer: Layer, checks: Checks) -> None:
+    for tool, sister in checks.sister.items():
+        if int(tool) == sister:
+            message = f"checks.sister.{tool} = {sister}: a tool is no sister of its own"
+            raise layer.fail(IMPOSSIBLE, f"checks.sister.{tool}", message, "name another tool, or none")
+
+
+def _check_modes(layer: Layer, planner: Planner, dialect: Dialect) -> None:
+    """What is switched to around a vibrated cut, and what is given back, must be modes of this control."""
+    for group, switched, given_back, example in (
+        ("path", "path_mode", "usual_path_mode", 'for example "G61" or "G64 P0.01"'),
+        ("look_ahead", "smoothing_off", "smoothing_on", 'for example "G5.1 Q0" and "G5.1 Q1"'),
+    ):
+        if not getattr(planner, switched):
+            continue  # where nothing is switched, there is nothing to give back
+        for key in (switched, given_back):
+            text = getattr(planner, key)
+            if not _is_mode(text, group, dialect):
+                message = f"planner.{key} = {text!r} is no such mode of this control"
+                raise layer.fail(IMPOSSIBLE, f"planner.{key}", message, example)
+
+
+def _is_mode(text: str, group: str, dialect: Dialect) -> bool:
+    """``G61`` or ``G64 P0.01 Q0.005``, with a code that the dialect has in this group."""
+    match = re.fullmatch(r"G(\d+(?:\.\d)?)(?: [PQR]\d*\.?\d+)*", text)
     code = dialect.g_codes.get(round(float(match[1]) * 10)) if match else None
-    return code is not None and code.group == "path"
+    return code is not None and code.group == group
 
 
 def _profile_layers(profile: str, seen: set[str]) -> Iterable[Layer]:

@@ -94,17 +94,21 @@ class Axis:
     max_velocity_mm_min: float | None = _above(None)
     max_acceleration_mm_s2: float | None = _above(None)
     position_gain_1_s: float | None = _above(None)
+    acc_dec_ms: float | None = _above(None)
 
 
 @dataclass(frozen=True)
 class Planner:
-    """How the control times blocks, and the path mode it needs around a vibrated cut."""
+    """How the control times blocks, and the path mode and smoothing it needs around a vibrated cut."""
 
     model: str = _one_of("ideal", "trapezoid", "linuxcnc")
     servo_period_ms: float = _above(1.0)
     max_blocks_per_s: float | None = _above(None)
+    reversal_stop_ms: float = _at_least(0.0)
     path_mode: str = ""
     usual_path_mode: str = "G64"
+    smoothing_off: str = ""
+    smoothing_on: str = ""
 
 
 @dataclass(frozen=True)
@@ -121,11 +125,13 @@ class Spindle:
 class Checks:
     """Tool checks: whether, which calls, which limits.
 
-    ``sister`` is the tool that may take another one's place.  ``every`` is how many workpieces one check is
-    for.  Runout, length, diameter, the step of a trace, retries and alarm numbers go into the macros.
+    ``strict`` makes an error of a check that is left out.  ``sister`` is the tool that may take another one's
+    place.  ``every`` is how many workpieces one check is for.  Runout, length, diameter, the step of a trace,
+    retries and alarm numbers go into the macros.
     """
 
     enabled: bool = False
+    strict: bool = False
     calls: str = "builtin"
     w_rough_mm: float = _above(0.05)
     w_finish_mm: float = _above(0.02)

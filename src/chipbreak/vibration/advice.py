@@ -8,10 +8,10 @@ from dataclasses import replace
 from chipbreak.diagnostics import RefusalError
 from chipbreak.settings.sections import Settings
 from chipbreak.units import S_PER_MIN
+from chipbreak.vibration.control import ControlModel, control_model
 from chipbreak.vibration.plan import VibratedCut, command_group
-from chipbreak.vibration.planner import ControlModel, feed_for_time
+from chipbreak.vibration.planner import feed_for_time
 from chipbreak.vibration.solve import Period, shown
-from chipbreak.vibration.timing import control_model
 from chipbreak.vibration.waveform import forward_ticks, sample
 
 LIMITS = ("VIB030", "VIB031", "VIB032")
@@ -31,7 +31,7 @@ def with_advice(
     """
     if error.code not in LIMITS:
         return error
-    model = control_model(settings, cut.path)
+    model = control_model(settings, cut.path, cut.chain.before)
     group = command_group(settings)
     frequency_hz, tried = cut.solution.frequency_hz, {cut.solution.frequency_hz}
     for _ in range(_TRIES):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from chipbreak.model.motion import AXES
 from chipbreak.settings.sections import Settings
-from chipbreak.vibration.planner import ControlModel
+from chipbreak.vibration.control import ControlModel
 
 Floats = NDArray[np.float64]
 _DIGITS = 9  # of a length in mm: what lies behind them is noise that would make every stretch another one
@@ -63,7 +63,10 @@ def bend_strengths(blocks: Blocks, feeds_mm_s: Floats, model: ControlModel) -> F
 
     LinuxCNC (``tpSetupTangent``): the change of velocity within one servo period, and the acceleration, may
     take a tenth of the axis's acceleration; with feed per revolution the velocity is the highest possible.
+    In exact stop every end of a block is a rest.
     """
+    if model.every_block_stops:
+        return np.ones(len(blocks.bends))
     if model.law != "linuxcnc":
         return blocks.bends / _SOFT_BEND
     top = np.minimum(np.abs(blocks.lengths_mm) / model.servo_period_s, model.velocity_mm_s)

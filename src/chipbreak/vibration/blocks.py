@@ -20,9 +20,10 @@ from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
 from chipbreak.vibration.bends import blocks_of
+from chipbreak.vibration.control import control_model
 from chipbreak.vibration.path import split_at
 from chipbreak.vibration.plan import VibratedCut
-from chipbreak.vibration.timing import control_model, feeds_for_spans
+from chipbreak.vibration.timing import feeds_for_spans
 
 Floats = NDArray[np.float64]
 _SAME_MM = 1e-6
@@ -166,7 +167,7 @@ def _feed_words(
     moved = np.diff(points, axis=0)
     spans = np.diff(times)
     plain_from = int(np.searchsorted(times[:-1], cut.time_s[-2] - _SAME_S))
-    model = control_model(settings, cut.path)
+    model = control_model(settings, cut.path, cut.chain.before)
     blocks = blocks_of(moved, np.diff(distance_mm), settings)
     feeds_mm_s = feeds_for_spans(blocks, spans, model, plain_from)
     unit = MM_PER_INCH if cut.chain.before.is_inch else 1.0

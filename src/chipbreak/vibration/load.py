@@ -24,13 +24,24 @@ def least_acceleration_mm_s2(cut: Cut, per_rev: float) -> float:
     return max(forward, back)
 
 
-def servo_share(frequency_hz: float, position_gain_1_s: float) -> float:
-    """What a position loop of gain Kp leaves of an oscillation: 1 / sqrt(1 + (2 pi V / Kp)^2).
+def servo_share(
+    frequency_hz: float, position_gain_1_s: float | None, acc_dec_s: float | None = None
+) -> float:
+    """What is left of an oscillation behind the position loop and the control's acc/dec filter.
 
-    >>> round(servo_share(62.5, 50.0), 2)
-    0.13
+    A loop of gain Kp leaves 1 / sqrt(1 + (2 pi V / Kp)^2), a moving average over the time T |sinc(V T)|: an
+    acc/dec time of one vibration leaves nothing.
+
+    >>> round(servo_share(62.5, 50.0), 2), round(servo_share(31.25, None, 0.032), 6)
+    (0.13, 0.0)
     """
-    return 1.0 / math.hypot(1.0, 2.0 * math.pi * frequency_hz / position_gain_1_s)
+    share = 1.0
+    if position_gain_1_s is not None:
+        share /= math.hypot(1.0, 2.0 * math.pi * frequency_hz / position_gain_1_s)
+    if acc_dec_s is not None:
+        turn = math.pi * frequency_hz * acc_dec_s
+        share *= abs(math.sin(turn) / turn)
+    return share
 
 
 def flank_clearance_deg(forward_mm_s: float, diameter_mm: float, speed_rpm: float) -> float:

@@ -8,7 +8,8 @@ its feed.  Three laws are offered (``ControlModel.law``):
 ``trapezoid``
     Declared for a control nobody has measured.  The axis rests at every reversal, speeds up and brakes at the
     declared acceleration, and runs through the joints of blocks that go the same way.  A block from rest to
-    rest takes d/v + v/a, or 2·sqrt(d/a) when it is too short to reach v.
+    rest takes d/v + v/a, or 2·sqrt(d/a) when it is too short to reach v, and the time that the control stands
+    there until it takes the axis to be in position.
 ``linuxcnc``
     The trajectory planner of LinuxCNC 2.9 (its ``src/emc/tp/tp.c``, and measured on its simulated machine:
     ``docs/linuxcnc-timing.md``).  It decides once per servo period T, and in a block that ends at rest
@@ -29,11 +30,10 @@ Lengths [mm] are signed along the path, feeds [mm/s] are positive, times [s].
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
 from math import inf, sqrt
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -41,56 +41,11 @@ from numpy.typing import ArrayLike, NDArray
 from chipbreak.diagnostics import RefusalError
 from chipbreak.units import S_PER_MIN
 from chipbreak.vibration import laws
+from chipbreak.vibration.control import ControlModel
 
-Law = Literal["ideal", "trapezoid", "linuxcnc"]
 Floats = NDArray[np.float64]
 
 _NOTHING = 1e-12  # mm that count as none
-
-
-@dataclass(frozen=True)
-class AxisLimits:
-    """What one axis can do: speed [mm/s] and acceleration [mm/s²]."""
-
-    axis: str
-    velocity_mm_s: float
-    acceleration_mm_s2: float
-
-
-@dataclass(frozen=True)
-class ControlModel:
-    """A control's law and limits along one path; the numbers are declared in the machine profile.
-
-    ``every_block_stops``: exact stop (G61.1, G9).  ``merge_mm``: the control joins blocks of one feed whose
-    points lie within this distance of one line (LinuxCNC G64 with Q, or with P alone).  ``blocks_per_s``:
-    the most the control reads, None for no limit.  ``ramp_s``: LinuxCNC's 1/ARC_BLEND_RAMP_FREQ.
-    """
-
-    law: Law
-    velocity_mm_s: float = inf
-    acceleration_mm_s2: float = inf
-    every_block_stops: bool = False
-    merge_mm: float = 0.0
-    servo_period_s: float = 0.001
-    blocks_per_s: float | None = None
-    ramp_s: float = 0.01
-    axis: str = ""
-    per_revolution: bool = False
-
-    def __post_init__(self) -> None:
-        if not all(n > 0 for n in (self.velocity_mm_s, self.acceleration_mm_s2, self.servo_period_s)):
-            raise ValueError(f"a control needs limits and a period above zero: {self}")
-
-    def along(self, direction: Sequence[float], axes: Sequence[AxisLimits]) -> ControlModel:
-        """The same control with the limits of ``axes`` on a path of this direction (any length).
-
-        The axis that reaches its limit first sets the limit; ``axis`` names it for the messages.
-        """
-        size = sqrt(sum(part * part for part in direction))
-        shares = [(abs(part) / size, axis) for part, axis in zip(direction, axes, strict=True) if part]
-        velocity = min(axis.velocity_mm_s / share for share, axis in shares)
-        acceleration, name = min((one.acceleration_mm_s2 / share, one.axis) for share, one in shares)
-        return replace(self, velocity_mm_s=velocity, acceleration_mm_s2=acceleration, axis=name)
 
 
 def predict(
@@ -194,7 +149,7 @@ def _feed(length: float, time: float, model: ControlModel) -> float:
     if model.law == "ideal":
         feed = length / wanted
     elif model.law == "trapezoid":
-        feed = laws.speed_for_time(length, wanted, model.acceleration_mm_s2)
+        feed = laws.speed_for_time(length, wanted - model.reversal_stop_s, model.acceleration_mm_s2)
     else:
         feed = _middle_feed(length, round(time / period), model)
     if feed > model.velocity_mm_s:
@@ -214,7 +169,8 @@ def _refuse_too_fast(length: float, wanted: float, model: ControlModel) -> None:
     least = shortest_time(length, replace(model, velocity_mm_s=inf, blocks_per_s=None))
     if model.law == "ideal" or wanted >= least * (1.0 - 1e-9):
         return
-    needed = 4.0 * length / wanted**2
+    moving_s = wanted - model.reversal_stop_s
+    needed = 4.0 * length / moving_s**2 if moving_s > 0.0 else inf
     if model.law == "linuxcnc":
         periods = max(round(wanted / model.servo_period_s), 2)
         needed = 4.0 * length / (periods**2 - periods % 2) / model.servo_period_s**2
@@ -254,13 +210,19 @@ def _checked(lengths_mm: ArrayLike, feeds: ArrayLike, model: ControlModel) -> tu
         raise ValueError("every block needs a length and a feed or time above zero")
     if model.law == "linuxcnc" and model.acceleration_mm_s2 == inf:
         raise ValueError("LinuxCNC's law needs an acceleration: give it, or the axes with along()")
-    if model.merge_mm > 0.0:
-        strokes = np.abs(np.add.reduceat(lengths, np.r_[0, _turns(lengths)]))
-        if len(strokes) > 1 and np.min(strokes) <= model.merge_mm:
-            told = f"the control joins points within {model.merge_mm:.4g} mm of a line and would drop strokes"
-            small = f"the smallest stroke is {np.min(strokes):.4g} mm; "
-            raise RefusalError("VIB033", told, small + "switch to G61, or G64 with a smaller P or Q")
+    refuse_merging(lengths, model)
     return lengths, rates
+
+
+def refuse_merging(lengths_mm: Floats, model: ControlModel) -> None:
+    """Errors: VIB033 when a stroke is so small that the control's path mode drops it."""
+    if model.merge_mm <= 0.0:
+        return
+    strokes = np.abs(np.add.reduceat(lengths_mm, np.r_[0, _turns(lengths_mm)]))
+    if len(strokes) > 1 and np.min(strokes) <= model.merge_mm:
+        told = f"the control joins points within {model.merge_mm:.4g} mm of a line and would drop strokes"
+        small = f"the smallest stroke is {np.min(strokes):.4g} mm; "
+        raise RefusalError("VIB033", told, small + "switch to G61, or G64 with a smaller P or Q")
 
 
 def _turns(lengths: Floats) -> NDArray[np.intp]:
@@ -294,6 +256,7 @@ def _run(
         times = np.repeat(np.array(took) / joined, np.diff(np.r_[starts, len(ways)])) * ways
     elif model.law == "trapezoid":
         times = np.array(laws.trapezoid(ways.tolist(), speeds.tolist(), model.acceleration_mm_s2))
+        times[-1] += model.reversal_stop_s
     else:
         times = ways / speeds
     read_s = 1.0 / model.blocks_per_s if model.blocks_per_s else 0.0

@@ -47,7 +47,7 @@ def speed_changes(
         now = _programmed(cut.chain.requests[0].step.before) if commanded is None else commanded
         wanted = ("rpm", cut.solution.speed_rpm)
         if now != wanted:
-            changes.append(SpeedChange(cut.chain.first, _speed_words(now, wanted, settings), cut))
+            changes.append(SpeedChange(cut.chain.first, speed_words(now, wanted, settings), cut))
         commanded = None if wanted == _programmed(cut.chain.after) else wanted
         if commanded is None:
             continue
@@ -67,9 +67,10 @@ def _programmed(state: State) -> tuple[str, float] | None:
     return state.modes["speed_mode"], state.speed.value
 
 
-def _speed_words(
+def speed_words(
     now: tuple[str, float] | None, wanted: tuple[str, float], settings: Settings
 ) -> str:
+    """S, and the speed mode where it is another than ``now``: mode and speed."""
     # A speed is on the resolution of the spindle, or the program's own.
     speed = f"S{print_number(wanted[1], 3, point=False)}"
     if now is not None and now[0] == wanted[0]:

@@ -10,23 +10,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.diagnostics import RefusalError
-from chipbreak.settings.sections import Axis, Settings
 from chipbreak.units import MS_PER_S, S_PER_MIN
 from chipbreak.vibration.bends import Blocks, bend_strengths, parts, strokes
-from chipbreak.vibration.path import Path
+from chipbreak.vibration.control import ControlModel
 from chipbreak.vibration.planner import (
-    AxisLimits,
-    ControlModel,
-    Law,
     feed_for_time,
     interpolated,
     predict,
+    refuse_merging,
     run_stretch,
     shortest_time,
 )
@@ -39,46 +35,14 @@ _STILL_EVEN_MM = 1e-9
 _FACTORS = np.geomspace(0.5, 20.0, 75)
 
 
-def control_model(settings: Settings, path: Path) -> ControlModel:
-    """The control and its axes along a path: the limits of the direction that is limited most."""
-    planner = settings.planner
-    model = ControlModel(
-        law=cast(Law, planner.model),
-        servo_period_s=planner.servo_period_ms / MS_PER_S,
-        blocks_per_s=planner.max_blocks_per_s,
-        per_revolution=settings.output.feed_mode == "rev",
-    )
-    axes = [_limits(name, axis) for name, axis in settings.axes.items()]
-    models = [model.along(direction, axes) for direction in _directions(path)]
-    return min(models, key=lambda m: (m.acceleration_mm_s2, m.velocity_mm_s))
-
-
-def _limits(name: str, axis: Axis) -> AxisLimits:
-    velocity = math.inf if axis.max_velocity_mm_min is None else axis.max_velocity_mm_min / S_PER_MIN
-    acceleration = math.inf if axis.max_acceleration_mm_s2 is None else axis.max_acceleration_mm_s2
-    return AxisLimits(name, velocity, acceleration)
-
-
-def _directions(path: Path) -> list[tuple[float, float, float]]:
-    """The directions of the lines; an arc takes every direction of its plane, its axes limit most."""
-    directions = []
-    for leg, arc in zip(path.legs, path.arcs, strict=True):
-        if arc is None:
-            x, y, z = (e - s for s, e in zip(leg.start, leg.end, strict=True))
-            directions.append((x, y, z))
-            continue
-        for axis in arc.axes:
-            directions.append((float(axis == 0), float(axis == 1), float(axis == 2)))
-    return directions
-
-
 def feeds_for_spans(blocks: Blocks, spans_s: Floats, model: ControlModel, plain_from: int) -> Floats:
     """Feed [mm/s] of each block, (n,), so that every stroke takes its time on this control.
 
     Blocks from ``plain_from`` on run at their own feed.  A stroke round a corner, where the control rests,
     may be too short for its time: then it runs as fast as it can, and those behind it are so much later.
-    Errors: VIB030 acceleration, VIB031 speed, VIB032 blocks per second.
+    Errors: VIB030 acceleration, VIB031 speed, VIB032 blocks per second, VIB033 strokes that would be lost.
     """
+    refuse_merging(blocks.lengths_mm, model)
     feeds = np.abs(blocks.lengths_mm) / spans_s
     if model.law == "ideal":
         _check_limits(feeds, spans_s, model)
@@ -207,11 +171,12 @@ class Motion:
 
 def motion_of(distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats, model: ControlModel) -> Motion:
     """The motion of blocks between the places ``distance_mm`` along the path, (n + 1,)."""
+    refuse_merging(blocks.lengths_mm, model)
     ways_mm = np.abs(blocks.lengths_mm)
     spans_s, before = ways_mm / np.minimum(feeds_mm_s, model.velocity_mm_s), 0.0
     if model.law == "ideal":
         return Motion(spans_s, np.append(0.0, np.cumsum(spans_s)), distance_mm)
-    places = [np.zeros(2)]
+    places, rests = [np.zeros(2)], list[int]()
     known: dict[Key, tuple[Floats, Floats]] = {}
     strengths = bend_strengths(blocks, feeds_mm_s, model)
     for first, last in strokes(blocks.lengths_mm):
@@ -226,10 +191,20 @@ def motion_of(distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats, model: Co
             spans_s[start:stop], way_mm = known[key]
             places.append(distance_mm[start] + sign * way_mm)
             before = float(feeds[-1])
+            rests.append(stop)
     if model.law != "linuxcnc":
-        return Motion(spans_s, np.append(0.0, np.cumsum(spans_s)), distance_mm)
+        return _with_rests(spans_s, distance_mm, np.array(rests), model.reversal_stop_s)
     planned = np.concatenate([*places, distance_mm[-1:]])
     knots_mm = np.concatenate([np.zeros(1), interpolated(planned), distance_mm[-1:]])
     bent = np.abs(np.diff(knots_mm, 2)) > _STILL_EVEN_MM
     kept = np.flatnonzero(np.concatenate([[True], bent, [True]]))
     return Motion(spans_s, kept.astype(np.float64) * model.servo_period_s, knots_mm[kept])
+
+
+def _with_rests(spans_s: Floats, distance_mm: Floats, rests: NDArray[np.intp], stop_s: float) -> Motion:
+    """Even motion between the ends of blocks, with the time that the control stands at some of them."""
+    time_s = np.append(0.0, np.cumsum(spans_s))
+    if stop_s <= 0.0:
+        return Motion(spans_s, time_s, distance_mm)
+    knots_s = np.insert(time_s, rests, time_s[rests] - stop_s)
+    return Motion(spans_s, knots_s, np.insert(distance_mm, rests, distance_mm[rests]))

@@ -1,0 +1,44 @@
+"""Every program of the grid and every sample goes back to its bytes, and a second run changes nothing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import chipbreak
+from chipbreak.restore import restore
+from chipbreak.source import read
+
+from .vibrated import Job, grid
+
+SAMPLES = Path(__file__).parents[2] / "samples"
+PROFILES = {
+    "fusion-mill.nc": "fanuc-mill",
+    "linuxcnc-lathe.ngc": "linuxcnc-lathe",
+    "turning.nc": "generic-lathe",
+}
+
+
+def goes_back(program: bytes, result: chipbreak.Result, settings: chipbreak.Settings) -> bool:
+    assert result.data != program
+    assert restore(read(result.data)).data == program
+    again = chipbreak.rewrite(result.data, settings, allow_unbroken=True)
+    return again.data == result.data and not again.changed
+
+
+@pytest.mark.parametrize("job", grid(), ids=str)
+def test_program_of_the_grid(job: Job) -> None:
+    limits = [f"axes.{axis}.max_acceleration_mm_s2={job.acceleration_mm_s2:g}" for axis in "XZ"]
+    assert goes_back(job.program(), job.filtered(), chipbreak.load("linuxcnc-lathe", [*limits, *job.sets]))
+
+
+def test_there_is_a_profile_for_every_sample() -> None:
+    assert {file.name for file in SAMPLES.iterdir() if file.suffix in (".nc", ".ngc")} == set(PROFILES)
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_sample(name: str) -> None:
+    settings = chipbreak.load(PROFILES[name])
+    program = (SAMPLES / name).read_bytes()
+    assert goes_back(program, chipbreak.rewrite(program, settings, name), settings)

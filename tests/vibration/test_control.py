@@ -1,0 +1,126 @@
+"""The declared control of a profile: path modes, stops at reversals, what filters leave of a stroke."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import chipbreak
+from chipbreak.diagnostics import RefusalError
+from chipbreak.measure import CheckedCut
+from chipbreak.settings import SettingsError
+from chipbreak.vibration.control import ControlModel
+from chipbreak.vibration.load import least_acceleration_mm_s2, servo_share
+from chipbreak.vibration.planner import feed_for_time, predict, shortest_time
+from chipbreak.vibration.waveform import Cut, Waveform
+
+PROGRAM = "G21 G99 G97 S1250 M3\nG0 X20. Z2.\nG1 Z-3. F0.1 N1.5\nM30\n"
+DECLARED = ("planner.model=trapezoid", "axes.Z.max_acceleration_mm_s2=5000", "checks.enabled=false")
+
+
+def cut_of(*sets: str, program: str = PROGRAM, profile: str = "fanuc-lathe") -> CheckedCut:
+    (cut,) = chipbreak.rewrite(program.encode(), chipbreak.load(profile, sets)).cuts
+    return cut
+
+
+def test_the_stop_at_a_reversal_is_made_up_for_by_the_feed() -> None:
+    plain, stopping = cut_of(*DECLARED), cut_of(*DECLARED, "planner.reversal_stop_ms=3")
+    for cut in (plain, stopping):
+        assert cut.verdict.per_rev == pytest.approx(1.5, rel=0.001)
+        assert not cut.misses_plan
+    # The same strokes in 3 ms less.
+    assert stopping.verdict.peak_speed_mm_s > 1.1 * plain.verdict.peak_speed_mm_s
+
+
+def test_a_stop_too_long_for_the_stroke_is_refused() -> None:
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        cut_of(*DECLARED, "planner.reversal_stop_ms=16")
+    assert [d.code for d in caught.value.diagnostics] == ["VIB030"]
+
+
+@pytest.mark.parametrize("model", ["ideal", "linuxcnc"])
+def test_a_stop_belongs_to_the_declared_law(model: str) -> None:
+    with pytest.raises(SettingsError, match="reversal_stop_ms"):
+        chipbreak.load("linuxcnc-lathe", [f"planner.model={model}", "planner.reversal_stop_ms=3"])
+
+
+def test_exact_stop_of_the_program_counts() -> None:
+    """A sine is several blocks per stroke; in G61 a Fanuc control rests behind each of them."""
+    program = PROGRAM.replace("G99", "G95").replace("S1250", "S500")
+    sets = (*DECLARED, "output.segments=tick", "output.feed_mode=rev")
+    through = cut_of(*sets, program=program, profile="fanuc-mill")
+    resting = cut_of(*sets, program=program.replace("G21", "G21 G61"), profile="fanuc-mill")
+    assert resting.verdict.per_rev == pytest.approx(through.verdict.per_rev, rel=0.01)
+    assert resting.verdict.peak_speed_mm_s > 1.1 * through.verdict.peak_speed_mm_s
+
+
+@given(frequency_hz=st.floats(1.0, 60.0), acc_dec_s=st.floats(0.001, 0.1))
+def test_an_acc_dec_filter_is_a_moving_average(frequency_hz: float, acc_dec_s: float) -> None:
+    step_s = acc_dec_s / 400.0
+    time_s = np.arange(0.0, acc_dec_s + 2.0 / frequency_hz, step_s)
+    seen = np.convolve(np.sin(2.0 * np.pi * frequency_hz * time_s), np.full(400, 1.0 / 400.0), "valid")
+    share = (seen.max() - seen.min()) / 2.0
+    assert servo_share(frequency_hz, None, acc_dec_s) == pytest.approx(share, abs=0.005)
+
+
+def test_an_acc_dec_time_of_one_vibration_leaves_nothing() -> None:
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        cut_of("axes.Z.acc_dec_ms=32")
+    assert [d.code for d in caught.value.diagnostics] == ["VIB062"]
+    assert "0% of the stroke" in caught.value.diagnostics[0].message
+    both = cut_of("axes.Z.acc_dec_ms=4", "axes.Z.position_gain_1_s=500").servo_share
+    assert both == pytest.approx(servo_share(31.25, 500.0) * servo_share(31.25, None, 0.004))
+
+
+@pytest.mark.parametrize(
+    ("frequency_hz", "share"), [(2, 0.97), (5, 0.85), (10, 0.62), (31, 0.25), (62.5, 0.13)]
+)
+def test_what_a_slow_position_loop_leaves(frequency_hz: float, share: float) -> None:
+    assert servo_share(frequency_hz, 50.0) == pytest.approx(share, abs=0.005)
+
+
+def swing(waveform: Waveform, frequency_hz: float, stroke_mm: float, feed_mm_rev: float = 1e-9) -> Cut:
+    return Cut(
+        length_mm=10.0,
+        feed_mm_rev=feed_mm_rev,
+        speed_rpm=1000.0,
+        period_s=1.0 / frequency_hz,
+        ticks=4,
+        forward_ticks=2,
+        stroke_mm=stroke_mm,
+        waveform=waveform,
+    )
+
+
+@pytest.mark.parametrize(("frequency_hz", "needed"), [(62.5, 7711), (31.25, 1928), (10.0, 197)])
+def test_acceleration_of_a_sine(frequency_hz: float, needed: float) -> None:
+    """The second difference of the motion itself says the same."""
+    least = least_acceleration_mm_s2(swing("sine", frequency_hz, 0.1), 1.5)
+    assert least == pytest.approx(needed, abs=0.5)
+    time_s = np.linspace(0.0, 1.0 / frequency_hz, 20001)
+    place_mm = 0.05 * np.sin(2.0 * np.pi * frequency_hz * time_s)
+    measured = np.abs(np.diff(place_mm, 2)).max() / (time_s[1] - time_s[0]) ** 2
+    assert measured == pytest.approx(least, rel=1e-5)
+
+
+@given(frequency_hz=st.floats(1.0, 100.0), stroke_mm=st.floats(0.01, 1.0))
+def test_acceleration_of_an_even_triangle(frequency_hz: float, stroke_mm: float) -> None:
+    least = least_acceleration_mm_s2(swing("triangle", frequency_hz, stroke_mm), 1.5)
+    assert least == pytest.approx(16.0 * frequency_hz**2 * stroke_mm, rel=1e-6)
+    stroke_s = 0.5 / frequency_hz
+    assert shortest_time(stroke_mm, ControlModel("trapezoid", 1e9, least * 1.0001)) <= stroke_s
+    with pytest.raises(RefusalError):
+        feed_for_time(stroke_mm, stroke_s, ControlModel("trapezoid", 1e9, least * 0.999))
+
+
+def test_a_feed_is_reached_only_over_a_long_enough_block() -> None:
+    """d = F^2 / A: 1 in/s at 10 in/s^2 needs 0.1 in."""
+    inch, feed, acceleration = 25.4, 25.4, 254.0
+    model = ControlModel("trapezoid", 1e9, acceleration)
+    edge_mm = feed**2 / acceleration
+    assert edge_mm == pytest.approx(0.1 * inch)
+    for length_mm, reaches in ((edge_mm * 1.01, True), (edge_mm * 0.99, False)):
+        (time_s,) = predict([length_mm], feed, model)
+        assert (time_s == pytest.approx(length_mm / feed + feed / acceleration, rel=1e-9)) == reaches

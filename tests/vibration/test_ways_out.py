@@ -1,0 +1,43 @@
+"""What a refused cut is told to do instead works."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+import chipbreak
+
+HEAD = "G21 G18 G90 G8 G97 G95 S{} M3\nG0 X{} Z1\n"
+SHOULDER = "G1 Z-2 F0.1 {0}\nX12 F0.1 {0}\nM2\n"
+ARC = "G3 X12 Z-3 I0 K-4 F0.1 {}\nM2\n"
+
+
+def settings(acceleration_mm_s2: float) -> chipbreak.Settings:
+    limits = [f"axes.{axis}.max_acceleration_mm_s2={acceleration_mm_s2:g}" for axis in "XZ"]
+    return chipbreak.load("linuxcnc-lathe", limits)
+
+
+@pytest.mark.parametrize(
+    ("blocks", "x", "speed", "wish", "acceleration", "code"),
+    [
+        (SHOULDER, 10, 2500, "N1.5", 10000, "VIB060"),
+        (SHOULDER, 10, 600, "N2.5", 2000, "VIB060"),
+        (ARC, 8, 2000, "N1.25", 10000, "VIB034"),
+    ],
+)
+def test_conditions_that_work(
+    *, blocks: str, x: int, speed: int, wish: str, acceleration: float, code: str
+) -> None:
+    program = HEAD.format(speed, x) + blocks.format(wish)
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        chipbreak.rewrite(program.encode(), settings(acceleration))
+    (error,) = caught.value.diagnostics
+    assert error.code == code
+    works = re.search(r"works: N ([0-9.]+) f ([0-9.]+) Hz \(S ([0-9]+)\)", error.help)
+    assert works, error.help
+    followed = HEAD.format(works[3], x) + blocks.format(f"N{works[1]}")
+    (cut,) = chipbreak.rewrite(followed.encode(), settings(acceleration)).cuts
+    assert cut.verdict.breaks
+    assert cut.planned.cut.solution.frequency_hz == pytest.approx(float(works[2]), rel=1e-5)
+    assert cut.verdict.per_rev == pytest.approx(float(works[1]), rel=0.01)
