@@ -122,6 +122,8 @@ vibration.readback
 
 checks
 checks.edges
+checks.effects
+checks.subprograms
 checks.ground
 checks.reliance
 checks.tool_values
