@@ -219,6 +219,10 @@ def test_another_program_behind_the_end() -> None:
     assert only_code(result, "CHK005").startswith("24: another program")
 
 
+def test_a_tool_zero_is_nobody_s_sister() -> None:
+    assert "CHK008" not in run(visit(0, "FACE1")).codes
+
+
 def test_a_tool_without_a_number() -> None:
     result = run("S1000 M3\nG0 X1. Y1.\nG0 Z1.\nG1 Z-1. F100.\nG0 Z50.\n", visit(1, "FACE1"))
     assert only_code(result, "CHK006").startswith("8: this operation cuts with a tool whose number")

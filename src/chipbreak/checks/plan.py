@@ -147,7 +147,7 @@ class _Planner:
             )
         for tool in self.uses:
             sister = self._sister(tool) if tool is not None else 0
-            if sister in self.uses:
+            if sister and sister in self.uses:
                 message = f"T{sister} is the sister of T{tool}, and this program cuts with it as well"
                 line = self.uses[sister][0].first_cut or 0
                 self.known.say(
