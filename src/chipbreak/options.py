@@ -110,6 +110,7 @@ def settings_of(
         profile = str(beside)
     try:
         settings = load(profile, sets)
+        _check_rules(settings)
     except SettingsError as error:
         reporter.show([error.diagnostic])
         sys.exit(USAGE)
@@ -118,6 +119,23 @@ def settings_of(
         settings = replace(settings, checks=replace(settings.checks, strict=True))
     tool_files = meta.get("chipbreak.tools", ())
     return _with_tool_files(settings, tool_files) if tool_files else settings
+
+
+def _check_rules(settings: Settings) -> None:
+    """Calls and operation rules that a program may never come to are checked all the same."""
+    if not (settings.checks.enabled or settings.call_sets or settings.operations):
+        return
+    from chipbreak.checks.calls import check_sets
+    from chipbreak.diagnostics import Diagnostic, RefusalError, Severity
+    from chipbreak.model.kinds import KindRules
+    from chipbreak.settings import SettingsError
+
+    try:
+        check_sets(settings)
+        KindRules.from_profile(settings.operations)
+    except RefusalError as error:
+        message = f"{settings.name}: {error.message}"
+        raise SettingsError(Diagnostic(error.code, Severity.ERROR, message, error.help)) from None
 
 
 def _with_tool_files(settings: Settings, names: Sequence[str]) -> Settings:

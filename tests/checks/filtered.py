@@ -105,6 +105,9 @@ def check(result: Filtered) -> None:
         for text in edit.content:
             assert isinstance(text, str)
             assert len(text) <= min(80, result.settings.control.max_line_chars)
+    output = read(result.output)
+    for region in restore.regions(output):  # with the comments around it
+        assert all(len(output.text(line)) <= 80 for line in range(region.first, region.last))
     paired = pairs(result)
     same_states(paired)
     if not result.settings.dialect.is_lathe:  # a lathe comes down slanting from wherever it is

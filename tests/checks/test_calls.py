@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 from chipbreak import settings
 from chipbreak.checks.call_sets import BUILT_IN, NAMED
 from chipbreak.checks.calls import CallValues, Event, calls_of
+from chipbreak.cli import cli
 from chipbreak.diagnostics import RefusalError
 from chipbreak.macros.calls import ToolValues
 from chipbreak.tools.data import ToolData
@@ -241,3 +244,23 @@ def test_a_lathe_has_no_built_in_calls_and_says_so(profile: str) -> None:
     assert caught.value.code == "SET030"
     assert "tools that turn" in caught.value.message
     assert "[calls.NAME]" in caught.value.help
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ('[calls.spare]\nchip_check = ["G65 P1 H{limt}"]\n', "SET032"),
+        ('[calls.spare]\nchip_chek = ["G65 P1"]\n', "SET031"),
+        ("[checks]\nenabled = true\n", "SET030"),
+        ('[checks]\nenabled = true\ncalls = "haas"\n', "SET030"),
+        ('[operations]\nruogh = ["X"]\n', "SET020"),
+    ],
+)
+def test_calls_are_checked_when_the_profile_is_read(text: str, code: str, tmp_path: Path) -> None:
+    """Also those that this program will never come to."""
+    profile = tmp_path / "lathe.toml"
+    profile.write_text('base = "fanuc-lathe"\n' + text)
+    shown = CliRunner().invoke(cli, ["profile", "show", str(profile)])
+    assert shown.exit_code == 2
+    assert f"error {code}: {profile}: " in shown.output
+    assert "help: " in shown.output

@@ -154,7 +154,26 @@ def calls_of(settings: Settings) -> CallSet:
     cannot be read, SET034 a block that may become too long, SET035 a set that does not tell the control what
     the profile asks for.
     """
-    name = settings.checks.calls
+    found = _read(settings.checks.calls, settings)
+    asked = {"every": settings.checks.every > 1, "sister": bool(settings.checks.sister)}
+    for field, is_asked in asked.items():
+        if is_asked and not found.hands_over(field):
+            message = f"checks.{field} is set, but no call of the set {found.name} hands {{{field}}} over"
+            help_text = f"use calls that take it, or leave checks.{field} out"
+            raise RefusalError(NOT_HANDED_OVER, message, help_text)
+    return found
+
+
+def check_sets(settings: Settings) -> None:
+    """All sets that a profile describes, and the one it uses; raises what :func:`calls_of` raises."""
+    for name in settings.call_sets:
+        _read(name, settings)
+    if settings.checks.enabled:
+        calls_of(settings)
+
+
+def _read(name: str, settings: Settings) -> CallSet:
+    """The set of a name, all its blocks checked."""
     shipped = _shipped(name, settings)
     limit = min(LONGEST_BLOCK, settings.control.max_line_chars)
     blocks = {}
@@ -168,14 +187,7 @@ def calls_of(settings: Settings) -> CallSet:
             _check(where, template + (tail if template == templates[-1] else ""), event, limit, settings)
         blocks[event] = tuple(templates)
     tails = {Event(key): tail for key, tail in shipped.tails.items()}
-    found = CallSet(name, blocks, tails, shipped.ends_offset)
-    asked = {"every": settings.checks.every > 1, "sister": bool(settings.checks.sister)}
-    for field, is_asked in asked.items():
-        if is_asked and not found.hands_over(field):
-            message = f"checks.{field} is set, but no call of the set {name} hands {{{field}}} over"
-            help_text = f"use calls that take it, or leave checks.{field} out"
-            raise RefusalError(NOT_HANDED_OVER, message, help_text)
-    return found
+    return CallSet(name, blocks, tails, shipped.ends_offset)
 
 
 def _shipped(name: str, settings: Settings) -> ShippedCalls:
