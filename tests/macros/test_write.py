@@ -57,6 +57,8 @@ def test_the_command_writes_subroutines(tmp_path: Path) -> None:
         ([*OPTIONS, "--set=macros.beam_x=1"], "SET001: there is no key macros.beam_x"),
         ([*OPTIONS, "--set=macros.slow_feed=0"], "SET003: macros.slow_feed = 0.0 is not possible"),
         ([*OPTIONS, "--set=checks.retries=many"], "SET002"),
+        ([*OPTIONS, "--set=macros.store_first=100"], "SET003: macros.store_first = 100, store_last = 999"),
+        ([*OPTIONS, "--set=macros.store_last=1200"], "keeps values in 500 to 999, or 98000 to 98499"),
         ([*OPTIONS, "--set=vibration.nonsense=1"], "SET001"),
     ],
 )

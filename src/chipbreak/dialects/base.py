@@ -28,6 +28,7 @@ class Dialect:
     ``speed_limit``   G codes (times ten) that limit the spindle when they stand with S
     ``dwell_word``    the letter of seconds in a G4 block
     ``machine_retract`` blocks that take the tool to the machine's safe end of travel, in order
+    ``kept_variables`` first and last numbers of the variables in which programs may keep values
     ``retract_is_absolute`` these blocks must not stand in incremental mode
     """
 
@@ -42,6 +43,7 @@ class Dialect:
     speed_limit: frozenset[int] = frozenset()
     machine_retract: tuple[str, ...] = ()
     retract_is_absolute: bool = False
+    kept_variables: tuple[tuple[int, int], ...] = ()
     dwell_word: str = "X"
     reads_comments_in_lower_case: bool = False
 

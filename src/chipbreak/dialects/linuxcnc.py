@@ -68,6 +68,7 @@ LINUXCNC_MILL = Dialect(
     tool_change="M6",
     dwell_word="P",
     machine_retract=("G53 G0 Z0",),
+    kept_variables=((31, 5000),),
     retract_is_absolute=True,
     reads_comments_in_lower_case=True,
 )

@@ -109,7 +109,7 @@ def _build(
         hint = 'planner.model = "trapezoid", or leave it out'
         raise layer.fail(IMPOSSIBLE, "planner.reversal_stop_ms", message, hint)
     _check_modes(layer, sections["planner"], dialect)
-    _check_macros(layer, sections["macros"])
+    _check_macros(layer, sections["macros"], dialect)
     _check_sisters(layer, sections["checks"])
     return Settings(
         name=profile,
@@ -122,7 +122,7 @@ def _build(
     )
 
 
-def _check_macros(layer: Layer, macros: Macros) -> None:
+def _check_macros(layer: Layer, macros: Macros, dialect: Dialect) -> None:
     """What one key alone does not say."""
     if "{angle}" not in macros.orient or set("{}") & set(macros.orient.replace("{angle}", "")):
         message = f'macros.orient = "{macros.orient}": its one field is {{angle}}'
@@ -136,6 +136,11 @@ def _check_macros(layer: Layer, macros: Macros) -> None:
         message = f"macros.store_last = {macros.store_last} leaves no room behind store_first"
         help_text = f"at least {LEAST_STORE}: a tool takes 12 variables, and its teeth times its heights"
         raise layer.fail(IMPOSSIBLE, "macros.store_last", message, help_text)
+    kept = dialect.kept_variables
+    if kept and not any(a <= macros.store_first and macros.store_last <= b for a, b in kept):
+        message = f"macros.store_first = {macros.store_first}, store_last = {macros.store_last} cannot be"
+        ranges = ", or ".join(f"{first} to {last}" for first, last in kept)
+        raise layer.fail(IMPOSSIBLE, "macros.store_first", message, f"this control keeps values in {ranges}")
 
 
 def _check_sisters(layer: Layer, checks: Checks) -> None:
