@@ -126,6 +126,7 @@ checks.effects
 checks.subprograms
 checks.ground
 checks.reliance
+checks.clearance
 checks.tool_values
 checks.call_sets
 checks.calls

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from chipbreak.checks.clearance import Clearance
 from chipbreak.checks.ground import Ground
 from chipbreak.checks.reliance import homed_axes, named_axes, reliance, relies_on_speed
 from chipbreak.model.flow import Flow
@@ -94,6 +95,7 @@ class BorderFinder:
         self._retracted = {axis for step in steps for axis in named_axes(step, trace.settings)}
         self._retract_homes = any("home" in step.once for step in steps)
         self._calls_end_offset = calls_end_offset
+        self._clearance = Clearance(trace, ground.main) if self.dialect.is_lathe else None
 
     def find(self, where: Range) -> Border | NoBorder:
         """The first safe line of a range."""
@@ -208,6 +210,9 @@ class BorderFinder:
             return "the last move was a cut, not a rapid"
         if motion in ("cw", "ccw") or (motion == "line" and spot.mover != "home"):
             return "the motion mode is a cut, not a rapid"
+        is_rapid = spot.mover == "rapid"
+        if self._clearance and is_rapid and not self._clearance.is_clear(spot.line, spot.state.position):
+            return "the tool may stand in a bore, where the way home leads through the wall"
         if spot.spindle_is_open:
             return "the spindle was on at the tool change; whether it still turns cannot be known"
         return ""
