@@ -37,8 +37,10 @@ syntax.shapes
 syntax.parse
 syntax.columns
 
+settings.axis_words
 settings.sections
 settings.checking
+settings.tool_rules
 settings.load
 settings.show
 settings
@@ -109,12 +111,17 @@ vibration.control
 vibration.planner
 vibration.bends
 vibration.timing
+vibration.piecewise
 vibration.verdict
 vibration.load
 vibration.directive
 vibration.request
 vibration.chain
 vibration.plan
+vibration.loop_names
+vibration.loop
+vibration.stands
+vibration.content
 vibration.speeds
 vibration.advice
 vibration.blocks
@@ -141,6 +148,7 @@ passes.vibrate
 passes.check_tools
 
 emit
+unroll
 measure
 unbroken
 verify

@@ -34,6 +34,7 @@ def test_the_example() -> None:
 def test_the_explanation() -> None:
     wanted = [line.strip() for line in shown(behind="`chipbreak explain` shows all of it:")]
     program = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nM30\n"
-    result = chipbreak.rewrite(program, chipbreak.load("generic-lathe"), "part.nc")
-    said = [line.strip() for line in explain_text(result, "generic-lathe")]
+    settings = chipbreak.load("generic-lathe")
+    result = chipbreak.rewrite(program, settings, "part.nc")
+    said = [line.strip() for line in explain_text(result, settings)]
     assert said[said.index(wanted[0]) :][: len(wanted)] == wanted

@@ -144,7 +144,7 @@ def test_options(option: str, section: str, key: str, value: object) -> None:
         ("checks.trace_step_mm=0", "SET003", "above 0"),
         ("macros.beam_x=1", "SET001", "beam_x_mm"),
         ("macros.slow_feed=0", "SET003", "above 0"),
-        ("macros.turn_sign=2", "SET003", "1 or -1"),
+        ("macros.turn_sign=2", "SET003", "one of 1, -1"),
         ("macros.orient=M19", "SET003", "M19 R{angle}"),
         ("macros.orient=M19 R{angle} P{axis}", "SET003", "M19 R{angle}"),
         ("macros.laser_on=M70 (\u00c4)", "SET003", "plain letters"),

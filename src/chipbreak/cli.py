@@ -133,10 +133,10 @@ def explain(
     settings = settings_of(profile, sets, source, reporter)
     result = run_filter(read_input(source), source, profile, sets, allow_unbroken, reporter)
     if as_json:
-        click.echo(json.dumps(explain_json(result, settings.name), indent=2))
+        click.echo(json.dumps(explain_json(result, settings), indent=2))
         return
     reporter.show(result.diagnostics)
-    for line in explain_text(result, settings.name):
+    for line in explain_text(result, settings):
         click.echo(line)
 
 
@@ -164,10 +164,10 @@ def verify(
     settings = settings_of(profile, sets, source, reporter)
     result = verify_program(read_input(source), settings, source, reporter)
     if as_json:
-        click.echo(json.dumps(explain_json(result, settings.name), indent=2))
+        click.echo(json.dumps(explain_json(result, settings), indent=2))
     else:
         reporter.show(result.diagnostics)
-        for line in explain_text(result, settings.name):
+        for line in explain_text(result, settings):
             click.echo(line)
     broken = not allow_unbroken and any(not cut.verdict.breaks for cut in result.cuts)
     sys.exit(DIFFERENT if broken or has_errors(result.diagnostics) else DONE)
@@ -234,11 +234,12 @@ def macros(output: str, profile: str | None, sets: tuple[str, ...]) -> None:
     What they must know about the laser barrier stands in [macros] of the profile, their limits in [checks].
     """
     from chipbreak.diagnostics import RefusalError
-    from chipbreak.macros import macro_files
+    from chipbreak.macros import check_axes, macro_files
     from chipbreak.macros.parameters import MacroSettings
 
     settings = settings_of(profile, sets, "-", Reporter(as_json=False, quiet=False, colour=False))
     try:
+        check_axes(settings.axis_words)
         files = macro_files(settings.dialect.name, MacroSettings.of(settings))
     except RefusalError as error:
         click.echo(f"error {error.code}: {error.message}\n  help: {error.help}", err=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -15,14 +15,20 @@ class MoveTable:
     """Many moves as columns of numbers, one row a block.
 
     ``letters[i]`` is printed before ``columns[i]`` (shape (n,), program units) with ``decimals[i]`` places.
+    ``behind`` is a block of its own behind every row; empty for none.
     """
 
     letters: tuple[str, ...]
     columns: tuple[NDArray[np.float64], ...]
     decimals: tuple[int, ...]
+    behind: str = ""
 
     def __len__(self) -> int:
         return len(self.columns[0])
+
+    def rows(self, first: int, stop: int) -> MoveTable:
+        """The same with rows ``first`` to ``stop`` (exclusive) only."""
+        return replace(self, columns=tuple(column[first:stop] for column in self.columns))
 
 
 @dataclass(frozen=True, eq=False)

@@ -64,7 +64,9 @@ def print_moves(table: MoveTable, line_end: bytes) -> bytes:
             lead = letter if not cells else " " + letter
             cells.append(_cells(lead, column[rows], decimals))
         count = len(cells[0])
-        cells.append(np.broadcast_to(np.frombuffer(line_end, np.uint8), (count, len(line_end))))
+        behind = table.behind.encode("ascii") + line_end if table.behind else b""
+        foot = np.frombuffer(line_end + behind, np.uint8)
+        cells.append(np.broadcast_to(foot, (count, len(foot))))
         text = np.concatenate(cells, axis=1)
         parts.append(text[text != 0].tobytes())
     return b"".join(parts)

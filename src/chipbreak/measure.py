@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from chipbreak.vibration.bends import Blocks, blocks_of
 from chipbreak.vibration.control import ControlModel, control_model
 from chipbreak.vibration.load import flank_clearance_deg, least_acceleration_mm_s2, servo_share
 from chipbreak.vibration.readback import ReadBack, read_moves
-from chipbreak.vibration.timing import motion_of
+from chipbreak.vibration.stands import motion_with_stands
 from chipbreak.vibration.verdict import Verdict, judge
 from chipbreak.vibration.waveform import full_window
 
@@ -25,8 +26,16 @@ Floats = NDArray[np.float64]
 # Feeds are rounded, so the time of a cut differs from the plan by about half a unit in their last place.
 _TIME_TOLERANCE = 0.005
 _COUNT_TOLERANCE = 0.01
+_SAME_STAND_S = 1e-6
 # A control that stops at both ends of the cut and of its plain end needs a little longer.
 _STOP_TOLERANCE_S = 0.2
+
+
+class Clearance(NamedTuple):
+    """Flank clearance used up at a diameter."""
+
+    diameter_mm: float
+    degrees: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +45,8 @@ class CheckedCut:
     ``control`` is the law by which the moves were timed; ``misses_plan``: by it the cut takes another time
     than planned, or has another N.
     ``acceleration_mm_s2`` is the least that can run it; ``servo_share`` what the position loops leave of the
-    stroke, None without a gain; ``clearance_deg`` the flank clearance that the forward stroke uses up, None
-    without a diameter.
+    stroke, None without a gain; ``clearances`` the flank clearance that the forward stroke uses up at the
+    largest and the smallest diameter, none where the diameter is not known.
     """
 
     planned: PlannedCut
@@ -48,7 +57,7 @@ class CheckedCut:
     misses_plan: bool
     acceleration_mm_s2: float
     servo_share: float | None
-    clearance_deg: float | None
+    clearances: tuple[Clearance, ...]
 
 
 def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCut:
@@ -65,29 +74,32 @@ def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCu
     moved = np.diff(np.vstack((cut.path.legs[0].start, moves.points_mm)), axis=0)
     model = control_model(result.settings, cut.path, cut.chain.before)
     blocks = blocks_of(moved, np.diff(distance_mm), result.settings)
-    motion = motion_of(distance_mm, blocks, moves.feed_mm_s, model)
+    motion = motion_with_stands(distance_mm, blocks, moves.feed_mm_s, model, moves.stand_s)
     if not np.all(motion.spans_s > 0.0):
         raise SelfCheckError("a move takes no time")
-    time_s = np.concatenate(([0.0], np.cumsum(motion.spans_s)))
-    is_late = _is_late(result, float(time_s[-1]), cut.cut.duration_s)
-    start = next(cut.chain.moves).start
-    diameter_mm = 2.0 * max(abs(start.x), abs(cut.chain.after.position.x))
+    if not np.allclose(moves.stand_s, expansion.stand_s, rtol=0.0, atol=_SAME_STAND_S):
+        raise SelfCheckError("the tool does not stand where, or as long as, it should")
+    time_s = np.concatenate(([0.0], np.cumsum(motion.spans_s + moves.stand_s)))
+    is_late = _is_late(result, float(time_s[-1]), cut.cut.duration_s + cut.end_stand_s)
+    largest_mm, smallest_mm = _diameters(np.append(cut.path.legs[0].start[0], moves.points_mm[:, 0]))
     verdict = judge(
         motion.time_s,
         motion.distance_mm,
         speed_rpm=cut.solution.speed_rpm,
         feed_mm_rev=cut.cut.feed_mm_rev,
         edges=cut.edges,
-        diameter_mm=diameter_mm if diameter_mm > 0.0 else None,
+        diameter_mm=largest_mm if largest_mm > 0.0 else None,
         steady_s=_steady_s(planned, time_s),
         waveform=cut.cut.waveform,
         alpha_share=cut.cut.alpha_share,
     )
     if model.law == "trapezoid":
         verdict = replace(verdict, peak_speed_mm_s=_top_speed(moves, blocks, model))
-    clearance = None
-    if diameter_mm > 0.0:
-        clearance = flank_clearance_deg(verdict.peak_speed_mm_s, diameter_mm, cut.solution.speed_rpm)
+    clearances = [
+        Clearance(d, flank_clearance_deg(verdict.peak_speed_mm_s, d, cut.solution.speed_rpm))
+        for d in dict.fromkeys((largest_mm, smallest_mm))
+        if largest_mm > 0.0
+    ]
     per_rev = cut.solution.per_rev
     off_count = verdict.per_rev > 0.0 and abs(verdict.per_rev - per_rev) > _COUNT_TOLERANCE * per_rev
     return CheckedCut(
@@ -99,8 +111,15 @@ def measure_cut(result: Trace, region: Region, planned: PlannedCut) -> CheckedCu
         is_late or off_count,
         least_acceleration_mm_s2(cut.cut, cut.solution.per_rev),
         _servo_share(result, planned),
-        clearance,
+        tuple(clearances),
     )
+
+
+def _diameters(radii_mm: Floats) -> tuple[float, float]:
+    """The largest and the smallest diameter of a cut from its signed radii; past the centre it is 0."""
+    low, high = float(radii_mm.min()), float(radii_mm.max())
+    smallest_mm = 0.0 if low < 0.0 < high else min(abs(low), abs(high))
+    return 2.0 * max(abs(low), abs(high)), 2.0 * smallest_mm
 
 
 def _top_speed(moves: ReadBack, blocks: Blocks, model: ControlModel) -> float:
@@ -111,6 +130,8 @@ def _top_speed(moves: ReadBack, blocks: Blocks, model: ControlModel) -> float:
 
 def _servo_share(result: Trace, planned: PlannedCut) -> float | None:
     """The weakest drive among the axes that move; None where the profile says nothing of them."""
+    if planned.cut.cut.waveform == "dwell":
+        return None  # it does not swing
     axes = [result.settings.axes[axis] for axis in planned.cut.chain.axes]
     shares = [
         servo_share(
@@ -156,8 +177,9 @@ def _check_path(result: Trace, moves: ReadBack, planned: PlannedCut) -> Floats:
     unit = MM_PER_INCH if state.is_inch else 1.0
     increment = 10.0**-result.settings.output.decimals * unit / (10.0 if state.is_inch else 1.0)
     along, away = moves.along(cut.path, planned.expansion.distance_mm)
-    # Half an increment in each of up to three axes.
-    tolerance = math.sqrt(3.0) * 0.5 * increment + 1e-6
+    # Half an increment in each of up to three axes, and in a loop half of what its passes add up to.
+    drift = max((loop.drift_steps for loop in planned.expansion.loops or ()), default=0.0)
+    tolerance = math.sqrt(3.0) * 0.5 * (1.0 + drift) * increment + 1e-6
     if away.max() > tolerance + result.settings.vibration.chord_mm:
         raise SelfCheckError(f"a point lies {away.max():.4f} mm off the path")
     astray = float(np.abs(along - planned.expansion.distance_mm).max())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -18,6 +19,7 @@ from chipbreak.settings import Settings, SettingsError
 from chipbreak.source import Source, read
 from chipbreak.syntax.parse import UNREADABLE, parse
 from chipbreak.tools.program import tool_table_for_checks
+from chipbreak.units import MM_PER_INCH
 from chipbreak.verify import verify
 from chipbreak.vibration.request import requests_of
 
@@ -26,8 +28,10 @@ if TYPE_CHECKING:
     from chipbreak.passes.vibrate import PlannedCut
 
 UNBROKEN, FINISHING, SERVO, UNREAD_WORD = "VIB060", "VIB061", "VIB062", "MOD001"
-MISSED = "VIB034"
+MISSED, TOO_FAST = "VIB034", "VIB064"
 _MOST_ALIKE = 5
+# How much more surface speed than G96 asked for is said aloud.
+_MUCH_FASTER = 1.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +84,8 @@ def _run(
     diagnostics += found
     speed_edits, found = speeds.plan(trace, settings)
     diagnostics += found
-    planned, vibration_edits, found = _vibration(trace, settings, check_edits)
+    checks_at = [edit.first for edit in check_edits]
+    planned, vibration_edits, found = _vibration(trace, settings, checks_at, allow_unbroken=allow_unbroken)
     diagnostics += found
     if has_errors(diagnostics):
         raise ProgramRejectedError(in_place_order(diagnostics))
@@ -116,7 +121,7 @@ def _tool_checks(trace: Trace, settings: Settings) -> tuple[list[Operation], lis
 
 
 def _vibration(
-    trace: Trace, settings: Settings, check_edits: Sequence[Edit]
+    trace: Trace, settings: Settings, checks_at: Sequence[int], *, allow_unbroken: bool
 ) -> tuple[Sequence[PlannedCut], Sequence[Edit], list[Diagnostic]]:
     """The vibrated cuts and their edits; a program that asks for none does not load what plans them."""
     requests, diagnostics = requests_of(trace)
@@ -124,7 +129,9 @@ def _vibration(
         return (), (), diagnostics
     from chipbreak.passes import vibrate
 
-    plan = vibrate.plan(trace, settings, requests, [edit.first for edit in check_edits])
+    plan = vibrate.plan(
+        trace, settings, requests, checks_at=checks_at, allow_unbroken=allow_unbroken
+    )
     return plan.cuts, plan.edits, diagnostics + list(plan.diagnostics)
 
 
@@ -182,6 +189,7 @@ def _chip_diagnostics(
         elif not verdict.breaks:
             found.append(_unbroken(trace, checked, allow_unbroken=allow_unbroken))
         found += _servo_diagnostics(trace, checked, allow_unbroken=allow_unbroken)
+        found += _surface_speed(trace, checked)
         kind = next((o.kind for o in operations if o.first_line <= line < o.last_line), Kind.UNKNOWN)
         if kind in (Kind.FINISH, Kind.SEMI_FINISH):
             message = (
@@ -193,6 +201,24 @@ def _chip_diagnostics(
                 trace.program.diagnose(line, FINISHING, message, help_text, severity=Severity.WARNING)
             )
     return found
+
+
+def _surface_speed(trace: Trace, checked: CheckedCut) -> list[Diagnostic]:
+    """A warning where a cut of G96 grows in diameter, and the speed of its start is far too high for that."""
+    cut, state = checked.planned.cut, checked.planned.cut.chain.before
+    if state.modes["speed_mode"] != "surface" or not checked.clearances or state.speed is None:
+        return []
+    asked_m_min = state.speed.value * (MM_PER_INCH * 12.0 / 1000.0 if state.is_inch else 1.0)
+    diameter_mm = checked.clearances[0].diameter_mm
+    made_m_min = math.pi * diameter_mm * cut.solution.speed_rpm / 1000.0
+    if made_m_min <= _MUCH_FASTER * asked_m_min:
+        return []
+    message = (
+        f"G96 S{state.speed.text} runs as S{cut.solution.speed_rpm:g}: at diameter {diameter_mm:.4g} mm"
+        f" that is {made_m_min:.0f} m/min, {asked_m_min:.0f} were asked for"
+    )
+    help_text = "cut towards the centre, or give this cut N and a lower f, or a lower clamp (G50 S)"
+    return [trace.program.diagnose(cut.chain.first, TOO_FAST, message, help_text, severity=Severity.WARNING)]
 
 
 def _missed(trace: Trace, checked: CheckedCut) -> Diagnostic:

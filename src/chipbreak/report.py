@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from chipbreak.edits import Edit
 from chipbreak.passes import CHECK_TOOLS
 from chipbreak.pipeline import Result
+from chipbreak.settings import Settings
 from chipbreak.units import MS_PER_S, S_PER_MIN
 
 if TYPE_CHECKING:
     from chipbreak.measure import CheckedCut
+    from chipbreak.vibration.loop import Loop
 
 
-def explain_text(result: Result, profile: str) -> Iterator[str]:
+_MEMBERS = {1: "the tool (tool post)", -1: "the work (spindle carrier)"}
+
+
+def explain_text(result: Result, settings: Settings) -> Iterator[str]:
     """Every vibrated cut, operation and check, with the reasons."""
-    yield f"{result.source.name}, profile {profile}"
+    yield f"{result.source.name}, profile {settings.name}"
     yield ""
     yield f"Vibrated cuts: {len(result.cuts) or 'none'}"
     for cut in result.cuts:
-        yield from _cut_text(result, cut)
+        yield from _cut_text(result, cut, settings)
     yield ""
     yield f"Operations: {len(result.operations) or 'none'}"
     for index, operation in enumerate(result.operations, 1):
@@ -39,7 +44,7 @@ def _checks(result: Result) -> list[Edit]:
     return [edit for edit in result.edits if edit.pass_name == CHECK_TOOLS]
 
 
-def _cut_text(result: Result, checked: CheckedCut) -> Iterator[str]:
+def _cut_text(result: Result, checked: CheckedCut, settings: Settings) -> Iterator[str]:
     cut, verdict, solution = checked.planned.cut, checked.verdict, checked.planned.cut.solution
     block = cut.chain.requests[0].step.block.text.strip()
     yield f"  {_lines(result, checked)}: {block}"
@@ -51,11 +56,7 @@ def _cut_text(result: Result, checked: CheckedCut) -> Iterator[str]:
         f"    runs     S {solution.speed_rpm:g} rpm, N {solution.per_rev:.4g},"
         f" f {solution.frequency_hz:.5g} Hz ({solution.period.period_s * MS_PER_S:g} ms)"
     )
-    ratio = cut.cut.stroke_mm / cut.cut.feed_mm_rev
-    yield (
-        f"    stroke   {cut.cut.stroke_mm:.4g} mm = {ratio:.3g} x feed {cut.cut.feed_mm_rev:.4g} mm/rev,"
-        f" {cut.cut.waveform}, forward share {cut.cut.alpha_share:.3g}"
-    )
+    yield _wave(checked)
     if verdict.per_rev > 0.0:
         reached_hz = verdict.per_rev * solution.speed_rpm / S_PER_MIN
         yield f"    reaches  N {verdict.per_rev:.4g}, {reached_hz:.5g} Hz (planner model {checked.control})"
@@ -74,15 +75,59 @@ def _cut_text(result: Result, checked: CheckedCut) -> Iterator[str]:
         low, high = verdict.speed_band_rpm
         yield f"    band     breaks from {low:.0f} to {high:.0f} rpm at this frequency"
     needs = f"    machine  needs {checked.acceleration_mm_s2:.0f} mm/s2"
+    if cut.keeps_feed:
+        needs = "    machine  never turns back"
     if checked.servo_share is not None:
         needs += f", the servo leaves {checked.servo_share:.0%} of the stroke"
-    if checked.clearance_deg is not None:
-        needs += f"; the forward stroke uses {checked.clearance_deg:.2f} degrees of flank clearance"
+    if checked.clearances:
+        used = ", ".join(f"{c.degrees:.2f} at {c.diameter_mm:.4g} mm" for c in checked.clearances)
+        needs += f"; degrees of flank clearance that the forward stroke uses: {used}"
     yield needs
+    if members := _members(checked, settings):
+        said = ", ".join(f"{axis} ({letter} words) by {_MEMBERS[sign]}" for axis, letter, sign in members)
+        yield f"    moved    {said}"
+    ends = f", stands {cut.end_stand_s * MS_PER_S:.0f} ms at its end" if cut.end_stand_s else ""
     yield (
         f"    output   {checked.move_count} moves, {checked.duration_s:.2f} s,"
-        f" axis up to {verdict.peak_speed_mm_s * 60.0:.0f} mm/min"
+        f" axis up to {verdict.peak_speed_mm_s * 60.0:.0f} mm/min{ends}"
     )
+    loops = checked.planned.expansion.loops
+    if loops is not None:
+        yield f"    loop     {_loops(loops, checked.move_count)}"
+
+
+def _wave(checked: CheckedCut) -> str:
+    """The stroke, or how far the tool feeds and how long it then stands."""
+    cut, rev_s = checked.planned.cut.cut, S_PER_MIN / checked.planned.cut.solution.speed_rpm
+    if cut.waveform == "dwell":
+        stand_s = float(checked.planned.expansion.stand_s[0])
+        return (
+            f"    dwell    {cut.speed_mm_s * cut.period_s:.4g} mm at {cut.feed_mm_rev:.4g} mm/rev, then"
+            f" stands {stand_s * MS_PER_S:.4g} ms = {stand_s / rev_s:.3g} revolutions"
+        )
+    return (
+        f"    stroke   {cut.stroke_mm:.4g} mm = {cut.stroke_mm / cut.feed_mm_rev:.3g} x feed"
+        f" {cut.feed_mm_rev:.4g} mm/rev, {cut.waveform}, forward share {cut.alpha_share:.3g}"
+    )
+
+
+def _loops(loops: Sequence[Loop], move_count: int) -> str:
+    """What repeats, and how many blocks that leaves."""
+    if not loops:
+        return "none: no straight part of full stroke repeats often enough"
+    each = [f"{one.vibrations} vibration{'s' * (one.vibrations > 1)} {one.passes} times" for one in loops]
+    written = move_count - sum(loop.count * (loop.passes - 1) for loop in loops)
+    drift = max(loop.drift_steps for loop in loops)
+    off = f", points up to {0.5 + drift / 2.0:.2f} steps from the exact motion" if drift > 0.001 else ""
+    return f"{', '.join(each)}; {written} blocks of motion{off}"
+
+
+def _members(checked: CheckedCut, settings: Settings) -> list[tuple[str, str, int]]:
+    """Axis, letter and sign of the axes of a cut, where the profile says which member moves."""
+    is_said = any(key.startswith("axes.") and key.endswith((".letter", ".sign")) for key in settings.origins)
+    words = settings.axis_words
+    axes = checked.planned.cut.chain.axes if is_said else ""
+    return [(axis, words.letters[axis], words.signs[axis]) for axis in axes]
 
 
 def _chip(revolutions: float, length_mm: float | None) -> str:
@@ -96,13 +141,13 @@ def _lines(result: Result, checked: CheckedCut) -> str:
     return f"line {first}" if first == last else f"lines {first} to {last}"
 
 
-def explain_json(result: Result, profile: str) -> dict[str, Any]:
+def explain_json(result: Result, settings: Settings) -> dict[str, Any]:
     """The same facts for a program to read; lengths in mm, speeds in rpm and mm/s, times in s."""
     return {
         "file": result.source.name,
-        "profile": profile,
+        "profile": settings.name,
         "changed": result.changed,
-        "cuts": [_cut_json(result, cut) for cut in result.cuts],
+        "cuts": [_cut_json(result, cut, settings) for cut in result.cuts],
         "operations": [
             {
                 "tool": o.tool,
@@ -122,7 +167,7 @@ def explain_json(result: Result, profile: str) -> dict[str, Any]:
     }
 
 
-def _cut_json(result: Result, checked: CheckedCut) -> dict[str, Any]:
+def _cut_json(result: Result, checked: CheckedCut, settings: Settings) -> dict[str, Any]:
     cut, verdict, solution = checked.planned.cut, checked.verdict, checked.planned.cut.solution
     return {
         "first_line": result.source.place(cut.chain.first).line,
@@ -136,11 +181,21 @@ def _cut_json(result: Result, checked: CheckedCut) -> dict[str, Any]:
         "stroke_mm": cut.cut.stroke_mm,
         "waveform": cut.cut.waveform,
         "alpha_share": cut.cut.alpha_share,
+        "stand_s": float(checked.planned.expansion.stand_s[0]),
+        "end_stand_s": cut.end_stand_s,
         "moves": checked.move_count,
+        "loops": [
+            {"vibrations": loop.vibrations, "passes": loop.passes, "drift_steps": loop.drift_steps}
+            for loop in checked.planned.expansion.loops or ()
+        ],
         "duration_s": checked.duration_s,
         "control": checked.control,
         "acceleration_mm_s2": checked.acceleration_mm_s2,
         "servo_share": checked.servo_share,
-        "clearance_deg": checked.clearance_deg,
+        "flank_clearance": [{"diameter_mm": c.diameter_mm, "deg": c.degrees} for c in checked.clearances],
+        "moved": {
+            axis: {"letter": letter, "by": "tool" if sign > 0 else "work"}
+            for axis, letter, sign in _members(checked, settings)
+        },
         "verdict": {name: getattr(verdict, name) for name in verdict.__dataclass_fields__},
     }

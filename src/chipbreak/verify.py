@@ -21,9 +21,11 @@ from chipbreak.model.trace import Trace, interpret
 from chipbreak.model.words import codes_of
 from chipbreak.passes import VIBRATE
 from chipbreak.restore import Region, regions, restored_bytes
+from chipbreak.settings.sections import Settings
 from chipbreak.source import Source, read
 from chipbreak.syntax.parse import parse_changed
 from chipbreak.units import MM_PER_INCH
+from chipbreak.unroll import unrolled
 
 if TYPE_CHECKING:
     from chipbreak.measure import CheckedCut
@@ -41,6 +43,8 @@ def verify(
     ordered = in_order(edits)
     if len(found) != len(ordered):
         raise SelfCheckError(f"{len(ordered)} changes were planned, {len(found)} stand in the output")
+    _check_lengths(source, found, trace.settings)
+    source, found = unrolled(source, found, trace.settings.dialect.loop)
     # What stands between the changes has just been found equal, so it need not be classified twice.
     kept = _kept(trace, source, ordered, found)
     result = interpret(parse_changed(source, trace.program, kept), trace.settings)
@@ -52,7 +56,6 @@ def verify(
         planned = by_edit.get(id(edit))
         if planned is not None and planned.cut.chain.after.modes["motion"] != "line":
             motion_from = _next_motion_code(trace, edit.last)
-        _check_length(result, region)
         _check_states(trace, result, edit, region, motion_from)
         _check_return(trace, result, edit, region, stop)
         if planned is not None:
@@ -80,12 +83,12 @@ def _kept(
     return kept
 
 
-def _check_length(result: Trace, region: Region) -> None:
-    limit = result.settings.control.max_line_chars
-    starts = result.program.source.starts[region.first : region.last + 1]
-    longest = int(np.diff(starts).max()) - 1
-    if longest > limit:
-        raise SelfCheckError(f"a new block has {longest} characters, the control takes {limit}")
+def _check_lengths(source: Source, found: Sequence[Region], settings: Settings) -> None:
+    limit = settings.control.max_line_chars
+    for region in found:
+        longest = int(np.diff(source.starts[region.first : region.last + 1]).max()) - 1
+        if longest > limit:
+            raise SelfCheckError(f"a new block has {longest} characters, the control takes {limit}")
 
 
 def _next_motion_code(trace: Trace, first: int) -> int:

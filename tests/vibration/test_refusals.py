@@ -124,6 +124,20 @@ def test_smoothing_in_a_vibrated_cut_is_warned_of(words: str, sets: list[str], c
     assert [d.code for d in chipbreak.rewrite(program.encode(), settings).diagnostics] == codes
 
 
+def test_cuts_too_short_may_stay_plain_where_chips_may_stay_whole() -> None:
+    """A profile or comment asks for all cuts, the small ones between them too."""
+    program = f"{HEAD}(VIB N1.5)\nG1 Z-3. F0.05\nG0 X20.4\nG1 X20. Z-3.01\nG0 X30.\nM30\n"
+    assert rejected(program) == [("VIB013", 6, 1)]
+    settings = chipbreak.load("generic-lathe")
+    result = chipbreak.rewrite(program.encode(), settings, allow_unbroken=True)
+    assert [(d.code, d.severity.value) for d in result.diagnostics] == [("VIB013", "warning")]
+    assert len(result.cuts) == 1
+    assert b"\nG1 X20. Z-3.01\n" in result.data
+    by_word = program.replace("Z-3.01", "Z-3.01 N1.5")
+    with pytest.raises(chipbreak.ProgramRejectedError):
+        chipbreak.rewrite(by_word.encode(), settings, allow_unbroken=True)
+
+
 def test_one_refused_cut_stops_the_whole_program() -> None:
     good = "G1 Z-30. F0.05 N1.5\nG0 Z2.\n"
     errors = rejected(f"{HEAD}{good}G1 Z-20. N2\nG0 Z2.\nG1 Z-10. N3\nM30\n")

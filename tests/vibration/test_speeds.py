@@ -22,6 +22,22 @@ def commands(program: str, *sets: str) -> list[str]:
     return [line.strip() for line in lines if "S" in line]
 
 
+# --- time to settle ---------------------------------------------------------------------------------------
+
+
+def test_the_spindle_may_settle_wherever_its_speed_is_changed() -> None:
+    program = HEAD + CUT + CUT + "G33 Z-20. F1.\n" + CUT + "M30\n"
+    out = filtered(program, "generic-lathe", "spindle.settle_s=0.8")
+    lines = re.sub(r"\([^)]*\)\n", "", out).splitlines()
+    dwells = [i for i, line in enumerate(lines) if line.startswith("G4")]
+    assert [lines[i - 1 : i + 1] for i in dwells] == [
+        ["S2500", "G4 X0.8"],
+        ["S3000", "G4 X0.8"],  # before the thread
+        ["S2500", "G4 X0.8"],
+    ]
+    assert lines[-2:] == ["S3000", "M30"]
+
+
 # --- one change where one will do -------------------------------------------------------------------------
 
 
@@ -222,3 +238,23 @@ def test_a_cut_counts_with_the_peripheral_speed() -> None:
 def test_v_and_d_that_are_not_ours(line: str, profile: str) -> None:
     program = f"{line}\nM30\n"
     assert filtered(program, profile) == program
+
+
+# --- constant surface speed in both directions --------------------------------------------------------------
+
+
+def surface_warnings(program: str) -> list[str]:
+    result = chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-lathe"))
+    return [d.message for d in result.diagnostics if d.code == "VIB064"]
+
+
+def test_outwards_the_speed_of_the_start_may_be_far_too_high() -> None:
+    head = "G50 S2000\nG96 S120 M3\n"
+    (warning,) = surface_warnings(f"{head}G0 X0. Z0.\nG1 X60. F0.1 N1.5\nG0 Z5.\nM30\n")
+    assert "G96 S120 runs as S2000: at diameter 60 mm that is 377 m/min" in warning
+    assert not surface_warnings(f"{head}G0 X60. Z0.\nG1 X-1.6 F0.1 N1.5\nG0 Z5.\nM30\n")
+    # The ways out: towards the centre (above), N and f with a lower S, a lower clamp.
+    cut = "G1 X60. F0.1 N1.5 f15.625"
+    assert not surface_warnings(f"{head}G0 X0. Z0.\n{cut}\nG0 Z5.\nM30\n")
+    low = head.replace("2000", "600")
+    assert not surface_warnings(f"{low}G0 X0. Z0.\nG1 X60. F0.1 N1.5\nG0 Z5.\nM30\n")

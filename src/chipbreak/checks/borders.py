@@ -159,7 +159,8 @@ class BorderFinder:
     def _reproducible(self, step: Step) -> set[str]:
         """Axes that our own retract takes to the same place: G28, or G53 to zero."""
         g28 = any(w.address == "G" and w.number == 28.0 for w in step.block.words)
-        zero = {w.address for w in step.block.words if plain_value(w) == 0.0}
+        axes = self.trace.settings.axis_words.axes
+        zero = {axes.get(w.address, "") for w in step.block.words if plain_value(w) == 0.0}
         return self._retracted if g28 and self._retract_homes else self._retracted & zero
 
     def _judge(self, spot: _Spot) -> Border | NoBorder:
@@ -239,11 +240,19 @@ class BorderFinder:
         return None
 
 
+def retract_blocks(settings: Settings) -> Iterable[str]:
+    """The dialect's retract in the letters of the profile's axes."""
+    dialect = settings.dialect
+    # Where an axis has no such word, the profile does not get as far as a check.
+    texts = (settings.axis_words.renamed(t, dialect.incremental) for t in dialect.machine_retract)
+    return filter(None, texts)
+
+
 def retract_steps(settings: Settings) -> Iterable[Step]:
     """What the dialect's retract does, block by block."""
     interpreter = Interpreter(settings, Flow(frozenset(), ()))
     state = State(modes=dict(settings.dialect.initial))
-    for text in settings.dialect.machine_retract:
+    for text in retract_blocks(settings):
         step = interpreter.advance(state, read_block(0, text))
         state = step.after
         yield step

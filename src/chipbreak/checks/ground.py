@@ -24,7 +24,7 @@ _AT_REST = {
     "rotation": "the coordinate system is rotated (G68)",
     "polar": "polar coordinates are on",
     "interpolation": "polar interpolation is on",
-    "cylinder": "cylindrical interpolation was switched",
+    "cylinder": "cylindrical interpolation (G7.1) is on",
     "polygon": "polygon turning is on",
     "scaling": "scaling (G51) is on",
     "mirror": "mirror image (G51.1) is on",

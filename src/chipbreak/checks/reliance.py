@@ -13,11 +13,11 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 
 from chipbreak.model.main_program import calls_subprogram
-from chipbreak.model.motion import AXES
 from chipbreak.model.operations import calls_tool
 from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace
 from chipbreak.model.words import codes_of, plain_value
+from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
 
 # Who has not come to a decision after this many blocks relies on everything.
@@ -58,13 +58,14 @@ def reliance(
 
 def named_axes(step: Step, settings: Settings) -> frozenset[str]:
     """The linear axes that a block names."""
-    incremental = settings.dialect.incremental
-    return frozenset(incremental.get(w.address, w.address) for w in step.block.words) & frozenset(AXES)
+    axes = settings.axis_words.axes
+    return frozenset(axes.get(w.address, "") for w in step.block.words) & frozenset(AXES)
 
 
 def homed_axes(step: Step, settings: Settings) -> frozenset[str]:
     """The axes a reference return takes home; one that names none, not even a rotary axis, means all."""
-    rotary = any(word.address in "ABC" for word in step.block.words)
+    linear = settings.axis_words.axes
+    rotary = any(word.address in "ABC" and word.address not in linear for word in step.block.words)
     return named_axes(step, settings) or frozenset("" if rotary else AXES)
 
 
@@ -93,7 +94,7 @@ class _Look:
     length_offset: bool = False
 
     def __post_init__(self) -> None:
-        self.dialect = self.trace.settings.dialect
+        self.dialect, self.words = self.trace.settings.dialect, self.trace.settings.axis_words
         self.all_axes = frozenset("XZ" if self.dialect.is_lathe else "XYZ")
 
     def is_decided_by(self, step: Step) -> bool:
@@ -167,8 +168,8 @@ class _Look:
         """``G91 G28 Z0.`` goes straight home; with other values it is a move to a point first."""
         named = homed_axes(step, self.trace.settings)
         incremental = step.after.modes.get("distance") == "incremental"
-        words = [w for w in step.block.words if self.dialect.incremental.get(w.address, w.address) in AXES]
-        distances = [w for w in words if incremental or w.address in self.dialect.incremental]
+        words = [w for w in step.block.words if self.words.axes.get(w.address, "") in self.words.signs]
+        distances = [w for w in words if incremental or w.address in self.words.distances]
         if len(distances) < len(words):
             return self._rapid(named, bool(step.block.skip))
         if any(plain_value(word) != 0.0 for word in distances):
@@ -178,7 +179,7 @@ class _Look:
 
     def _machine(self, step: Step) -> bool:
         named = named_axes(step, self.trace.settings)
-        depth = step.block.word("Z")
+        depth = step.block.word(self.words.letters["Z"])
         if step.after.modes["motion"] != "rapid":
             return self._rely_on_rest()
         if depth and plain_value(depth) != 0.0:

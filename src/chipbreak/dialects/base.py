@@ -18,6 +18,25 @@ class Code(NamedTuple):
 
 
 @dataclass(frozen=True)
+class Loop:
+    """How a control repeats blocks: the lines before and behind them.
+
+    ``{passes}`` is how often, ``{label}`` one of ``labels``, ``{variable}`` the number of a counter.
+    ``reuses``: loops that do not lie in each other may have one label.
+    """
+
+    begin: tuple[str, ...]
+    end: tuple[str, ...]
+    labels: range
+    reuses: bool
+
+    @property
+    def statements(self) -> int:
+        """Lines that the control reads in each pass beside the blocks themselves."""
+        return 1 + len(self.end)
+
+
+@dataclass(frozen=True)
 class Dialect:
     """A control's vocabulary.
 
@@ -30,6 +49,8 @@ class Dialect:
     ``machine_retract`` blocks that take the tool to the machine's safe end of travel, in order
     ``kept_variables`` first and last numbers of the variables in which programs may keep values
     ``retract_is_absolute`` these blocks must not stand in incremental mode
+    ``axis_letters``  letters that can name a linear axis
+    ``loop``          how blocks are repeated; None where the control has no way that is known
     """
 
     name: str
@@ -45,7 +66,9 @@ class Dialect:
     retract_is_absolute: bool = False
     kept_variables: tuple[tuple[int, int], ...] = ()
     dwell_word: str = "X"
+    axis_letters: str = "XYZABC"
     reads_comments_in_lower_case: bool = False
+    loop: Loop | None = None
 
     def code(self, group: str, value: str, like: Collection[int] = ()) -> str:
         """The G code that sets a modal group, such as ``G95`` for feed_mode, rev.

@@ -4,9 +4,18 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
-from chipbreak.dialects.base import COMMON, Dialect, table
+from chipbreak.dialects.base import COMMON, Dialect, Loop, table
 
 _INCREMENTAL = MappingProxyType({"U": "X", "V": "Y", "W": "Z", "H": "C"})
+
+# The control works these statements out while it reads ahead.  That is harmless here: they count, and ask for
+# nothing that depends on where the tool is.
+_LOOP = Loop(
+    begin=("#{variable}=0", "WHILE[#{variable}LT{passes}]DO{label}"),
+    end=("#{variable}=#{variable}+1", "END{label}"),
+    labels=range(1, 4),
+    reuses=True,
+)
 
 _LATHE = COMMON | table(
     motion={"G32 G33 G34": "thread", "G80": "none", "G83 G84 G85 G87 G88 G89": "cycle"},
@@ -59,6 +68,7 @@ FANUC_LATHE_A = Dialect(
     incremental=_INCREMENTAL,
     speed_limit=frozenset({500}),
     machine_retract=("G28 U0", "G28 W0"),
+    loop=_LOOP,
 )
 
 FANUC_LATHE_B = Dialect(
@@ -80,6 +90,7 @@ FANUC_LATHE_B = Dialect(
     incremental=_INCREMENTAL,
     speed_limit=frozenset({500, 920}),
     machine_retract=("G28 U0", "G28 W0"),
+    loop=_LOOP,
 )
 
 FANUC_LATHE_C = Dialect(
@@ -107,6 +118,7 @@ FANUC_LATHE_C = Dialect(
     incremental=_INCREMENTAL,
     speed_limit=frozenset({500, 920}),
     machine_retract=("G28 U0", "G28 W0"),
+    loop=_LOOP,
 )
 
 FANUC_MILL = Dialect(
@@ -155,6 +167,8 @@ FANUC_MILL = Dialect(
         }
     ),
     tool_change="M6",
+    axis_letters="XYZUWABC",
     machine_retract=("G91 G28 Z0.", "G90"),
     kept_variables=((500, 999), (98000, 98499)),
+    loop=_LOOP,
 )

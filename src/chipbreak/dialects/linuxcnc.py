@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
-from chipbreak.dialects.base import COMMON, Dialect, table
+from chipbreak.dialects.base import COMMON, Dialect, Loop, table
 
 _CODES = COMMON | table(
     motion={
@@ -33,6 +33,13 @@ _CODES = COMMON | table(
 for _absent in (90, 110, 310, 650, 541):
     _CODES.pop(_absent)
 
+_LOOP = Loop(
+    begin=("o{label} repeat [{passes}]",),
+    end=("o{label} endrepeat",),
+    labels=range(1001, 100_000),
+    reuses=False,
+)
+
 _INITIAL = {
     "motion": "none",
     "distance": "absolute",
@@ -54,9 +61,11 @@ LINUXCNC_LATHE = Dialect(
     initial=MappingProxyType(_INITIAL | {"plane": "ZX"}),
     tool_change="M6",
     dwell_word="P",
+    axis_letters="XYZUW",
     machine_retract=("G53 G0 X0", "G53 G0 Z0"),
     retract_is_absolute=True,
     reads_comments_in_lower_case=True,
+    loop=_LOOP,
 )
 
 LINUXCNC_MILL = Dialect(
@@ -67,8 +76,10 @@ LINUXCNC_MILL = Dialect(
     initial=MappingProxyType(_INITIAL | {"plane": "XY"}),
     tool_change="M6",
     dwell_word="P",
+    axis_letters="XYZUW",
     machine_retract=("G53 G0 Z0",),
     kept_variables=((31, 5000),),
     retract_is_absolute=True,
     reads_comments_in_lower_case=True,
+    loop=_LOOP,
 )

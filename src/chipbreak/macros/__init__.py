@@ -2,6 +2,6 @@
 
 from chipbreak.macros.calls import ToolValues
 from chipbreak.macros.parameters import MacroSettings, UnsetError
-from chipbreak.macros.write import macro_files
+from chipbreak.macros.write import check_axes, macro_files
 
-__all__ = ["MacroSettings", "ToolValues", "UnsetError", "macro_files"]
+__all__ = ["MacroSettings", "ToolValues", "UnsetError", "check_axes", "macro_files"]

@@ -6,6 +6,7 @@ from importlib import resources
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.macros.parameters import MacroSettings
+from chipbreak.settings.axis_words import AxisWords
 from chipbreak.syntax.numbers import print_number
 
 NO_MACROS = "MCR004"
@@ -62,6 +63,14 @@ def macro_files(dialect: str, settings: MacroSettings) -> dict[str, bytes]:
         # A memory card wants each program between two marks.
         files = {name: b"%\n" + data + b"%\n" for name, data in files.items()}
     return dict(sorted(files.items()))
+
+
+def check_axes(words: AxisWords) -> None:
+    """Raise RefusalError MCR004 where the axes of a profile are not those that the macros command."""
+    for axis, letter in words.letters.items():
+        if letter != axis or words.signs[axis] != 1:
+            message = f"the macros move {axis} by {axis} words with the tool; this profile says otherwise"
+            raise RefusalError(NO_MACROS, message, "give calls to macros of your own under [calls]")
 
 
 def _value(settings: MacroSettings, key: str) -> str:

@@ -8,18 +8,18 @@ units, compensation, offsets and the other modal groups, (8) non-modal codes, (9
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.dialects.base import ONCE
 from chipbreak.model.flow import Flow
 from chipbreak.model.modal import Position, Setting, State
-from chipbreak.model.motion import AXES, move_of
+from chipbreak.model.motion import move_of
 from chipbreak.model.peripheral import peripheral_of
 from chipbreak.model.requests import vibration_words
 from chipbreak.model.steps import CUTTING, Move, Step
-from chipbreak.model.words import codes_of, feed_value, plain_value
+from chipbreak.model.words import JUMPED, codes_of, cylinder_of, feed_value, plain_value
+from chipbreak.settings.axis_words import AXES, CENTRES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
 
@@ -66,7 +66,7 @@ _LOSES_NAMED_AXES = ("home", "machine", "skip")
 _AXES_WITHOUT_V = frozenset("XYZUWABCH")
 _PLAIN_LETTERS = frozenset("GMTSFODHABC")
 _ARCS = ("cw", "ccw")
-_CENTRE_LETTERS = frozenset("IJK")
+_CENTRE_LETTERS = frozenset(CENTRES)
 
 
 def initial_state(settings: Settings) -> State:
@@ -80,14 +80,14 @@ class Interpreter:
     def __init__(self, settings: Settings, flow: Flow) -> None:
         self.settings, self.flow = settings, flow
         self.dialect = settings.dialect
-        self.axis_letters = frozenset(AXES) | frozenset(self.dialect.incremental)
+        self.axis_letters = frozenset(settings.axis_words.axes)
 
     def advance(self, state: State, block: Block) -> Step:
         """What a block does."""
         if state.ended and not block.is_empty:
             state = replace(initial_state(self.settings), unknown_why="another program starts here")
         if block.line in self.flow.targets:
-            state = state.forgotten("a jump (GOTO) can arrive at this block")
+            state = state.forgotten(JUMPED)
         if block.opaque:
             return Step(block, state, state.forgotten(f"line {block.line + 1} cannot be read"))
         if block.is_empty:
@@ -150,6 +150,8 @@ class Interpreter:
                 once.add(code.value)
             else:
                 changes[code.group] = code.value
+        if "cylinder" in changes:
+            changes["cylinder"] = cylinder_of(block)
         return changes, frozenset(once), unknown
 
     def _values(
@@ -210,12 +212,8 @@ class Interpreter:
                 state = self._tool_word(state, value)
             elif word.address == "M" and not math.isnan(value):
                 state = _m_code(state, int(value))
-        changed = self.dialect.tool_change == "M6" and any(
-            w.address == "M" and w.number == 6 for w in block.words
-        )
-        if changed:
-            tool = state.next_tool
-            state = replace(state, tool=tool).lost("a tool change moves the machine")
+        if self.dialect.tool_change == "M6" and any(w.address == "M" and w.number == 6 for w in block.words):
+            state = replace(state, tool=state.next_tool).lost("a tool change moves the machine")
         return state
 
     def _tool_word(self, state: State, value: float) -> State:
@@ -236,7 +234,7 @@ class Interpreter:
         limits_only = "set-position" in once and not axis_words
         for name in sorted(once):
             if name in _LOSES and not limits_only:
-                axes = [self.dialect.incremental.get(w.address, w.address) for w in axis_words]
+                axes = [self.settings.axis_words.axes[w.address] for w in axis_words]
                 state = _lose_axes(state, axes, _LOSES[name], everything=name not in _LOSES_NAMED_AXES)
         has_centre = any(w.address in _CENTRE_LETTERS for w in block.words)
         is_circle = has_centre and state.modes.get("motion") in _ARCS
@@ -292,8 +290,8 @@ def _lose_axes(state: State, axes: list[str], why: str, *, everything: bool) -> 
 
 def _maybe(before: State, after: State, line: int) -> State:
     """After a block that an operator may switch off: what differs cannot be known."""
-    keep: Callable[[float, float], float] = lambda a, b: b if a == b else math.nan  # noqa: E731
-    position = Position(*map(keep, before.position, after.position))
+    pairs = zip(before.position, after.position, strict=True)
+    position = Position(*(b if a == b else math.nan for a, b in pairs))
     if position != after.position:
         why = f"line {line + 1} is skipped while block delete is on"
         after = replace(after, position=position, unknown_why=why)

@@ -21,6 +21,7 @@ _CUTTING_CODES = frozenset(
     {"rough-cycle", "finish-cycle", "peck-cycle", "thread-cycle", "macro-call", "service"}
 )
 _NOTHING, _CUTS, _PROBES = 0, 1, 2
+_MOVING = "XYZUVWABC"
 _WORK_OF_MOTION = {"rapid": _NOTHING, "none": _NOTHING, "probe": _PROBES}
 
 
@@ -102,7 +103,7 @@ def _bodies(trace: Trace) -> tuple[tuple[tuple[int, int], ...], int]:
 def _work(trace: Trace) -> NDArray[np.int8]:
     """What each line of the file does to the workpiece."""
     program = trace.program
-    moves = np.array([any(a in s.letters for a in "XYZABCIJK") for s in program.shapes] + [False])
+    moves = np.array([any(a in s.letters for a in _MOVING + "IJK") for s in program.shapes] + [False])
     given = np.array([-1 if s.motion is None else min(s.motion, 1) for s in program.shapes] + [-1], np.int8)
     mode = given[program.plain]
     for step in trace.events:
@@ -133,7 +134,7 @@ def _work_of(step: Step) -> int:
     if step.once:
         return _NOTHING
     # Full circles name no axis; under a G code this profile does not know nobody has read the axes.
-    moving = "XYZABCIJK" if modes["motion"] in ("cw", "ccw") else "XYZABC"
+    moving = _MOVING + "IJK" if modes["motion"] in ("cw", "ccw") else _MOVING
     if any(word.address in moving for word in block.words):
         return _WORK_OF_MOTION.get(modes["motion"], _CUTS)
     return _NOTHING

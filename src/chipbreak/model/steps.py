@@ -18,7 +18,8 @@ class Move:
     ``kind``         rapid, line, cw, ccw, thread or other
     ``axes``         the axes the block names, in its order
     ``incremental``  True where the block gives nothing but distances (G91, U, W)
-    ``offsets``      I, J, K of an arc [mm], NaN where not given;  ``radius_mm`` its R, NaN without
+    ``offsets``      from the start to the centre of an arc [mm], NaN where not given
+    ``radius_mm``    its R, NaN without;  ``plane`` the plane it turns in: XY, ZX or YZ
     """
 
     kind: str
@@ -28,6 +29,7 @@ class Move:
     incremental: bool
     offsets: Position | None = None
     radius_mm: float = float("nan")
+    plane: str = ""
 
     @property
     def is_cut(self) -> bool:

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from chipbreak.model.flow import Flow, read_flow
 from chipbreak.model.interpret import Interpreter, initial_state
 from chipbreak.model.modal import Position, Setting, State
-from chipbreak.model.motion import AXES
 from chipbreak.model.steps import Step
 from chipbreak.model.words import feed_value, is_diameter, length_mm
 from chipbreak.settings.sections import Settings
@@ -101,9 +100,9 @@ class Trace:
         """True when a run gives distances, by G91 or by U and W."""
         if state.modes.get("distance", "absolute") == "incremental":
             return True
-        incremental = set(self.settings.dialect.incremental)
+        distances = self.settings.axis_words.distances
         used = _used(self.program.plain[first:last])
-        return any(incremental.intersection(self.program.shapes[i].letters) for i in used)
+        return any(distances.intersection(self.program.shapes[i].letters) for i in used)
 
     def _values_are_plain(self, first: int, last: int) -> bool:
         """True when every number of a run means what it says."""
@@ -113,17 +112,17 @@ class Trace:
 
     def _sum(self, state: State, last: int, letters: str, numbers: NDArray[np.float64]) -> State:
         """Add up the distances of a run whose blocks all have the same words."""
-        control = self.settings.control
+        control, words = self.settings.control, self.settings.axis_words
         word_of = {w.address: w for w in self.program.block(last - 1).words}
         ends = state.position._asdict()
         for column, letter in enumerate(letters):
-            axis = self.settings.dialect.incremental.get(letter, letter)
-            if axis not in AXES:
+            axis = words.axes.get(letter, "")
+            if axis not in words.signs:
                 continue
-            scale = MM_PER_INCH if state.is_inch else 1.0
+            scale = (MM_PER_INCH if state.is_inch else 1.0) * words.signs[axis]
             if axis == "X" and is_diameter(state, control):
                 scale /= 2.0
-            is_distance = letter != axis or state.modes.get("distance") == "incremental"
+            is_distance = letter in words.distances or state.modes.get("distance") == "incremental"
             total = numbers[:, column].sum() if is_distance else numbers[-1, column]
             ends[axis.lower()] = (ends[axis.lower()] if is_distance else 0.0) + float(total) * scale
         feed = word_of.get("F")
@@ -137,26 +136,26 @@ class Trace:
         shapes = self.program.shapes
         ids = self.program.plain[first:last]
         used = _used(ids)
-        control = self.settings.control
+        control, words = self.settings.control, self.settings.axis_words
         motion_at = _last_of(ids, [i for i in used if shapes[i].motion is not None], len(shapes))
         if motion_at >= 0:
             state = state.with_modes({"motion": _MOTION[shapes[ids[motion_at]].motion or 0]})
         position = {}
-        for letter in "XYZF":
+        for axis, letter in (*words.letters.items(), ("", "F")):
             at = _last_of(ids, [i for i in used if letter in shapes[i].letters], len(shapes))
             if at < 0:
                 continue
             word = self.program.block(first + at).word(letter)
             assert word is not None
-            if letter == "F":
+            if not axis:
                 state = replace(
                     state, feed=Setting(feed_value(word, state, control), word.value_text, first + at)
                 )
                 continue
-            value = length_mm(word, state, control)
-            if letter == "X" and is_diameter(state, control):
+            value = length_mm(word, state, control) * words.signs[axis]
+            if axis == "X" and is_diameter(state, control):
                 value /= 2.0
-            position[letter.lower()] = value
+            position[axis.lower()] = value
         return replace(state, position=state.position._replace(**position))
 
 

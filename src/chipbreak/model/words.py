@@ -12,6 +12,10 @@ from chipbreak.units import MM_PER_INCH
 NO_POINT = "a number without a decimal point; this control may read it as increments"
 
 
+# Why nothing is known at the target of a jump.
+JUMPED = "a jump (GOTO) can arrive at this block"
+
+
 def plain_value(word: Word) -> float:
     """The number itself, NaN where it is not a constant."""
     if word.number is not None:
@@ -24,6 +28,12 @@ def codes_of(block: Block, group: str, dialect: Dialect) -> list[int]:
     """The codes of a modal group that a block says, ten times the G number each."""
     numbers = [round(w.number * 10) for w in block.words if w.address == "G" and w.number is not None]
     return [n for n in numbers if n in dialect.g_codes and dialect.g_codes[n].group == group]
+
+
+def cylinder_of(block: Block) -> str:
+    """``G7.1 C0`` ends what ``G7.1 C20.`` began: the radius of the cylinder is zero."""
+    radii = [plain_value(w) for w in block.words if w.address in "ABCH"]
+    return "off" if radii and all(radius == 0.0 for radius in radii) else "on"
 
 
 def length_mm(word: Word, state: State, control: Control) -> float:

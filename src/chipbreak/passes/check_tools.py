@@ -24,7 +24,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-from chipbreak.checks.borders import Border
+from chipbreak.checks.borders import Border, retract_blocks
 from chipbreak.checks.plan import PlannedCheck, plan_checks
 from chipbreak.diagnostics import Diagnostic
 from chipbreak.edits import Edit
@@ -96,7 +96,7 @@ class _Blocks:
         # A move in machine coordinates is absolute, and some controls want that said.
         if self.dialect.retract_is_absolute and self.now.modes.get("distance") == "incremental":
             self.write(self.dialect.code("distance", "absolute"))
-        for text in self.dialect.machine_retract:
+        for text in retract_blocks(self.settings):
             self.write(text)
         if self.before.turns:
             self.write("M5")
@@ -128,4 +128,5 @@ class _Blocks:
             value /= MM_PER_INCH
         if axis == "X" and is_diameter(self.before, self.settings.control):
             value *= 2.0
-        return axis + print_number(value, _DECIMALS)
+        words = self.settings.axis_words
+        return words.letters[axis] + print_number(value * words.signs[axis], _DECIMALS)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from chipbreak.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.edits import Edit, MoveTable
@@ -25,11 +25,12 @@ from chipbreak.syntax.numbers import print_number
 from chipbreak.vibration.advice import with_advice
 from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.chain import Chain, chains_of
+from chipbreak.vibration.loop_names import LoopNames, free_names
 from chipbreak.vibration.plan import VibratedCut, plan_cut
 from chipbreak.vibration.request import Request
 from chipbreak.vibration.speeds import SpeedChange, speed_changes, speed_words
 
-SMOOTHED = "VIB063"
+SMOOTHED, TOO_SHORT = "VIB063", "VIB013"
 _OFF = re.compile(r"[PQ]\s*0\b")
 
 
@@ -52,24 +53,41 @@ class VibrationPlan:
 
 
 def plan(
-    trace: Trace, settings: Settings, requests: Sequence[Request], checks_at: Collection[int] = ()
+    trace: Trace,
+    settings: Settings,
+    requests: Sequence[Request],
+    *,
+    checks_at: Collection[int] = (),
+    allow_unbroken: bool = False,
 ) -> VibrationPlan:
     """Plan every vibrated cut.  Errors are diagnostics; with one, the edits must not be used.
 
     ``checks_at`` are the lines before which tool checks will stand.
+    ``allow_unbroken``: cuts too short to vibrate stay as they are, with a warning, where no word of theirs
+    asks for vibration (it would reach the control).
     """
     chains, diagnostics = chains_of(trace, requests)
+    warnings = list[Diagnostic]()
     cuts: list[VibratedCut] = []
     expansions: list[Expansion] = []
+    try:
+        names = free_names(trace.program, settings) if chains else None
+    except RefusalError as error:
+        return VibrationPlan((), (), (_at_chain(trace, chains[0], error),))
     for chain in chains:
         try:
             cut = plan_cut(chain, settings)
             _check_motion_mode(trace, chain)
-            expansions.append(_expand(cut, settings))
+            expansion = _expand(cut, settings, names)
         except RefusalError as error:
-            diagnostics.append(_at_chain(trace, chain, error))
+            if allow_unbroken and error.code == TOO_SHORT and not chain.asked_by_word:
+                warnings.append(replace(_at_chain(trace, chain, error), severity=Severity.WARNING))
+            else:
+                diagnostics.append(_at_chain(trace, chain, error))
             continue
         cuts.append(cut)
+        expansions.append(expansion)
+        names = names.behind(len(expansion.loops or ())) if names is not None else None
     if diagnostics:
         # A refused cut leaves the speeds around it open: nothing more can be said honestly.
         return VibrationPlan((), (), tuple(sorted(diagnostics, key=_by_line)))
@@ -83,9 +101,9 @@ def plan(
         _expansion(cut, made.content, own.get(cut.chain.first, ""), trace, settings)
         for cut, made in zip(cuts, expansions, strict=True)
     ]
-    back = [_speed_back(change) for change in changes if change.for_cut is None]
+    back = [_speed_back(change, trace, settings) for change in changes if change.for_cut is None]
     planned = tuple(map(PlannedCut, cuts, expansions, edits))
-    return VibrationPlan(planned, tuple(edits + back), tuple(_smoothed(trace, chains, settings)))
+    return VibrationPlan(planned, tuple(edits + back), (*warnings, *_smoothed(trace, chains, settings)))
 
 
 def planned_cut(chain: Chain, trace: Trace, settings: Settings) -> PlannedCut:
@@ -96,9 +114,9 @@ def planned_cut(chain: Chain, trace: Trace, settings: Settings) -> PlannedCut:
     return PlannedCut(cut, made, _expansion(cut, made.content, speed, trace, settings))
 
 
-def _expand(cut: VibratedCut, settings: Settings) -> Expansion:
+def _expand(cut: VibratedCut, settings: Settings, names: LoopNames | None) -> Expansion:
     try:
-        return moves_of(cut, settings)
+        return moves_of(cut, settings, names)
     except RefusalError as error:
         raise with_advice(error, cut, settings, moves_of) from None
 
@@ -127,17 +145,17 @@ def _expansion(
         for line in range(chain.first, chain.last)
         if trace.program.block(line).is_empty and trace.program.block(line).comments
     ]
-    mode = settings.output.feed_mode
     was = chain.before.modes["feed_mode"]
+    mode = was if cut.keeps_feed else settings.output.feed_mode
     head = [*comments, chain.preamble(), speed]
-    if speed and settings.spindle.settle_s > 0.0:
-        head.append(f"G4 {settings.dialect.dwell_word}{print_number(settings.spindle.settle_s, 3)}")
+    head += _settling(settings) if speed else []
     feed_back = f"F{chain.after.feed.text}" if chain.after.feed else ""
     if mode != was:
         like = {n for s in trace.events for n in codes_of(s.block, "feed_mode", settings.dialect)}
         head.append(settings.dialect.code("feed_mode", mode, like))
         feed_back = f"{settings.dialect.code('feed_mode', was, like)} {feed_back}"
-    tail = [] if mode == was and cut.cut.end_revolutions > 0.0 else [feed_back]
+    feed_stands = cut.keeps_feed or cut.cut.end_revolutions > 0.0
+    tail = [] if mode == was and feed_stands else [feed_back]
     switched, given_back = _modes_around(chain, settings)
     head += switched
     tail += given_back
@@ -146,11 +164,18 @@ def _expansion(
         f"VIB N{print_number(solution.per_rev, 4, point=False)}"
         f" F{print_number(solution.frequency_hz, 3, point=False)}"
         f" S{print_number(solution.speed_rpm, 3, point=False)}"
-        f" STROKE {print_number(cut.cut.stroke_mm, 4)}"
+        f" {'DWELL' if cut.keeps_feed else f'STROKE {print_number(cut.cut.stroke_mm, 4)}'}"
     )
     reason = "; ".join(cut.reasons) or "nothing to correct"
     content = (*(text for text in head if text), *moves, *tail)
     return Edit(chain.first, chain.last, content, title, reason, VIBRATE)
+
+
+def _settling(settings: Settings) -> list[str]:
+    """The dwell in which the spindle reaches a new speed."""
+    if settings.spindle.settle_s <= 0.0:
+        return []
+    return [f"G4 {settings.dialect.dwell_word}{print_number(settings.spindle.settle_s, 3)}"]
 
 
 def _modes_around(chain: Chain, settings: Settings) -> tuple[list[str], list[str]]:
@@ -191,9 +216,13 @@ def _is_same_mode(one: str, other: str) -> bool:
     return plain[0] == plain[1]
 
 
-def _speed_back(change: SpeedChange) -> Edit:
+def _speed_back(change: SpeedChange, trace: Trace, settings: Settings) -> Edit:
     reason = "the programmed spindle speed comes back before the block that needs it"
-    return Edit(change.line, change.line, (change.text,), "SPEED AS PROGRAMMED", reason, VIBRATE)
+    step = trace.step(change.line)
+    # A cut must find the speed reached, a thread above all; the end of the program need not.
+    waits = step.before.turns and not step.after.ended
+    content = (change.text, *(_settling(settings) if waits else ()))
+    return Edit(change.line, change.line, content, "SPEED AS PROGRAMMED", reason, VIBRATE)
 
 
 def _check_motion_mode(trace: Trace, chain: Chain) -> None:

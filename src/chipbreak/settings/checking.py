@@ -102,7 +102,7 @@ def _checked_value(
             ("above" not in meta or value >= meta["above"] + _SMALLEST)
             and ("below" not in meta or value < meta["below"])
             and ("at_least" not in meta or value >= meta["at_least"])
-            and ("numbers" not in meta or value in meta["numbers"])
+            and ("values" not in meta or value in meta["values"])
             and abs(value) <= _LARGEST
         )
     if not fits:
@@ -132,11 +132,9 @@ def _checked_open(layer: Layer, section: str, key: str, value: Any) -> Any:
 
 def _expected(kinds: tuple[type, ...], meta: Mapping[str, Any]) -> str:
     parts = []
-    if "choices" in meta:
-        parts.append("one of " + ", ".join(meta["choices"]))
-    if "numbers" in meta:
-        return "expected " + " or ".join(map(str, meta["numbers"]))
-    if float in kinds or int in kinds:
+    if "choices" in meta or "values" in meta:
+        parts.append("one of " + ", ".join(map(str, meta.get("choices") or meta["values"])))
+    if (float in kinds or int in kinds) and "values" not in meta:
         parts.append("a whole number" if float not in kinds else "a number")
         limits = [("above", "above"), ("at_least", "of at least"), ("below", "below")]
         parts[-1] += "".join(f" {word} {meta[name]:g}" for name, word in limits if name in meta)

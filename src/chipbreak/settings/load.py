@@ -13,6 +13,7 @@ from typing import Any
 from chipbreak.diagnostics import Diagnostic, Severity
 from chipbreak.dialects import DIALECTS, Dialect, find
 from chipbreak.nearest import nearest
+from chipbreak.settings.axis_words import AXES, AxisWords, axis_words
 from chipbreak.settings.checking import (
     IMPOSSIBLE,
     UNKNOWN_KEY,
@@ -24,16 +25,8 @@ from chipbreak.settings.checking import (
     checked_value,
     hint_at,
 )
-from chipbreak.settings.sections import (
-    AXES,
-    LEAST_STORE,
-    OPEN_SECTIONS,
-    SECTIONS,
-    Checks,
-    Macros,
-    Planner,
-    Settings,
-)
+from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS, Axis, Planner, Settings
+from chipbreak.settings.tool_rules import check_macros, check_sisters
 from chipbreak.span import Place
 
 
@@ -104,50 +97,51 @@ def _build(
         message = f"output.feed_mode {mode!r}: {dialect.title} has no code for it"
         others = [other for other in ("rev", "inverse", "minute") if dialect.can("feed_mode", other)]
         raise layer.fail(IMPOSSIBLE, "output.feed_mode", message, f"one of {', '.join(others)}")
+    if sections["output"].form == "loop" and dialect.loop is None:
+        message = f"output.form 'loop': how {dialect.title} repeats blocks is not known"
+        help_text = 'write form = "expanded", or name the control: fanuc-lathe, linuxcnc-lathe'
+        raise layer.fail(IMPOSSIBLE, "output.form", message, help_text)
     if sections["planner"].reversal_stop_ms and sections["planner"].model != "trapezoid":
         message = f"planner.reversal_stop_ms has no place in planner.model {sections['planner'].model!r}"
         hint = 'planner.model = "trapezoid", or leave it out'
         raise layer.fail(IMPOSSIBLE, "planner.reversal_stop_ms", message, hint)
     _check_modes(layer, sections["planner"], dialect)
-    _check_macros(layer, sections["macros"], dialect)
-    _check_sisters(layer, sections["checks"])
+    check_macros(layer, sections["macros"], dialect)
+    check_sisters(layer, sections["checks"])
     return Settings(
         name=profile,
         call_sets=values["calls"],
         operations=values["operations"],
         axes=axes,
+        axis_words=_axis_words(layer, axes, dialect, checks=sections["checks"].enabled),
         dialect=dialect,
         origins=origins,
         **sections,
     )
 
 
-def _check_macros(layer: Layer, macros: Macros, dialect: Dialect) -> None:
-    """What one key alone does not say."""
-    if "{angle}" not in macros.orient or set("{}") & set(macros.orient.replace("{angle}", "")):
-        message = f'macros.orient = "{macros.orient}": its one field is {{angle}}'
-        raise layer.fail(IMPOSSIBLE, "macros.orient", message, 'for example "M19 R{angle}"')
-    for key in ("orient", "laser_on", "laser_off"):
-        for text in getattr(macros, key).split("\n"):
-            if not (text.isascii() and (text.isprintable() or not text)) or len(text) > 72:
-                message = f'macros.{key}: "{text}" is no block that a control can read'
-                raise layer.fail(IMPOSSIBLE, f"macros.{key}", message, "plain letters and digits, 72 at most")
-    if macros.store_last < macros.store_first + LEAST_STORE:
-        message = f"macros.store_last = {macros.store_last} leaves no room behind store_first"
-        help_text = f"at least {LEAST_STORE}: a tool takes 12 variables, and its teeth times its heights"
-        raise layer.fail(IMPOSSIBLE, "macros.store_last", message, help_text)
-    kept = dialect.kept_variables
-    if kept and not any(a <= macros.store_first and macros.store_last <= b for a, b in kept):
-        message = f"macros.store_first = {macros.store_first}, store_last = {macros.store_last} cannot be"
-        ranges = ", or ".join(f"{first} to {last}" for first, last in kept)
-        raise layer.fail(IMPOSSIBLE, "macros.store_first", message, f"this control keeps values in {ranges}")
-
-
-def _check_sisters(layer: Layer, checks: Checks) -> None:
-    for tool, sister in checks.sister.items():
-        if int(tool) == sister:
-            message = f"checks.sister.{tool} = {sister}: a tool is no sister of its own"
-            raise layer.fail(IMPOSSIBLE, f"checks.sister.{tool}", message, "name another tool, or none")
+def _axis_words(layer: Layer, axes: Mapping[str, Axis], dialect: Dialect, *, checks: bool) -> AxisWords:
+    """The letters and signs of the axes, where the control can have them."""
+    letters = {name: axis.letter or name for name, axis in axes.items()}
+    for name, letter in letters.items():
+        key = f"axes.{name}.letter"
+        if letter not in dialect.axis_letters:
+            message = f"{key} = {letter!r}: {dialect.title} has another meaning for this letter"
+            raise layer.fail(IMPOSSIBLE, key, message, f"one of {', '.join(dialect.axis_letters)}")
+        other = next(axis for axis, one in letters.items() if one == letter)
+        if other != name:
+            message = f"{key} = {letter!r} is the letter of {other} too"
+            way_out = f"give axes.{other}.letter or axes.{name}.letter another one"
+            raise layer.fail(IMPOSSIBLE, key, message, way_out)
+    if letters["X"] != "X" and dialect.can("diameter", "diameter"):
+        message = f"axes.X.letter = {letters['X']!r}: G7 and G8 of {dialect.title} know X alone"
+        raise layer.fail(IMPOSSIBLE, "axes.X.letter", message, "leave the letter of X as it is")
+    words = axis_words(letters, {name: axis.sign for name, axis in axes.items()}, dialect.incremental)
+    for text in dialect.machine_retract if checks else ():
+        if words.renamed(text, dialect.incremental) is None:
+            message = f"tool checks retract with {text}, for which these axis letters leave no word"
+            raise layer.fail(IMPOSSIBLE, "checks.enabled", message, "checks.enabled = false")
+    return words
 
 
 def _check_modes(layer: Layer, planner: Planner, dialect: Dialect) -> None:

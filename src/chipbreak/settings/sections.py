@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from chipbreak.dialects import Dialect
+from chipbreak.settings.axis_words import AXES, AxisWords
 
 
 def _one_of(default: str, *others: str) -> Any:
@@ -62,7 +63,7 @@ class Vibration:
     q: float | None = _above(None)
     a_mm: float | None = _above(None)
     margin: float = _at_least(1.2, 1.0)
-    waveform: str = _one_of("triangle", "sine")
+    waveform: str = _one_of("triangle", "sine", "dwell")
     alpha: float = field(default=0.5, metadata={"above": 0.0, "below": 1.0})
     phase: float | str = field(default="auto", metadata={"choices": ("auto",), "above": 0.0, "below": 1.0})
     pn: float | None = _at_least(None)
@@ -73,6 +74,7 @@ class Vibration:
     ramp_s: float | None = _at_least(None)
     ramp_exponent: float = _above(1.0)
     end_revolutions: float = _at_least(1.0)
+    end: str = _one_of("feed", "dwell")
     chord_mm: float = _above(0.001)
     edges: int = _at_least(1, 1)
 
@@ -83,14 +85,22 @@ class Output:
 
     feed_mode: str = _one_of("rev", "inverse", "minute")
     segments: str = _one_of("auto", "tick", "stroke")
+    form: str = _one_of("expanded", "loop")
+    loop_variable: int = field(default=33, metadata={"at_least": 1, "below": 1000})
     decimals: int = _digits(3)
     feed_decimals: int = _digits(5)
 
 
 @dataclass(frozen=True)
 class Axis:
-    """What one axis can do; without numbers it is taken to follow any command."""
+    """How the control commands one axis, and what it can do.
 
+    ``letter`` is the axis's own name where it is not set.  ``sign`` is 1 where the tool moves, -1 where the
+    work does.  Without numbers an axis is taken to follow any command.
+    """
+
+    letter: str | None = field(default=None, metadata={"choices": tuple("XYZUVWABC")})
+    sign: int = field(default=1, metadata={"values": (1, -1)})
     max_velocity_mm_min: float | None = _above(None)
     max_acceleration_mm_s2: float | None = _above(None)
     position_gain_1_s: float | None = _above(None)
@@ -185,7 +195,7 @@ class Macros:
     above_mm: float = _above(0.1)
     inset_mm: float = _above(0.2)
     resolution_mm: float = _above(0.001)
-    turn_sign: int = field(default=1, metadata={"numbers": (1, -1)})
+    turn_sign: int = field(default=1, metadata={"values": (1, -1)})
     store_first: int = _at_least(500, 1)
     store_last: int = _at_least(999, 1)
     orient: str = "M19 R{angle}"
@@ -216,6 +226,7 @@ class Settings:
     tools: Tools
     planner: Planner
     axes: Mapping[str, Axis]
+    axis_words: AxisWords
     call_sets: Mapping[str, Mapping[str, tuple[str, ...]]]
     operations: Mapping[str, tuple[str, ...]]
     dialect: Dialect
@@ -226,9 +237,9 @@ class Settings:
         return self.origins.get(key, "default")
 
 
-AXES = ("X", "Y", "Z")
 # Variables of the macros: 4 of the beam, 11 of locked tools and the count, and one small edge.
 LEAST_STORE = 40
+
 SECTIONS: Mapping[str, type[Any]] = {
     "control": Control,
     "command": Command,

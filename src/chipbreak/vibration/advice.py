@@ -7,12 +7,12 @@ from dataclasses import replace
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.settings.sections import Settings
-from chipbreak.units import S_PER_MIN
+from chipbreak.vibration.chain import Chain
 from chipbreak.vibration.control import ControlModel, control_model
-from chipbreak.vibration.plan import VibratedCut, command_group
+from chipbreak.vibration.plan import VibratedCut, command_group, plan_cut
 from chipbreak.vibration.planner import feed_for_time
-from chipbreak.vibration.solve import Period, shown
-from chipbreak.vibration.waveform import forward_ticks, sample
+from chipbreak.vibration.solve import Given, Period, shown
+from chipbreak.vibration.waveform import forward_ticks
 
 LIMITS = ("VIB030", "VIB031", "VIB032")
 _STEP = 0.93  # from one frequency tried to the next
@@ -41,33 +41,33 @@ def with_advice(
             continue
         tried.add(period.frequency_hz)
         try:
-            slower = _slower(cut, period)
+            slower = _slower(cut, period, settings)
             expand(slower, settings)
         except RefusalError:
             continue
         works = (
-            f"N {shown(round(cut.solution.per_rev, 4))} with the same feed and stroke works at"
+            f"N {shown(round(cut.solution.per_rev, 4))} with the same feed works at"
             f" f {shown(period.frequency_hz)} Hz, S {slower.solution.speed_rpm:.0f}"
         )
-        return RefusalError(error.code, error.message, f"{error.help}; {works}")
-    return error
+        return RefusalError(error.code, error.message, f"{error.help}; {works}{_standing(cut)}")
+    return RefusalError(error.code, error.message, f"{error.help}{_standing(cut)}")
 
 
-def _slower(cut: VibratedCut, period: Period) -> VibratedCut:
-    """The same vibrations in a slower period, with the speed that keeps N."""
-    speed_rpm = float(round(S_PER_MIN * period.frequency_hz / cut.solution.per_rev))
-    solution = replace(cut.solution, period=period, frequency_hz=period.frequency_hz, speed_rpm=speed_rpm)
-    ramp_in_s = cut.cut.ramp_in_s / cut.cut.period_s * period.period_s
-    motion = replace(
-        cut.cut,
-        speed_rpm=speed_rpm,
-        period_s=period.period_s,
-        ticks=period.ticks,
-        forward_ticks=forward_ticks(period.ticks, cut.cut.alpha_share),
-        ramp_in_s=ramp_in_s,
-    )
-    time_s, distance_mm = sample(motion)
-    return replace(cut, solution=solution, cut=motion, time_s=time_s, distance_mm=distance_mm)
+def _standing(cut: VibratedCut) -> str:
+    """What needs no reversal: at this E the tool stands for 1.2 revolutions (per edge)."""
+    turns = 1.2 / cut.edges / (1.0 - cut.cut.alpha_share)
+    return f"; WAVE DWELL with E {shown(round(turns, 2))} never turns back and stands instead"
+
+
+def _slower(cut: VibratedCut, period: Period, settings: Settings) -> VibratedCut:
+    """The cut as it would be planned with the same N and a slower f, as the advice says."""
+    wish = {"N": round(cut.solution.per_rev, 4), "F": period.frequency_hz}
+    requests = []
+    for request in cut.chain.requests:
+        values = {k: given for k, given in request.values.items() if k not in "SE"}
+        values |= {key: Given(value, "advice") for key, value in wish.items()}
+        requests.append(replace(request, values=values))
+    return plan_cut(Chain(tuple(requests)), settings)
 
 
 def _runs(cut: VibratedCut, period: Period, model: ControlModel) -> bool:

@@ -6,23 +6,27 @@ positions.  The feed of each block follows from the rounded points and the time 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.edits import MoveTable
-from chipbreak.model.modal import Setting, State
-from chipbreak.model.motion import AXES
+from chipbreak.model.modal import State
 from chipbreak.model.words import is_diameter
+from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
-from chipbreak.syntax.numbers import print_number
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
 from chipbreak.vibration.bends import blocks_of
+from chipbreak.vibration.content import Columns, Words, content_of
 from chipbreak.vibration.control import control_model
+from chipbreak.vibration.loop import Loop, among_kept, looped_points, same_feeds
+from chipbreak.vibration.loop_names import LoopNames
 from chipbreak.vibration.path import split_at
 from chipbreak.vibration.plan import VibratedCut
+from chipbreak.vibration.stands import dwell_s, printed_s, without_stands
 from chipbreak.vibration.timing import feeds_for_spans
 
 Floats = NDArray[np.float64]
@@ -33,62 +37,66 @@ _SAME_S = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class _Words:
-    """Axis words of every knot, in program units, rounded; (n, axes)."""
-
-    letters: tuple[str, ...]
-    absolute: Floats
-    points_mm: Floats
-    decimals: int
-    incremental: bool
-
-
-@dataclass(frozen=True, eq=False)
 class Expansion:
     """The moves of a cut: a first block with G1, a table, and a last block that ends exactly at the end.
 
-    ``distance_mm`` is where on the path each block ends, ``time_s`` when it should, both of shape (blocks,).
+    ``distance_mm`` is where on the path each block ends, ``time_s`` when it should, both of shape (blocks,);
+    a block of a loop counts in every pass.  ``loops`` are those of ``content``, None where none were asked.
+    ``stand_s`` is how long the tool stands behind each block, which belongs to its time but at the end.
     """
 
     content: tuple[str | MoveTable, ...]
     distance_mm: Floats
     time_s: Floats
+    stand_s: Floats
+    loops: Sequence[Loop] | None = None
 
 
-def moves_of(cut: VibratedCut, settings: Settings) -> Expansion:
-    """Turn the knots of a cut into blocks.
+def moves_of(cut: VibratedCut, settings: Settings, names: LoopNames | None = None) -> Expansion:
+    """Turn the knots of a cut into blocks; with ``names`` its steady parts into loops.
 
     Errors: VIB023 when the whole cut rounds to nothing, VIB058 for distances finer than the output's digits,
     VIB059 for a stroke or feeds too fine for them.
     """
-    chain = cut.chain
     time_s, distance_mm = _knots(cut, settings.vibration.chord_mm)
-    words = _axis_words(cut, distance_mm, settings)
-    step_mm = 10.0**-words.decimals * (MM_PER_INCH if chain.before.is_inch else 1.0)
-    if cut.cut.stroke_mm < _LEAST_STEPS * step_mm:
-        stroke = f"the stroke of {cut.cut.stroke_mm:.4g} mm"
-        message = f"{stroke} has fewer than {_LEAST_STEPS} steps of {step_mm:g} mm"
-        raise RefusalError("VIB059", message, "raise output.decimals, or give a larger Q or A")
+    stands = np.zeros(len(time_s), np.bool_)
+    if cut.keeps_feed:
+        time_s, distance_mm, stands = without_stands(time_s, distance_mm)
+    words = _axis_words(cut, time_s, distance_mm, settings, loops=names is not None)
     # Of knots that round to one point the last stays, so that the time goes to the move towards it and not
     # to the one behind it, which may be the plain end with a feed of its own.
     keep = np.append(np.any(np.diff(words.absolute, axis=0) != 0.0, axis=1), True)
     times = time_s[keep]
+    _check_digits(cut, words, stands[~keep])
     if len(times) == 1:
         message = f"the cut rounds to nothing at {words.decimals} decimals"
         raise RefusalError("VIB023", message, "a vibrated cut needs a distance to travel")
+    times[0] = time_s[0]
+    loops = among_kept(words.loops, keep)
+    words = replace(words, absolute=words.absolute[keep], points_mm=words.points_mm[keep], loops=loops)
+    stand_s = np.where(stands[keep][1:], dwell_s(cut, settings), 0.0)
+    stand_s[-1] = max(stand_s[-1], printed_s(cut.end_stand_s))
+    columns = Columns(words, stand_s, names)
+    if not cut.keeps_feed:
+        feeds = _feed_words(cut, times, distance_mm[keep], words, settings)
+        columns = replace(columns, feeds=feeds, feed_decimals=feed_decimals(cut.chain.before, settings))
+    ends = distance_mm[keep][1:]
+    ends[-1] = cut.path.length_mm
+    content = content_of(columns, cut.chain, settings, plain_end=_tail_is_programmed(cut, settings))
+    return Expansion(content, ends, times[1:], stand_s, loops if names is not None else None)
+
+
+def _check_digits(cut: VibratedCut, words: Words, lost_stands: NDArray[np.bool_]) -> None:
+    """Refuse a stroke of few steps, and an end that incremental words cannot reach."""
+    step_mm = 10.0**-words.decimals * (MM_PER_INCH if cut.chain.before.is_inch else 1.0)
+    if cut.cut.stroke_mm < _LEAST_STEPS * step_mm or lost_stands.any():
+        larger = "take a larger E" if cut.keeps_feed else "give a larger Q or A"
+        stroke = f"the stroke of {cut.cut.stroke_mm:.4g} mm"
+        message = f"{stroke} has fewer than {_LEAST_STEPS} steps of {step_mm:g} mm"
+        raise RefusalError("VIB059", message, f"raise output.decimals, or {larger}")
     if words.incremental and np.abs(words.points_mm[-1] - cut.path.legs[-1].end).max() > _SAME_MM:
         message = f"this cut is incremental, and its end lies between two steps of {words.decimals} decimals"
         raise RefusalError("VIB058", message, f"write {words.decimals} decimals, or absolute positions")
-    times[0] = time_s[0]
-    absolute, points = words.absolute[keep], words.points_mm[keep]
-    feeds = _feed_words(cut, times, distance_mm[keep], points, settings)
-    values = np.diff(absolute, axis=0) if words.incremental else absolute[1:]
-    decimals = (words.decimals,) * len(words.letters) + (feed_decimals(chain.before, settings),)
-    table = MoveTable((*words.letters, "F"), (*values.T, feeds), decimals)
-    ends = distance_mm[keep][1:]
-    ends[-1] = cut.path.length_mm
-    blocks = _as_blocks(table, chain.after, _tail_is_programmed(cut, settings))
-    return Expansion(blocks, ends, times[1:])
 
 
 def _knots(cut: VibratedCut, chord_mm: float) -> tuple[Floats, Floats]:
@@ -118,26 +126,35 @@ def _check_feed_digits(cut: VibratedCut, spans: Floats, feeds: Floats, settings:
         raise RefusalError("VIB059", message, "raise output.feed_decimals, or take another output.feed_mode")
 
 
-def _axis_words(cut: VibratedCut, distance_mm: Floats, settings: Settings) -> _Words:
+def _axis_words(
+    cut: VibratedCut, time_s: Floats, distance_mm: Floats, settings: Settings, *, loops: bool
+) -> Words:
     chain, state = cut.chain, cut.chain.before
     points = cut.path.points(distance_mm)
     decimals = settings.output.decimals + (1 if state.is_inch else 0)
-    scale = np.ones(3) / (MM_PER_INCH if state.is_inch else 1.0)
+    names = settings.axis_words
+    scale = np.array([float(names.signs[axis]) for axis in AXES]) / (MM_PER_INCH if state.is_inch else 1.0)
     if is_diameter(state, settings.control):
         scale[0] *= 2.0
-    axes = [AXES.index(axis) for axis in _moving_axes(cut)]
-    absolute_mode = state.modes.get("distance") == "absolute"
+    moving = _moving_axes(cut)
+    axes = [AXES.index(axis) for axis in moving]
+    letters = [names.letters[axis] for axis in moving]
     incremental = all(move.incremental for move in chain.moves)
+    if incremental and state.modes.get("distance") == "absolute":
+        distances = [d for d in map(names.distance_letter, moving) if d]
+        incremental = len(distances) == len(moving)
+        letters = distances if incremental else letters
     # The start is a position the program gave; incremental words count from it, whatever its digits.
     origin: Floats = points[0] * scale if incremental else np.zeros(3)
-    rounded = np.round(points * scale - origin, decimals)
-    letters = AXES
-    if incremental and absolute_mode:
-        by_axis = {axis: letter for letter, axis in settings.dialect.incremental.items()}
-        letters = "".join(by_axis[axis] for axis in AXES)
-    return _Words(
-        tuple(letters[a] for a in axes), rounded[:, axes], (rounded + origin) / scale, decimals, incremental
-    )
+    exact_steps = (points * scale - origin) * 10.0**decimals
+    found: Sequence[Loop] = ()
+    steps = np.rint(exact_steps)
+    by_words = incremental or settings.dialect.can("distance", "incremental")
+    if loops and (by_words or all(map(names.distance_letter, moving))):
+        steps[:, axes], found = looped_points(cut, time_s, exact_steps[:, axes], settings)
+    rounded = steps / 10.0**decimals
+    points = (rounded + origin) / scale
+    return Words(tuple(letters), rounded[:, axes], points, decimals, incremental, found)
 
 
 def _moving_axes(cut: VibratedCut) -> str:
@@ -158,27 +175,28 @@ def feed_decimals(state: State, settings: Settings) -> int:
 
 
 def _feed_words(
-    cut: VibratedCut, times: Floats, distance_mm: Floats, points: Floats, settings: Settings
+    cut: VibratedCut, times: Floats, distance_mm: Floats, words: Words, settings: Settings
 ) -> Floats:
     """F of every block, (n - 1,), from the rounded points and the time that each block should really take.
 
     The plain revolutions at the end run at the programmed feed itself, not at one with rounding in it.
     """
-    moved = np.diff(points, axis=0)
+    moved = np.diff(words.points_mm, axis=0)
     spans = np.diff(times)
     plain_from = int(np.searchsorted(times[:-1], cut.time_s[-2] - _SAME_S))
     model = control_model(settings, cut.path, cut.chain.before)
     blocks = blocks_of(moved, np.diff(distance_mm), settings)
     feeds_mm_s = feeds_for_spans(blocks, spans, model, plain_from)
+    same_feeds(feeds_mm_s, words.loops, blocks, model, cut.cut.period_s)
     unit = MM_PER_INCH if cut.chain.before.is_inch else 1.0
     mode = settings.output.feed_mode
     if mode == "inverse":
-        words = feeds_mm_s / np.abs(blocks.lengths_mm) * S_PER_MIN
+        rates = feeds_mm_s / np.abs(blocks.lengths_mm) * S_PER_MIN
     elif mode == "minute":
-        words = feeds_mm_s / unit * S_PER_MIN
+        rates = feeds_mm_s / unit * S_PER_MIN
     else:
-        words = feeds_mm_s / unit * S_PER_MIN / cut.solution.speed_rpm
-    feeds: Floats = np.maximum(words, 10.0 ** -feed_decimals(cut.chain.before, settings))
+        rates = feeds_mm_s / unit * S_PER_MIN / cut.solution.speed_rpm
+    feeds: Floats = np.maximum(rates, 10.0 ** -feed_decimals(cut.chain.before, settings))
     if _tail_is_programmed(cut, settings):
         feed = cut.chain.before.feed
         assert feed is not None
@@ -191,25 +209,3 @@ def _tail_is_programmed(cut: VibratedCut, settings: Settings) -> bool:
     """True when the cut ends plainly and the output's feed mode is the program's own."""
     same_mode = cut.chain.before.modes["feed_mode"] == settings.output.feed_mode
     return same_mode and settings.output.feed_mode != "inverse" and cut.cut.end_revolutions > 0.0
-
-
-def _as_blocks(table: MoveTable, after: State, plain_end: bool) -> tuple[str | MoveTable, ...]:
-    """First and last block as text, the rest as a table."""
-    first = "G1 " + _row(table, 0, None)
-    count = len(table)
-    if count == 1:
-        return (first,)
-    middle = MoveTable(table.letters, tuple(c[1 : count - 1] for c in table.columns), table.decimals)
-    last = _row(table, count - 1, after.feed if plain_end else None)
-    return (first, middle, last) if len(middle) else (first, last)
-
-
-def _row(table: MoveTable, row: int, feed: Setting | None) -> str:
-    """One block; with ``feed`` its F is the program's own text."""
-    words = [
-        letter + print_number(float(column[row]), decimals)
-        for letter, column, decimals in zip(table.letters, table.columns, table.decimals, strict=True)
-    ]
-    if feed is not None:
-        words[-1] = f"F{feed.text}"
-    return " ".join(words)

@@ -7,22 +7,22 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from chipbreak.diagnostics import Diagnostic, RefusalError
-from chipbreak.model.modal import NOWHERE, Position, State
-from chipbreak.model.motion import AXES
+from chipbreak.model.modal import NOWHERE, State
 from chipbreak.model.steps import Move, Step
 from chipbreak.model.trace import Trace
+from chipbreak.model.words import JUMPED
+from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.syntax.nodes import Word
-from chipbreak.vibration.path import PLANE_AXES, Leg
+from chipbreak.vibration.path import Leg
 from chipbreak.vibration.request import Request
 
-_OFF_OR_PLAN = "turn it off before the cut, or write (VIB OFF) before it"
 # Modal groups that must be at rest, with what the user knows them as.
 _AT_REST = {
     "compensation": ("off", "VIB040", "tool nose or cutter compensation (G41, G42) is active", "G40"),
     "rotation": ("off", "VIB041", "the coordinate system is rotated (G68)", "G69"),
-    "polar": ("off", "VIB041", "polar interpolation or polar input is active", "the code that ends it"),
+    "polar": ("off", "VIB041", "polar interpolation or polar input is active", "G15 or G13.1 (G113)"),
     "interpolation": ("off", "VIB041", "polar interpolation is active", "G13.1"),
-    "cylinder": ("off", "VIB041", "cylindrical interpolation was switched", "no vibration behind G7.1"),
+    "cylinder": ("off", "VIB041", "cylindrical interpolation (G7.1) is on", "G7.1 C0"),
     "polygon": ("off", "VIB041", "polygon turning is active", "G50.2"),
     "scaling": ("off", "VIB041", "scaling (G51) is active", "G50"),
     "mirror": ("off", "VIB041", "mirror image (G51.1) is active", "G50.1"),
@@ -69,8 +69,13 @@ class Chain:
     @property
     def axes(self) -> str:
         """The axes that the chain moves, in the order X, Y, Z."""
-        named = {axis for move in self.moves for axis in move.axes}
+        named = {axis for move in self.moves for axis in move.axes + move.plane}
         return "".join(axis for axis in AXES if axis in named)
+
+    @property
+    def asked_by_word(self) -> bool:
+        """True when words of its blocks ask for the vibration, and no comment or profile alone."""
+        return any(request.by_word for request in self.requests)
 
     def preamble(self) -> str:
         """Words of the first block that act before its move and are no part of its move or speed."""
@@ -90,7 +95,7 @@ def chains_of(trace: Trace, requests: Sequence[Request]) -> tuple[list[Chain], l
     diagnostics: list[Diagnostic] = []
     groups: list[list[Request]] = []
     for request in requests:
-        refusal = refusal_of(request)
+        refusal = refusal_of(request, trace.settings.axis_words)
         if refusal is not None:
             error, at = refusal
             line = request.step.block.line
@@ -114,39 +119,49 @@ def _joins(trace: Trace, one: Request, other: Request) -> bool:
     return same_feed and a.speed == b.speed and one.same_wish(other)
 
 
-def refusal_of(request: Request) -> tuple[RefusalError, tuple[int, int] | None] | None:
+def refusal_of(
+    request: Request, axis_words: AxisWords
+) -> tuple[RefusalError, tuple[int, int] | None] | None:
     """Why a block must not vibrate, with the place in the block, or None."""
     step = request.step
     move, state = step.move, step.after
     at = (step.vibration[0].start, step.vibration[-1].end) if step.vibration else None
     if step.in_contour:
         message = "this block is the shape of a cycle (G70 to G73); the control cuts it in its own way"
-        help_text = "write the passes as G1, or leave this cycle without vibration"
+        help_text = f"write the passes as G1 without the cycle, or {_without(request)}"
         return RefusalError("VIB043", message, help_text), at
     if move is None or not move.is_cut:
-        return _not_a_cut(move), at
+        return _not_a_cut(move, _without(request)), at
     if step.block.skip:
         message = "a block with block delete (/) cannot vibrate: the cut would start elsewhere without it"
-        return RefusalError("VIB045", message, "take the / away, or write (VIB OFF) before it"), (0, 1)
+        return RefusalError("VIB045", message, f"take the / away, or {_without(request)}"), (0, 1)
     for group, (rest, code, what, end) in _AT_REST.items():
         if state.modes.get(group, rest) != rest:
-            return RefusalError(code, f"{what}; a cut cannot vibrate in it", f"{end}, or {_OFF_OR_PLAN}"), at
+            help_text = f"turn it off before the cut ({end}), or {_without(request)}"
+            return RefusalError(code, f"{what}; a cut cannot vibrate in it", help_text), at
     if not state.turns:
         message = "the spindle is not turning (no M3 or M4 before this block)"
         return RefusalError("VIB046", message, "start the spindle before the cut"), at
-    return _words_refusal(step) or _position_refusal(step, move) or _feed_refusal(state)
+    return _words_refusal(step, axis_words) or _position_refusal(step, move) or _feed_refusal(state)
 
 
-def _not_a_cut(move: Move | None) -> RefusalError:
+def _without(request: Request) -> str:
+    """How this block is left without vibration: its own words ask whatever stands before it."""
+    return "take N, f, E and Q out of it" if request.by_word else "write (VIB OFF) before it"
+
+
+def _not_a_cut(move: Move | None, without: str) -> RefusalError:
     if move is not None and move.kind == "rapid":
-        help_text = "give N, f, E or Q on a G1, G2 or G3 block"
+        help_text = f"give N, f, E or Q on a G1, G2 or G3 block, or {without}"
         return RefusalError("VIB044", "vibration on a rapid (G0)", help_text)
     message = "this block is a thread, a cycle or another move that the control controls itself"
-    return RefusalError("VIB043", message, "only G1, G2 and G3 can vibrate; write the cut as G1")
+    help_text = f"only G1, G2 and G3 can vibrate: write the cut as G1, or {without}"
+    return RefusalError("VIB043", message, help_text)
 
 
-def _words_refusal(step: Step) -> tuple[RefusalError, tuple[int, int]] | None:
+def _words_refusal(step: Step, axis_words: AxisWords) -> tuple[RefusalError, tuple[int, int]] | None:
     """Words that the expansion could not carry over."""
+    foreign_letters = frozenset("TABCDHVOP") - {a for a, axis in axis_words.axes.items() if axis in AXES}
     for word in step.block.words:
         at = (word.start, word.end)
         shown = step.block.text[word.start : word.end]
@@ -154,11 +169,20 @@ def _words_refusal(step: Step) -> tuple[RefusalError, tuple[int, int]] | None:
             message = f"{shown} is computed on the machine; the cut cannot be planned"
             return RefusalError("VIB047", message, "write the number itself"), at
         late_m = word.address == "M" and word.number not in _SPEAKS_BEFORE
-        foreign = word in step.unread or word.address in "TABCDHVOP" or word.letter.startswith(",")
+        foreign = word in step.unread or word.address in foreign_letters or word.letter.startswith(",")
         if late_m or foreign or (word.address == "G" and step.once):
             message = f"{shown} cannot stand in a block that vibrates"
-            return RefusalError("VIB048", message, "put it into a block of its own"), at
+            return RefusalError("VIB048", message, _way_out_of(word)), at
     return None
+
+
+def _way_out_of(word: Word) -> str:
+    if word.letter.startswith(","):
+        return "write the chamfer or the rounding as a block of its own (G1, G2 or G3)"
+    if word.address == "P":
+        return "write each turn of the arc as a block of its own"
+    place = "behind" if word.address == "M" else "before"
+    return f"put it into a block of its own {place} this one"
 
 
 def _feed_refusal(state: State) -> tuple[RefusalError, None] | None:
@@ -178,12 +202,14 @@ def _feed_refusal(state: State) -> tuple[RefusalError, None] | None:
 def _position_refusal(step: Step, move: Move) -> tuple[RefusalError, None] | None:
     wanted = set(move.axes)
     if move.kind in ("cw", "ccw"):
-        wanted |= {AXES[a] for a in PLANE_AXES[step.after.modes["plane"]]}
+        wanted |= set(move.plane)
     for axis in sorted(wanted):
         at = AXES.index(axis)
         if math.isnan(move.start[at]):
             message = f"where {axis} stands before this cut cannot be known: {step.before.unknown_why}"
             help_text = f"move {axis} to an absolute position with G0 before the cut"
+            if step.before.unknown_why == JUMPED:
+                help_text += ", and let the jump arrive there"
             return RefusalError("VIB051", message, help_text), None
         if math.isnan(move.end[at]):
             message = f"where {axis} ends cannot be known: its number has no decimal point"
@@ -195,16 +221,12 @@ def _position_refusal(step: Step, move: Move) -> tuple[RefusalError, None] | Non
 def legs_of(chain: Chain) -> list[Leg]:
     """The chain's moves as pure geometry; axes that it does not move count as 0."""
     turns = {"line": 0, "cw": -1, "ccw": 1}
-    modes = chain.before.modes
     legs = []
     for move in chain.moves:
         start = _numbers(move.start)
         end = _numbers(move.end)
         offsets = move.offsets or NOWHERE
-        if modes.get("arc_distance") == "absolute":
-            offsets = Position(*(o - s for o, s in zip(offsets, start, strict=True)))
-        turn, plane = turns[move.kind], modes["plane"]
-        legs.append(Leg(start, end, turn, plane, offsets, move.radius_mm))
+        legs.append(Leg(start, end, turns[move.kind], move.plane, offsets, move.radius_mm))
     return legs
 
 

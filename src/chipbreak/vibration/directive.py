@@ -21,11 +21,12 @@ KEYS = {
     "ALPHA": "forward share",
     "RAMP": "ramp length [vibrations]",
     "EDGES": "cutting edges",
-    "WAVE": "TRIANGLE or SINE",
+    "WAVE": "TRIANGLE, SINE or DWELL",
 }
-WAVES = ("TRIANGLE", "SINE")
+WAVES = ("TRIANGLE", "SINE", "DWELL")
 _DIRECTIVE = re.compile(r"\s*VIB(?:[\s,]+(.*?))?\s*$", re.IGNORECASE | re.DOTALL)
-_ITEM = re.compile(r"\s*([A-Z]+?)\s*(?:=\s*)?(TRIANGLE|SINE|[-+]?(?:\d+\.?\d*|\.\d+))(?=[\s,A-Z]|$)[\s,]*")
+_VALUE = rf"{'|'.join(WAVES)}|[-+]?(?:\d+\.?\d*|\.\d+)"
+_ITEM = re.compile(rf"\s*([A-Z]+?)\s*(?:=\s*)?({_VALUE})(?=[\s,A-Z]|$)[\s,]*")
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,9 @@ def read_directive(text: str, line_number: int) -> Directive | None:
 
 
 def _unreadable(found: str, key: str) -> RefusalError:
+    if found in KEYS:
+        needed = "TRIANGLE or SINE" if found == "WAVE" else f"a number: {KEYS[found]}"
+        return RefusalError("VIB014", f"{found} has no value that can be read", f"{found} needs {needed}")
     near = nearest(key or found, KEYS)
     hint = f"did you mean {near}? " if near and near != key else ""
     known = "; ".join(f"{name} {meaning}" for name, meaning in KEYS.items())

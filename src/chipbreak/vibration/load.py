@@ -15,6 +15,8 @@ def least_acceleration_mm_s2(cut: Cut, per_rev: float) -> float:
     the forward stroke is P + alpha f_r / N long and takes alpha / V, the return P - (1 - alpha) f_r / N and
     (1 - alpha) / V.
     """
+    if cut.waveform == "dwell":
+        return 0.0  # it may take its time
     frequency_hz = 1.0 / cut.period_s
     if cut.waveform == "sine":
         return (2.0 * math.pi * frequency_hz) ** 2 * cut.stroke_mm / 2.0

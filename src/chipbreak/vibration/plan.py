@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from chipbreak.diagnostics import RefusalError
 from chipbreak.model.modal import State
 from chipbreak.settings.sections import Settings
-from chipbreak.units import MM_PER_INCH, MS_PER_S, spindle_speed_rpm
+from chipbreak.units import MM_PER_INCH, MS_PER_S, S_PER_MIN, spindle_speed_rpm
 from chipbreak.vibration.chain import Chain, legs_of
 from chipbreak.vibration.path import Path, path_of
 from chipbreak.vibration.request import solver_inputs
@@ -30,7 +30,7 @@ class VibratedCut:
     """A chain with everything decided.
 
     ``given`` keeps what was asked, for the report; ``time_s`` and ``distance_mm`` are the knots of the
-    motion along ``path``, shape (n,).
+    motion along ``path``, shape (n,).  ``end_stand_s`` is how long the tool then stands at the end.
     """
 
     chain: Chain
@@ -42,6 +42,12 @@ class VibratedCut:
     time_s: NDArray[np.float64]
     distance_mm: NDArray[np.float64]
     reasons: tuple[str, ...]
+    end_stand_s: float = 0.0
+
+    @property
+    def keeps_feed(self) -> bool:
+        """True when every move has the program's own feed, in its own mode."""
+        return self.cut.waveform == "dwell"
 
 
 def command_group(settings: Settings) -> CommandGroup:
@@ -75,7 +81,7 @@ def plan_cut(chain: Chain, settings: Settings) -> VibratedCut:
     rules = _rules(settings, state, alpha, edges)
     solution = solve(speed=speed, per_rev=per_rev, frequency=frequency, group=group, rules=rules)
     cut = _cut_of(chain, path.length_mm, solution, settings)
-    if cut.waveform == "triangle" and not math.isclose(cut.alpha_share, alpha, abs_tol=1e-9):
+    if cut.waveform != "sine" and not math.isclose(cut.alpha_share, alpha, abs_tol=1e-9):
         whole = f"{cut.forward_ticks} of {cut.ticks} base periods"
         reasons.append(f"forward share {alpha:g} -> {cut.alpha_share:g}, {whole}")
     _check_size(cut)
@@ -85,7 +91,12 @@ def plan_cut(chain: Chain, settings: Settings) -> VibratedCut:
         reasons.append(f"S {state.speed.value:g}{mode} -> {solution.speed_rpm:g} rpm, which N and f fix")
     given = {k: g for k, g in (("S", speed), ("N", per_rev), ("F", frequency)) if g is not None}
     all_reasons = (*reasons, *solution.reasons)
-    return VibratedCut(chain, path, solution, given, cut, edges, time_s, distance_mm, all_reasons)
+    end_stand_s = 0.0
+    if settings.vibration.end == "dwell":
+        end_stand_s = settings.vibration.end_revolutions * S_PER_MIN / solution.speed_rpm
+    return VibratedCut(
+        chain, path, solution, given, cut, edges, time_s, distance_mm, all_reasons, end_stand_s
+    )
 
 
 def _cut_of(chain: Chain, length_mm: float, solution: Solution, settings: Settings) -> Cut:
@@ -94,9 +105,9 @@ def _cut_of(chain: Chain, length_mm: float, solution: Solution, settings: Settin
     values, waveform = request.values, cast(Waveform, request.waveform)
     feed_mm_rev = _feed_mm_rev(chain.before, solution.speed_rpm)
     ticks = solution.period.ticks
-    forward = forward_ticks(ticks, values["ALPHA"].value)
+    forward = forward_ticks(ticks, values["ALPHA"].value, rounds_down=waveform == "dwell")
     form = settings.output.segments
-    if form == "auto":
+    if form == "auto" or waveform == "dwell":
         form = "tick" if waveform == "sine" else "stroke"
     stroke_mm = _stroke_mm(
         values,
@@ -116,15 +127,15 @@ def _cut_of(chain: Chain, length_mm: float, solution: Solution, settings: Settin
         forward_ticks=forward,
         stroke_mm=stroke_mm,
         waveform=waveform,
-        ramp_in_s=_ramp_s(values, solution, settings),
+        ramp_in_s=0.0 if waveform == "dwell" else _ramp_s(values, solution, settings),
         ramp_exponent=values["K"].value,
-        end_revolutions=settings.vibration.end_revolutions,
+        end_revolutions=0.0 if settings.vibration.end == "dwell" else settings.vibration.end_revolutions,
         form=cast(Literal["tick", "stroke"], form),
     )
 
 
 def _check_size(cut: Cut) -> None:
-    moves = cut.vibrations * (2 if cut.form == "stroke" else cut.ticks)
+    moves = cut.vibrations * cut.knots_per_vibration
     if moves > MOST_MOVES:
         message = f"this cut would become {moves} blocks; no program may have more than {MOST_MOVES} of them"
         raise RefusalError("VIB021", message, 'take output.segments "stroke", a lower f, or a higher feed')
@@ -200,7 +211,14 @@ def _stroke_mm(
     edges: int,
     margin: float,
 ) -> float:
-    """A, or Q times the feed, or the least stroke that breaks with the margin."""
+    """A, or Q times the feed, or the least stroke that breaks with the margin; a dwell has its own."""
+    if waveform == "dwell":
+        for key in ("Q", "A"):
+            if key in values:
+                given = f"{key} {values[key].value:g} ({values[key].origin})"
+                message = f"{given} is a stroke, and a dwell has none"
+                raise RefusalError("VIB085", message, f"leave {key} out, or take WAVE TRIANGLE")
+        return (1.0 - alpha) * alpha * feed_mm_rev / solution.per_rev
     if "A" in values:
         return values["A"].value
     if "Q" in values:

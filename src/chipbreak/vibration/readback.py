@@ -7,15 +7,17 @@ can be told apart.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.model.modal import State
-from chipbreak.model.motion import AXES
+from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace
-from chipbreak.model.words import is_diameter
+from chipbreak.model.words import is_diameter, plain_value
+from chipbreak.settings.axis_words import AXES
 from chipbreak.syntax.columns import read_columns, uniform_run
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
 from chipbreak.vibration.path import Path
@@ -28,12 +30,14 @@ _SHORT_RUN = 16
 class ReadBack:
     """Ends of the moves: ``points_mm`` (n, 3), how long each is, and its commanded feed, (n,) each.
 
-    ``strangers`` counts moves that are no feed moves, which an expanded cut never has.
+    ``stand_s`` is how long the tool stands behind each (G4), (n,).  ``strangers`` counts moves that are no
+    feed moves, which an expanded cut never has.
     """
 
     points_mm: Floats
     lengths_mm: Floats
     feed_mm_s: Floats
+    stand_s: Floats
     strangers: int = 0
 
     def along(self, path: Path, meant_mm: Floats) -> tuple[Floats, Floats]:
@@ -54,7 +58,8 @@ def read_moves(trace: Trace, first: int, last: int) -> ReadBack:
     points: list[Floats] = []
     lengths: list[Floats] = []
     feeds: list[Floats] = []
-    strangers = 0
+    stands: dict[int, float] = {}
+    strangers = count = 0
     line = first
     while line < last:
         run = uniform_run(trace.program, line, last)
@@ -62,6 +67,7 @@ def read_moves(trace: Trace, first: int, last: int) -> ReadBack:
         if table is not None:
             ends, words = _table_moves(trace, state, *table)
             _add(state, ends, words, (points, lengths, feeds))
+            count += len(words)
             state = trace.skip(state, line, run)
             line = run
             continue
@@ -70,31 +76,43 @@ def read_moves(trace: Trace, first: int, last: int) -> ReadBack:
             ends = _clean(np.array([step.move.start, step.move.end]))
             words = np.array([step.after.feed.value if step.after.feed else np.nan])
             _add(step.after, ends, words, (points, lengths, feeds))
+            count += 1
         elif step.move is not None:
             strangers += 1
+        elif "dwell" in step.once and count:  # before the first move it is no part of the cut
+            stands[count - 1] = stands.get(count - 1, 0.0) + _dwell_s(trace, step)
         state = step.after
         line += 1
     if not points:
-        return ReadBack(np.empty((0, 3)), np.empty(0), np.empty(0), strangers)
-    return ReadBack(np.concatenate(points), np.concatenate(lengths), np.concatenate(feeds), strangers)
+        return ReadBack(np.empty((0, 3)), np.empty(0), np.empty(0), np.empty(0), strangers)
+    stand_s = np.zeros(count)
+    stand_s[list(stands)] = list(stands.values())
+    points_mm, lengths_mm, feed_mm_s = (np.concatenate(column) for column in (points, lengths, feeds))
+    return ReadBack(points_mm, lengths_mm, feed_mm_s, stand_s, strangers)
+
+
+def _dwell_s(trace: Trace, step: Step) -> float:
+    """The seconds of a G4 block as this control reads them."""
+    word = step.block.word(trace.settings.dialect.dwell_word)
+    return plain_value(word) if word is not None else math.nan
 
 
 def _table_moves(trace: Trace, state: State, letters: str, numbers: Floats) -> tuple[Floats, Floats]:
     """Start and ends of the moves of a table, (n + 1, 3), and their F words, (n,)."""
-    settings = trace.settings
+    settings, words = trace.settings, trace.settings.axis_words
     unit = MM_PER_INCH if state.is_inch else 1.0
     start = _clean(np.array([state.position]))
     points = np.tile(start, (len(numbers), 1))
     incremental = state.modes.get("distance") == "incremental"
     for column, letter in enumerate(letters):
-        name = settings.dialect.incremental.get(letter, letter)
-        if name not in AXES:
+        name = words.axes.get(letter, "")
+        if name not in words.signs:
             continue
-        values = numbers[:, column] * unit
+        values = numbers[:, column] * (unit * words.signs[name])
         if name == "X" and is_diameter(state, settings.control):
             values = values / 2.0
         axis = AXES.index(name)
-        is_distance = incremental or letter != name
+        is_distance = incremental or letter in words.distances
         points[:, axis] = start[0, axis] + np.cumsum(values) if is_distance else values
     if "F" in letters:
         feeds = numbers[:, letters.index("F")]

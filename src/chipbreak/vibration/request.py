@@ -28,7 +28,7 @@ _INSTEAD = {"N": "E", "E": "N", "Q": "A", "A": "Q"}
 _OFF = Directive(False)
 _LIMITS = {"ALPHA": (0.0, 1.0)}
 _POSSIBLE = (1e-9, 1e12)
-_AXIS = re.compile(r"[XYZUVW]\s*[-+.\d]")
+_AXIS = re.compile(r"[XYZUVWABC]\s*[-+.\d]")
 _COUNT = re.compile(r"N\s*[-+]?[.\d]")
 _FEED, _FREQUENCY = re.compile(r"F\s*[.\d]"), re.compile(r"f\s*[-+]?[.\d]")
 
@@ -166,6 +166,7 @@ class RequestReader:
                 letter = "f" if key == "F" else key
                 message = f"{letter} {given.value:g} is not possible: {KEYS[key]}"
                 way_out = "between 0 and 1" if key in _LIMITS else "a number above zero that makes sense"
+                way_out = "a whole number above zero" if key == "EDGES" else way_out
                 self._error(line, RefusalError("VIB017", message, way_out), at)
                 return False
         return True
@@ -174,7 +175,9 @@ class RequestReader:
         block = self.program.block(line)
         if self.directive.on or _looks_asking(block.text):
             message = f"this line cannot be read ({block.opaque}) and stands where cuts are asked to vibrate"
-            help_text = "correct the line, or write (VIB OFF) before it"
+            help_text = "correct the line, or take N, f and the wish for vibration out of it"
+            if self.directive.on:
+                help_text = "correct the line, or write (VIB OFF) before it"
             at = (block.opaque_column, block.opaque_column + 1)
             self.diagnostics.append(self.program.diagnose(line, "VIB018", message, help_text, at=at))
             self.directive = _OFF

@@ -215,7 +215,8 @@ def _count(speed: Given, period: Period, rules: SolverRules, reasons: list[str])
     if raw < min(count, rules.edges * rules.phase) / 2:
         what = f"S {speed} with f {shown(period.frequency_hz)} Hz makes N {shown(raw)}"
         slower = f"N {shown(count)} would need less than half that spindle speed"
-        raise RefusalError("VIB008", f"{what}; {slower}", "give a higher f, or N and f without S")
+        turns = shown(math.floor(_ratio(period, count)))
+        raise RefusalError("VIB008", f"{what}; {slower}", f"give S {turns}, or N and f without S")
     if not _prints_as(speed, count, period, rules):
         why = "nearest integer + phase (claim 7)" if rules.rounding == "claim-7" else "nearest n + phase"
         why += f", phase {shown(rules.phase)}" + (f", {rules.edges} edges" if rules.edges > 1 else "")

@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.units import S_PER_MIN
+from chipbreak.vibration.piecewise import Rests, highest_minimum, rests_of
 from chipbreak.vibration.waveform import Waveform, speed_band_rpm
 
 Floats = npt.NDArray[np.float64]
@@ -34,6 +35,7 @@ class Verdict:
 
     ``margin``: stroke / least stroke that breaks, for the weakest vibration of the steady part; precisely
     1 - (least gap g_1 of that vibration) / (feed / z as reached), so ``breaks`` is the same as margin >= 1.
+    Of a dwell it is the shortest stand in revolutions (per edge).
     ``per_rev`` and ``stroke_mm`` are as reached (N is 0 when the tool never turns back, which cannot break).
     Chips are those of one edge: the longest in the steady part (the whole cut when it does not break), the
     first from the start of the cut to its first gap; in mm on the circumference, None without a diameter.
@@ -110,8 +112,11 @@ def judge(
     _check(time_s, distance_mm, speed_rpm, feed_mm_rev, edges)
     rev_s, feed_mm = S_PER_MIN / speed_rpm, feed_mm_rev / edges
     motion = _Motion(time_s, distance_mm, rev_s / edges, _TOUCH * feed_mm)
-    steady, gaps = _steady_part(motion, steady_s, feed_mm_rev / rev_s), motion.corner_gaps()
+    rests = rests_of(time_s, distance_mm, motion.touch_mm) if waveform == "dwell" else None
+    steady, gaps = _steady_part(motion, steady_s, feed_mm_rev / rev_s, rests), motion.corner_gaps()
     margin = _margin(gaps, steady, time_s[steady.crest], motion.pass_s)
+    if rests is not None:
+        margin = rests.shortest_s(steady.crest) / motion.pass_s
     breaks = margin >= 1.0 - _TOUCH
     stroke_mm = _stroke(motion, steady)
     passes = math.floor(stroke_mm / feed_mm) + 1  # an older pass lies wholly behind the tool
@@ -120,7 +125,7 @@ def judge(
     first_rev = _first_chip(motion, gaps) / rev_s
     around_mm = None if diameter_mm is None else math.pi * diameter_mm
     per_rev, ratio, band = rev_s / steady.period_s, stroke_mm / (steady.speed_mm_s * rev_s), None
-    if waveform is not None and per_rev > 0.0:
+    if waveform is not None and rests is None and per_rev > 0.0:
         band = speed_band_rpm(waveform, speed_rpm, per_rev, ratio, alpha_share=alpha_share, edges=edges)
     return Verdict(
         breaks=breaks,
@@ -141,12 +146,15 @@ def judge(
     )
 
 
-def _steady_part(motion: _Motion, steady_s: tuple[float, float] | None, speed_mm_s: float) -> _Steady:
+def _steady_part(
+    motion: _Motion, steady_s: tuple[float, float] | None, speed_mm_s: float, rests: Rests | None
+) -> _Steady:
     steps = np.diff(motion.distance_mm)
     moving = np.flatnonzero(np.abs(steps) > motion.touch_mm)  # a stop is no turn
     forward = steps[moving] > 0.0
     crest = moving[np.flatnonzero(forward[:-1] & ~forward[1:])] + 1
     trough = moving[np.flatnonzero(~forward[:-1] & forward[1:])] + 1
+    crest = crest if rests is None else rests.begin  # a tool that never turns back comes to rest
     start_s, end_s = steady_s or (float(motion.time_s[0]), float(motion.time_s[-1]))
     if steady_s is None and crest.size:
         low = np.append(trough[trough > crest[0]], motion.time_s.size - 1)[: crest.size]
@@ -209,7 +217,7 @@ def _chips(motion: _Motion, part: tuple[float, float], passes: int) -> tuple[flo
     corners = (motion.time_s[low:high] + shifts).ravel()
     corners = np.unique(np.concatenate([part, corners[(corners > part[0]) & (corners < part[1])]]))
     gaps = motion.at(corners) - motion.at(corners - shifts[1:])
-    peak_mm = _highest_minimum(gaps[:, :-1], gaps[:, 1:])
+    peak_mm = highest_minimum(gaps[:, :-1], gaps[:, 1:])
     # Between corners each gap is straight, so each is positive before or after one place, or throughout.
     left, right = gaps[:, :-1] - motion.touch_mm, gaps[:, 1:] - motion.touch_mm
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -228,21 +236,6 @@ def _chips(motion: _Motion, part: tuple[float, float], passes: int) -> tuple[flo
     else:
         ended, span_s, chip_s = starts.size - 2, float(start_s[-1] - start_s[1]), chip_s[1:-1]
     return ended / span_s, float(chip_s.sum()) / span_s, float(chip_s.max(initial=0.0)), peak_mm
-
-
-def _highest_minimum(left: Floats, right: Floats) -> float:
-    """Greatest value of the least of straight lines, each given at both ends of n segments: shapes (m, n)."""
-    best = float(np.append(left, right[:, -1:], axis=1).min(axis=0).max())
-    # Above the corners it can only stand where two of the lines cross.
-    promising = np.maximum(left, right).min(axis=0) > best
-    left, rise = left[:, promising], (right - left)[:, promising]
-    for m in range(1, left.shape[0]):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            place = (left[m] - left[:m]) / (rise[:m] - rise[m])
-        place = np.where((place > 0.0) & (place < 1.0), place, 0.0)
-        for row in place:
-            best = max(best, float((left + row * rise).min(axis=0).max(initial=best)))
-    return best
 
 
 def _first_chip(motion: _Motion, gaps: Gaps) -> float:

@@ -5,6 +5,9 @@ peak to peak, tau the time within one vibration and w between 0 and 1, w(0) = 0.
 the start, and y keeps every knot from passing the end.  ``w`` is a triangle that rises over the forward share
 of the vibration (JP6416218B2, claim 8: above one half the tool enters slower than it returns) or the sine
 (1 - cos 2 pi tau) / 2.  Between knots the motion is straight.
+
+A "dwell" never turns back: the tool feeds over the forward share and stands for the rest.  That is the
+triangle of stroke (1 - alpha) f / N about a mean feed f of alpha times the programmed one, without a ramp.
 """
 
 from __future__ import annotations
@@ -20,7 +23,7 @@ from chipbreak.diagnostics import RefusalError
 from chipbreak.units import S_PER_MIN
 from chipbreak.vibration.solve import never_breaks, shown
 
-Waveform = Literal["triangle", "sine"]
+Waveform = Literal["triangle", "sine", "dwell"]
 Floats = npt.NDArray[np.float64]
 
 _FUZZ = 1e-9  # shares of a vibration or of a stroke that differ by less are equal
@@ -72,33 +75,56 @@ class Cut:
     @property
     def speed_mm_s(self) -> float:
         """The mean feed speed v."""
+        return self.feed_speed_mm_s * (self.alpha_share if self.waveform == "dwell" else 1.0)
+
+    @property
+    def feed_speed_mm_s(self) -> float:
+        """The programmed feed as a speed."""
         return self.feed_mm_rev * self.speed_rpm / S_PER_MIN
 
     @property
     def duration_s(self) -> float:
-        """The time of the whole cut, the same as without vibration."""
-        return self.length_mm / self.speed_mm_s
+        """The time of the motion: the same as without vibration, or longer by all the time that it stands."""
+        stands_s = 0.0
+        if self.waveform == "dwell":
+            stands_s = self.vibrations * self.period_s * (1.0 - self.alpha_share)
+        return self.length_mm / self.feed_speed_mm_s + stands_s
 
     @property
     def vibrations(self) -> int:
         """Whole vibrations that fit before the plain revolutions at the end."""
+        if self.waveform == "dwell":
+            vibrating_mm = self.length_mm - self.end_revolutions * self.feed_mm_rev
+            return max(0, math.floor(vibrating_mm / (self.speed_mm_s * self.period_s) + _FUZZ))
         vibrating_s = self.duration_s - self.end_revolutions * S_PER_MIN / self.speed_rpm
         if vibrating_s <= 0.0:
             return 0
         return math.floor(vibrating_s / self.period_s + _FUZZ)
 
+    @property
+    def knots_per_vibration(self) -> int:
+        """How many knots of the motion one vibration has."""
+        return 2 if self.form == "stroke" else self.ticks
 
-def forward_ticks(ticks: int, alpha_share: float) -> int:
+    @property
+    def moves_per_vibration(self) -> int:
+        """How many blocks of motion one vibration has."""
+        return 1 if self.waveform == "dwell" else self.knots_per_vibration
+
+
+def forward_ticks(ticks: int, alpha_share: float, *, rounds_down: bool = False) -> int:
     """Whole base periods of the forward stroke, 1 to ``ticks`` - 1, nearest ``alpha_share`` of the vibration.
 
-    At a tie the forward stroke gets the longer part, so that it is never the faster one.  Errors: VIB010.
+    At a tie the forward stroke gets the longer part, so that it is never the faster one.  A tool that stands
+    for the rest must not do so for less: ``rounds_down``.  Errors: VIB010.
 
     >>> forward_ticks(4, 0.75), forward_ticks(5, 0.5)
     (3, 3)
     """
     _require(0.0 < alpha_share < 1.0, "forward share", alpha_share, "between 0 and 1")
     _require(ticks >= 2, "base periods in one vibration", ticks, "2 or more")
-    return min(max(math.floor(alpha_share * ticks + 0.5 + _FUZZ), 1), ticks - 1)
+    half = 0.0 if rounds_down else 0.5
+    return min(max(math.floor(alpha_share * ticks + half + _FUZZ), 1), ticks - 1)
 
 
 def wave(waveform: Waveform, ticks: int, forward: int) -> Floats:

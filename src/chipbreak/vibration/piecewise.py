@@ -1,0 +1,47 @@
+"""Motions that are straight between knots: where they stand, and the height below several of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Rests:
+    """The knots at which the tool comes to rest between two moves, and the time [s] it stands; (n,) each."""
+
+    begin: Indices
+    stand_s: Floats
+
+    def shortest_s(self, among: Indices) -> float:
+        """The shortest stand that begins at one of the knots ``among``; 0 when there is none."""
+        stand_s = self.stand_s[np.isin(self.begin, among)]
+        return float(stand_s.min()) if stand_s.size else 0.0
+
+
+def rests_of(time_s: Floats, distance_mm: Floats, still_mm: float) -> Rests:
+    """The rests of knots (n,), between which less than ``still_mm`` is no move."""
+    moving = np.flatnonzero(np.abs(np.diff(distance_mm)) > still_mm)
+    gaps = np.flatnonzero(np.diff(moving) > 1)
+    begin, end = moving[gaps] + 1, moving[gaps + 1]
+    return Rests(begin, time_s[end] - time_s[begin])
+
+
+def highest_minimum(left: Floats, right: Floats) -> float:
+    """Greatest value of the least of straight lines, each given at both ends of n segments: shapes (m, n)."""
+    best = float(np.append(left, right[:, -1:], axis=1).min(axis=0).max())
+    # Above the corners it can only stand where two of the lines cross.
+    promising = np.maximum(left, right).min(axis=0) > best
+    left, rise = left[:, promising], (right - left)[:, promising]
+    for m in range(1, left.shape[0]):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            place = (left[m] - left[:m]) / (rise[:m] - rise[m])
+        place = np.where((place > 0.0) & (place < 1.0), place, 0.0)
+        for row in place:
+            best = max(best, float((left + row * rise).min(axis=0).max(initial=best)))
+    return best

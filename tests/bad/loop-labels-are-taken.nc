@@ -1,0 +1,14 @@
+(EXPECT VIB080 13:16 -p fanuc-lathe output.form=loop)
+WHILE[#1LT2]DO1
+WHILE[#2LT2]DO2
+WHILE[#3LT2]DO3
+#3=#3+1
+END3
+#2=#2+1
+END2
+#1=#1+1
+END1
+G97 S3000 M3
+G0 X20. Z2.
+G1 Z-30. F0.05 N1.5
+M30
