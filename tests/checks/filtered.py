@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass, field
 
 from chipbreak import restore, settings
+from chipbreak.checks.call_sets import NAMED
 from chipbreak.diagnostics import Diagnostic
 from chipbreak.edits import Edit
 from chipbreak.emit import render
@@ -111,7 +112,9 @@ def check(result: Filtered) -> None:
     paired = pairs(result)
     same_states(paired)
     if not result.settings.dialect.is_lathe:  # a lathe comes down slanting from wherever it is
-        same_cuts(paired, result.settings)
+        ends = result.settings.checks.calls in NAMED
+        for home_ends in (True, False):
+            same_cuts(paired, result.settings, home_ends=home_ends, calls_end=ends)
 
 
 def restored(data: bytes) -> bytes:
@@ -140,19 +143,25 @@ def same_states(paired: list[tuple[Step, Step | None]]) -> None:
 
 @dataclass
 class Machine:
-    """Where the axes really are, in program coordinates; far-off places stand for home and the changer."""
+    """Where the axes really are, in program coordinates; far-off places stand for home and the changer.
+
+    Controls differ in whether a reference return of Z ends the length offset.
+    """
 
     settings: Settings
-    is_filtered: bool
+    home_ends_offset: bool
     at: dict[str, float] = field(default_factory=lambda: {"X": -311.0, "Y": 287.0, "Z": TOP})
     offset_is_in_force: bool = False
 
-    def run(self, step: Step, *, in_call: bool) -> tuple[dict[str, float], dict[str, float]]:
+    def run(
+        self, step: Step, *, in_call: bool, ends_offset: bool = False
+    ) -> tuple[dict[str, float], dict[str, float]]:
         """Start and end of what a block does."""
         start = dict(self.at)
         dialect = self.settings.dialect
         codes = codes_of(step.block, "length_offset", dialect)
-        if "home" in step.once and any(w.address == "Z" for w in step.block.words):
+        goes_home = "home" in step.once and any(w.address == "Z" for w in step.block.words)
+        if (goes_home and self.home_ends_offset) or ends_offset:
             self.offset_is_in_force = False
         if codes:
             self.offset_is_in_force = dialect.g_codes[codes[-1]].value == "on"
@@ -177,14 +186,16 @@ class Machine:
         return start, dict(self.at)
 
 
-def same_cuts(paired: list[tuple[Step, Step | None]], rules: Settings) -> None:
+def same_cuts(
+    paired: list[tuple[Step, Step | None]], rules: Settings, *, home_ends: bool, calls_end: bool
+) -> None:
     """The tool cuts where it did, and comes down nowhere else and with no other offset."""
-    one, other = Machine(rules, False), Machine(rules, True)
+    one, other = Machine(rules, home_ends), Machine(rules, home_ends)
     for new, old in paired:
         text = new.block.text
         is_call = "macro-call" in new.once or any(c.keyword == "O-CALL" for c in new.block.controls)
         if old is None:
-            start, end = other.run(new, in_call=is_call)
+            start, end = other.run(new, in_call=is_call, ends_offset=is_call and calls_end)
             goes_down = end["Z"] < min(TOP, start["Z"])
             if goes_down:
                 for axis in "XY":

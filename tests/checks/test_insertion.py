@@ -59,6 +59,13 @@ def test_fanuc_programs_do_what_they_did(program: bytes) -> None:
     assert is_not_silent(result)
 
 
+@given(mill_programs(waits=False))
+def test_a_cycle_that_ends_the_length_offset_changes_nothing_either(program: bytes) -> None:
+    result = filtered(program, "fanuc-mill", "checks.calls=renishaw")
+    check(result)
+    assert is_not_silent(result)
+
+
 @given(mill_programs(waits=True))
 def test_linuxcnc_programs_do_what_they_did(program: bytes) -> None:
     result = filtered(program, "linuxcnc-mill")
