@@ -206,6 +206,9 @@ def test_no_tool_call() -> None:
     result = run("S1000 M3\nG0 Z5.\nG1 X5. F100.\n")
     assert result.edits == []
     assert only_code(result, "CHK001").startswith("1: no tool is called")
+    (waiting,) = run("T3\nS1000 M3\nG0 Z5.\nG1 X5. F100.\n").diagnostics
+    assert waiting.code == "CHK001"
+    assert "T in line 5 prepares a tool" in waiting.help
 
 
 def test_no_safe_border() -> None:

@@ -136,6 +136,10 @@ class _Planner:
         if not called:
             message = "no tool is called in the main program, so there is nothing to check"
             help_text = "a check needs the tool's number from its call"
+            prepared = next((step.block.line for step in self.trace.events if step.block.word("T")), None)
+            if prepared is not None and self.trace.settings.dialect.tool_change == "M6":
+                where = self.trace.program.source.place(prepared).line
+                help_text += f": T in line {where} prepares a tool, and M6 would bring it into the spindle"
             self.known.say(self.main.first, NO_TOOL_CALL, message, help_text)
         elif None in self.uses:
             message = "this operation cuts with a tool whose number cannot be known; it is not checked"
