@@ -124,4 +124,7 @@ def test_a_sister_is_named_in_the_calls_of_its_tool() -> None:
 def test_the_program_still_calls_the_tool_that_it_called() -> None:
     found = chipbreak.rewrite(SAMPLE.read_bytes(), chipbreak.load("fanuc-mill", ["checks.sister.2=12"]))
     assert b"T12" not in found.data
+    assert "T12 may take its place" in next(
+        e.reason for e in found.edits if e.title.startswith("TOOL CHECK T2")
+    )
     assert found.data.count(b"M6") == SAMPLE.read_bytes().count(b"M6")

@@ -195,6 +195,7 @@ class _Planner:
         wishes = []
         if self.known.allows(Event.TOOL_CHECK, values, operation.first_cut):
             reason = f"T{tool} is {called} and has not cut yet"
+            reason += f"; T{values.sister} may take its place" if values.sister else ""
             wishes.append(_Wish(Event.TOOL_CHECK, values, reason))
         if tool not in self.traced and self.known.allows(Event.TRACE, values, operation.first_cut):
             reason = f"the edge of T{tool}, {called}, is stored before its first cut"
