@@ -75,7 +75,7 @@ def filtered(data: bytes, profile: str = "fanuc-mill", *options: str) -> Filtere
     """The program with its checks; all is known of its tools."""
     calls = SHORT_CALLS[profile.partition("-")[0]]
     if profile.endswith("lathe"):  # where S turns the workpiece
-        calls = calls.replace(" S{speed_rpm}", "")
+        calls = calls.replace(" S{speed_rpm}", "").replace(" [{speed_rpm}]", "")
     short = (calls, "checks.calls=short")
     rules = settings.load(profile, (*short, *options))
     trace = traced(data, rules)

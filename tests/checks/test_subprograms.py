@@ -32,7 +32,14 @@ def test_what_it_sets_must_be_said_again() -> None:
     assert chip_checks(left_incremental) == []
     (first, _) = (d for d in left_incremental.diagnostics if d.code == "CHK002")
     assert "line 9 calls a subprogram, which may or may not have set distance" in first.message
-    assert len(chip_checks(run("G91\nX5.\nG90\n", behind="G90\n" + BEHIND))) == 2
+    assert len(chip_checks(run("G91\nX5.\n", behind="G90\n" + BEHIND))) == 2
+    assert len(chip_checks(run("G91\nX5.\nM98 P200\nM99\nO200\nG41 D1\nX1.\nG40\nG90\n"))) == 2
+    branch = "IF [#1 EQ 1] GOTO 5\nG91\nN5 X5.\nG90\nM8\n"
+    assert chip_checks(run(branch)) == []
+    assert len(chip_checks(run(branch, behind="G90 M9\n" + BEHIND))) == 2
+    left_in_a_cut = run("G1 X5. F100.\nX6.\n", behind=BEHIND.removeprefix("G0 "))
+    edit = next(edit for edit in left_in_a_cut.edits if edit.title.startswith("CHIP"))
+    assert left_in_a_cut.trace.program.source.text(edit.first - 1) == "G0 X1. Y2."  # not before its G0
     assert chip_checks(run("S700\n")) == []
     assert len(chip_checks(run("S700\n", behind="S900\n" + BEHIND))) == 2
     assert chip_checks(run("M98 P200\n")) == []
