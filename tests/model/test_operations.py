@@ -238,3 +238,9 @@ def test_cuts_found_by_shapes_are_the_cuts_found_block_by_block(corpus: list[Pat
             assert np.isin(main.cuts, main.works).all()
             compared += len(slow)
     assert compared > 10_000
+
+
+def test_another_program_number_ends_the_main_program() -> None:
+    found = operations(f"O1 (PART)\nT1 M6\n{CUT}O2\nT2 M6\n{CUT}M99\n")
+    assert [op.tool for op in found] == [1]
+    assert [op.tool for op in operations(f"!DEBUG: post\nO1\nT1 M6\n{CUT}M30\n")] == [1]
