@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn
 
 from checks.filtered import Filtered, filtered, pairs, same_states, traced
-from checks.programs import mill_programs
 
 LINES = (
     "X5. Y5.",
@@ -36,12 +35,18 @@ LINES = (
 )
 
 
+START = "O1\nG90 G21\nT1 M6\nS1000 M3\nM8\nG0 X1. Y2.\nG43 Z15. H1\nG1 Z-1. F100.\nG0 Z15.\n"
+AGAIN = ("G0 Z15.", "G90", "G21", "S900", "S900 M3", "M8", "M9", "G80", "G49", "G43 H1 Z15.", "G0 X3. Y4.")
+BEHIND = "(FINISH)\nG0 X1. Y2.\nG43 H1 Z15.\nG1 Z-1. F100.\nX2.\nG0 Z15.\nM30\n"
+
+
 @st.composite
 def with_subprogram(draw: DrawFn) -> tuple[bytes, bytes]:
-    """A program that calls O1000, and the subprogram behind it."""
-    program = draw(mill_programs(waits=False)).replace(b"M98 P1000", b"M98 P1000 ")
-    body = draw(st.lists(st.sampled_from(LINES), max_size=6))
-    return program.rstrip(b"%\r\n") + b"\n", "\n".join(["O1000", *body, "M99", ""]).encode()
+    """A program that calls O1000 between two operations, and the subprogram behind it."""
+    again = draw(st.lists(st.sampled_from(AGAIN), max_size=5))
+    body = draw(st.lists(st.sampled_from(LINES), max_size=4))
+    program = START + "\n".join(["M98 P1000 ", *again, BEHIND])
+    return program.encode(), "\n".join(["O1000", *body, "M99", ""]).encode()
 
 
 def flat(program: bytes, body: bytes) -> bytes:
