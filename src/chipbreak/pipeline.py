@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 UNBROKEN, FINISHING, SERVO, UNREAD_WORD = "VIB060", "VIB061", "VIB062", "MOD001"
 MISSED, TOO_FAST = "VIB034", "VIB064"
 _MOST_ALIKE = 5
+_MOST_ADVISED = 3  # what works is tried for the first of many cuts that fail alike
 # How much more surface speed than G96 asked for is said aloud.
 _MUCH_FASTER = 1.25
 
@@ -180,14 +181,15 @@ def _chip_diagnostics(
     trace: Trace, cuts: list[CheckedCut], operations: list[Operation], *, allow_unbroken: bool
 ) -> list[Diagnostic]:
     """Cuts that were asked to break chips and do not, and vibration on a finishing operation."""
-    found = []
+    found = list[Diagnostic]()
     for checked in cuts:
         cut, verdict = checked.planned.cut, checked.verdict
         line = cut.chain.first
+        advise = sum(d.code in (UNBROKEN, MISSED) for d in found) < _MOST_ADVISED
         if checked.misses_plan:
-            found.append(_missed(trace, checked))
+            found.append(_missed(trace, checked, advise=advise))
         elif not verdict.breaks:
-            found.append(_unbroken(trace, checked, allow_unbroken=allow_unbroken))
+            found.append(_unbroken(trace, checked, allow_unbroken=allow_unbroken, advise=advise))
         found += _servo_diagnostics(trace, checked, allow_unbroken=allow_unbroken)
         found += _surface_speed(trace, checked)
         kind = next((o.kind for o in operations if o.first_line <= line < o.last_line), Kind.UNKNOWN)
@@ -221,7 +223,7 @@ def _surface_speed(trace: Trace, checked: CheckedCut) -> list[Diagnostic]:
     return [trace.program.diagnose(cut.chain.first, TOO_FAST, message, help_text, severity=Severity.WARNING)]
 
 
-def _missed(trace: Trace, checked: CheckedCut) -> Diagnostic:
+def _missed(trace: Trace, checked: CheckedCut, *, advise: bool) -> Diagnostic:
     """The control cannot keep to the plan: corners and bends of the path cost it time."""
     from chipbreak.unbroken import ways_out
 
@@ -230,12 +232,12 @@ def _missed(trace: Trace, checked: CheckedCut) -> Diagnostic:
         f"the control would take {checked.duration_s:.2f} s for this cut of {cut.cut.duration_s:.2f} s"
         f" and make N {verdict.per_rev:.3f} of {cut.solution.per_rev:.3f}: it rests at bends of the path"
     )
-    works = ways_out(trace, trace.settings, checked)
+    works = ways_out(trace, trace.settings, checked) if advise else ""
     help_text = f"works: {works}" if works else "ask for a lower frequency, or vibrate each block on its own"
     return trace.program.diagnose(cut.chain.first, MISSED, message, help_text)
 
 
-def _unbroken(trace: Trace, checked: CheckedCut, *, allow_unbroken: bool) -> Diagnostic:
+def _unbroken(trace: Trace, checked: CheckedCut, *, allow_unbroken: bool, advise: bool) -> Diagnostic:
     """Why the chips stay whole, and what would break them."""
     from chipbreak.unbroken import ways_out
 
@@ -244,7 +246,7 @@ def _unbroken(trace: Trace, checked: CheckedCut, *, allow_unbroken: bool) -> Dia
         f"this cut would not break chips: with a stroke of {cut.cut.stroke_mm:.4f} mm at N"
         f" {verdict.per_rev:.3f} the weakest vibration has a margin of {verdict.margin:.2f}, 1 is needed"
     )
-    works = ways_out(trace, trace.settings, checked)
+    works = ways_out(trace, trace.settings, checked) if advise else ""
     way_out = f"works: {works}" if works else "take another N, less feed, or leave Q and A out"
     help_text = f"{way_out}; --allow-unbroken lets it pass"
     severity = Severity.WARNING if allow_unbroken else Severity.ERROR

@@ -30,6 +30,7 @@ from chipbreak.vibration.plan import VibratedCut, plan_cut
 from chipbreak.vibration.request import Request
 from chipbreak.vibration.speeds import SpeedChange, speed_changes, speed_words
 
+_MOST_ADVISED = 3  # what works is tried for the first refused cuts; the others fail alike
 SMOOTHED, TOO_SHORT = "VIB063", "VIB013"
 _OFF = re.compile(r"[PQ]\s*0\b")
 
@@ -78,7 +79,7 @@ def plan(
         try:
             cut = plan_cut(chain, settings)
             _check_motion_mode(trace, chain)
-            expansion = _expand(cut, settings, names)
+            expansion = _expand(cut, settings, names, advise=len(diagnostics) < _MOST_ADVISED)
         except RefusalError as error:
             if allow_unbroken and error.code == TOO_SHORT and not chain.asked_by_word:
                 warnings.append(replace(_at_chain(trace, chain, error), severity=Severity.WARNING))
@@ -114,10 +115,14 @@ def planned_cut(chain: Chain, trace: Trace, settings: Settings) -> PlannedCut:
     return PlannedCut(cut, made, _expansion(cut, made.content, speed, trace, settings))
 
 
-def _expand(cut: VibratedCut, settings: Settings, names: LoopNames | None) -> Expansion:
+def _expand(
+    cut: VibratedCut, settings: Settings, names: LoopNames | None, *, advise: bool
+) -> Expansion:
     try:
         return moves_of(cut, settings, names)
     except RefusalError as error:
+        if not advise:
+            raise
         raise with_advice(error, cut, settings, moves_of) from None
 
 
