@@ -6,7 +6,7 @@ import sys
 
 import programs
 from rows import MB, Goal, Table
-from stopwatch import Contestant, in_turn, ratio, run
+from stopwatch import Contestant, cpu_note, in_turn, ratio, run
 from subject import MILL, Context, add_memory, command, filtering, insertions
 
 _IMPORTS = "import numpy, lark, click"
@@ -24,10 +24,11 @@ def start_up(context: Context) -> Table:
     for contestant in (imports, small, helping):
         run(contestant)
     waited, filtered, helped = in_turn([imports, small, helping], 3 * context.rounds)
-    note = f"{_SMALL} blocks, {insertions(program)} insertions"
+    note = f"{_SMALL} blocks, {insertions(program)} insertions, {cpu_note(filtered, waited)}"
     table.add(imports, waited)
     table.add(small, filtered, Goal(ratio(filtered, waited), 1.6, at_least=False, unit="x as long"), note)
-    table.add(helping, helped, Goal(ratio(helped, waited), 0.6, at_least=False, unit="x as long"))
+    goal = Goal(ratio(helped, waited), 0.6, at_least=False, unit="x as long")
+    table.add(helping, helped, goal, cpu_note(helped, waited))
     return table
 
 

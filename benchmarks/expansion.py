@@ -13,7 +13,7 @@ import programs
 from peers import Missing
 from rows import Goal, Table
 from stopwatch import BenchmarkError, Contestant, in_turn, ratio, run
-from subject import LATHE, Context, add_memory, filtering, insertions, output_of, rate_goal, title
+from subject import LATHE, LINUXCNC, Context, add_memory, filtering, insertions, output_of, rate_goal, title
 
 _MOVES = 1_000_000
 _LOOP = Path(__file__).with_name("printf_moves.c")
@@ -46,6 +46,21 @@ def expansion(context: Context) -> Table:
     (samples,) = in_turn([subject], context.rounds)
     table.add(subject, samples, rate_goal(subject, samples, 0.7e6, "moves/s"), f"{changes} insertions")
     add_memory(table, program, samples)
+    return table
+
+
+def planned(context: Context) -> Table:
+    """The same where LinuxCNC's planner is followed: one block a stroke, and a sine of many."""
+    table = Table("planned", f"cuts whose feeds are found for LinuxCNC's planner, {LINUXCNC}")
+    for name, cuts, wave in (("strokes", 40, "1.5"), ("sine", 2, "0.5 WAVE SINE")):
+        program = context.path(f"{name}.ngc")
+        programs.planned(program, max(1, context.blocks(cuts)), wave)
+        subject = filtering(program, LINUXCNC, 1)
+        run(subject)
+        with output_of(program).open("rb") as file:
+            moves = sum(line.startswith((b"Z", b"G1 Z")) for line in file)
+        (samples,) = in_turn([filtering(program, LINUXCNC, moves)], context.rounds)
+        table.add(filtering(program, LINUXCNC, moves), samples, note=f"{name}: {moves:,} moves")
     return table
 
 

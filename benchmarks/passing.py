@@ -8,7 +8,7 @@ from pathlib import Path
 import peers
 import programs
 from rows import Goal, Table
-from stopwatch import Contestant, in_turn, ratio, run
+from stopwatch import Contestant, cpu_note, in_turn, ratio, run
 from subject import MILL, Context, add_memory, filtering, insertions, rate_goal, title
 
 _BLOCKS = 1_000_000
@@ -58,7 +58,8 @@ def _compare(
     add_memory(table, program, samples)
     for (peer, limit), theirs in zip(found, others, strict=True):
         times = ratio(theirs, samples, peer.units / subject.units)
-        table.add(peer, theirs, Goal(times, limit, at_least=True, unit="x as long"))
+        note = cpu_note(theirs, samples, peer.units / subject.units)
+        table.add(peer, theirs, Goal(times, limit, at_least=True, unit="x as long"), note)
     for missing, _ in wanted:
         if isinstance(missing, peers.Missing):
             table.miss(missing)
@@ -76,8 +77,9 @@ def scaling(context: Context) -> Table:
     run(subjects[0])
     samples = in_turn(subjects, context.rounds)
     for at, subject in enumerate(subjects):
-        goal = None
+        goal, note = None, f"{subject.units:,} blocks"
         if at:
             goal = Goal(ratio(samples[at], samples[at - 1]), 11.0, at_least=False, unit="x as long")
-        table.add(subject, samples[at], goal, f"{subject.units:,} blocks")
+            note += f", {cpu_note(samples[at], samples[at - 1])}"
+        table.add(subject, samples[at], goal, note)
     return table

@@ -90,6 +90,18 @@ def turning(path: Path, moves: int) -> int:
     return len(lines)
 
 
+def planned(path: Path, cuts: int, wave: str) -> int:
+    """Cuts for LinuxCNC's own planner, asked for by a directive; returns the number of its blocks."""
+    lines = ["(ROUGH TURN)", "G21 G40 G80 G95 G7 G18", "G97 S500 M3"]
+    for cut in range(cuts):
+        diameter = 60.0 - 0.2 * cut
+        lines += [f"G0 X{diameter:.3f} Z2. M8", f"(VIB N{wave})", "G1 Z-82. F0.05", "(VIB OFF)"]
+        lines += ["G0 X70. Z2."]
+    lines += ["M9", "M30"]
+    path.write_text("".join(f"{line}\n" for line in lines), "ascii", newline="\n")
+    return len(lines)
+
+
 def long_line(path: Path, size: int) -> None:
     """One line without an end."""
     words = b"X1.5 Y-2.25 Z0.125 "

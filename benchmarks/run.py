@@ -16,7 +16,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from edges import long_line, start_up
-from expansion import emit, expansion
+from expansion import emit, expansion, planned
 from passing import modal, pass_through, scaling
 from rows import Table, busy, machine, write_json
 from stopwatch import BenchmarkError
@@ -27,6 +27,7 @@ CASES: dict[str, Callable[[Context], Table]] = {
     "modal": modal,
     "scaling": scaling,
     "expansion": expansion,
+    "planned": planned,
     "emit": emit,
     "long-line": long_line,
     "start-up": start_up,

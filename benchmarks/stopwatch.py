@@ -54,6 +54,8 @@ class Sample:
 def run(contestant: Contestant) -> Sample:
     """Run it once.  Raises BenchmarkError when it fails."""
     environment = {**os.environ, **(contestant.environment or {})}
+    # As pip installs it: with byte code.  A first run, which nobody times, leaves it beside the sources.
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
     with tempfile.TemporaryFile() as said, tempfile.TemporaryFile() as complained:
         start = time.perf_counter()
         process = subprocess.Popen(
@@ -98,3 +100,11 @@ def ratio(one: Sequence[Sample], other: Sequence[Sample], units: float = 1.0) ->
     ``units`` is how many times as much work the one does.
     """
     return median(a.wall_s / b.wall_s for a, b in zip(one, other, strict=True)) / units
+
+
+def cpu_note(one: Sequence[Sample], other: Sequence[Sample], units: float = 1.0) -> str:
+    """The same by the time of the processor, which others at work on the machine disturb less."""
+    if not all(sample.cpu_s > 0.0 for sample in (*one, *other)):
+        return ""
+    times = median(a.cpu_s / b.cpu_s for a, b in zip(one, other, strict=True)) / units
+    return f"x {times:.3g} by the processor's time"

@@ -11,7 +11,7 @@ from statistics import median
 from rows import MB, Goal, Row, Table
 from stopwatch import BenchmarkError, Contestant, Sample
 
-MILL, LATHE = "fanuc-mill", "generic-lathe"
+MILL, LATHE, LINUXCNC = "fanuc-mill", "generic-lathe", "linuxcnc-lathe"
 _BEGIN = b"(CHIPBREAK BEGIN"
 
 

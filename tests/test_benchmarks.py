@@ -22,7 +22,7 @@ def run(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
 
 
-@pytest.mark.parametrize("case", ["pass-through", "expansion", "emit", "start-up"])
+@pytest.mark.parametrize("case", ["pass-through", "expansion", "planned", "emit", "start-up"])
 def test_a_case_runs(case: str, tmp_path: Path) -> None:
     results = tmp_path / "results.json"
     done = run("--quick", "--smaller", "100", "--only", case, "--json", str(results))

@@ -103,12 +103,15 @@ macros.write
 macros
 
 vibration
+vibration.given
 vibration.solve
 vibration.waveform
 vibration.laws
 vibration.path
 vibration.control
 vibration.planner
+vibration.stretches
+vibration.factors
 vibration.bends
 vibration.timing
 vibration.piecewise

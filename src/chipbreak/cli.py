@@ -5,7 +5,6 @@ Everything heavy is imported inside the commands, so that help and completion an
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 from pathlib import Path
@@ -28,7 +27,7 @@ from chipbreak.options import (
     settings_of,
     verify_program,
 )
-from chipbreak.streams import Reporter, read_input, replace_file, write_stdout
+from chipbreak.streams import Reporter, read_input, replace_file, write_json, write_stdout
 from chipbreak.tool_commands import inspect, tools
 
 
@@ -133,7 +132,7 @@ def explain(
     settings = settings_of(profile, sets, source, reporter)
     result = run_filter(read_input(source), source, profile, sets, allow_unbroken, reporter)
     if as_json:
-        click.echo(json.dumps(explain_json(result, settings), indent=2))
+        write_json(explain_json(result, settings), indent=2)
         return
     reporter.show(result.diagnostics)
     for line in explain_text(result, settings):
@@ -164,7 +163,7 @@ def verify(
     settings = settings_of(profile, sets, source, reporter)
     result = verify_program(read_input(source), settings, source, reporter)
     if as_json:
-        click.echo(json.dumps(explain_json(result, settings), indent=2))
+        write_json(explain_json(result, settings), indent=2)
     else:
         reporter.show(result.diagnostics)
         for line in explain_text(result, settings):
@@ -196,7 +195,7 @@ def diff(a: str, b: str, ignore_comments: bool, as_json: bool, quiet: bool, colo
         sys.exit(USAGE)
     hunks = compare(*sides)
     if as_json:
-        click.echo(json.dumps(hunks_json(hunks), indent=2))
+        write_json(hunks_json(hunks), indent=2)
     else:
         write_stdout([f"{line}\n".encode("latin-1", "replace") for line in unified(hunks, a, b)])
     sys.exit(DIFFERENT if differs(hunks) else DONE)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,8 +32,7 @@ class MoveTable:
         return replace(self, columns=tuple(column[first:stop] for column in self.columns))
 
 
-@dataclass(frozen=True, eq=False)
-class Edit:
+class Edit(NamedTuple):
     """Lines ``first`` to ``last`` (exclusive) of the original become ``content``; first == last inserts.
 
     ``title`` names the change in the program itself, ``reason`` explains it to the user.

@@ -16,19 +16,20 @@ _ROWS_AT_ONCE = 1 << 15
 _ZERO, _MINUS, _POINT = ord("0"), ord("-"), ord(".")
 
 
-def render(program: Program, edits: Sequence[Edit], settings: Settings) -> list[bytes]:
+def render(program: Program, edits: Sequence[Edit], settings: Settings) -> list[bytes | memoryview]:
     """The pieces of the new program, in order.  Without edits it is the original, byte for byte.
 
     Raises OverlapError.
     """
     source = program.source
-    pieces: list[bytes] = []
+    data = memoryview(source.data)
+    pieces: list[bytes | memoryview] = []
     line = 0
     for edit in in_order(edits):
-        pieces.append(source.data[source.starts[line] : source.starts[edit.first]])
+        pieces.append(data[source.starts[line] : source.starts[edit.first]])
         pieces.extend(_region(program, edit, settings))
         line = edit.last
-    pieces.append(source.data[source.starts[line] :])
+    pieces.append(data[source.starts[line] :])
     return pieces
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from chipbreak.diagnostics import Diagnostic, ProgramRejectedError, RefusalError, Severity, has_errors
 from chipbreak.edits import Edit
 from chipbreak.emit import render
 from chipbreak.model.kinds import Kind, KindRules
+from chipbreak.model.main_program import main_program
 from chipbreak.model.operations import Operation, operations_of
 from chipbreak.model.trace import Trace, interpret
 from chipbreak.passes import check_tools, speeds
@@ -35,8 +35,7 @@ _MOST_ADVISED = 3  # what works is tried for the first of many cuts that fail al
 _MUCH_FASTER = 1.25
 
 
-@dataclass(frozen=True, eq=False)
-class Result:
+class Result(NamedTuple):
     """What became of a program.
 
     ``data`` is the new program.  ``changed`` says whether it differs from what came in.
@@ -111,9 +110,10 @@ def _run(
 def _tool_checks(trace: Trace, settings: Settings) -> tuple[list[Operation], list[Edit], list[Diagnostic]]:
     """Operations and the checks between them.  Raises SettingsError for unusable rules or calls."""
     try:
-        operations = operations_of(trace, KindRules.from_profile(settings.operations))
+        main = main_program(trace)
+        operations = operations_of(trace, main, KindRules.from_profile(settings.operations))
         tools = tool_table_for_checks(trace)
-        edits, diagnostics = check_tools.plan(trace, operations, settings, tools)
+        edits, diagnostics = check_tools.plan(trace, main, operations, settings, tools)
         diagnostics = [*tools.diagnostics, *diagnostics] if settings.checks.enabled else diagnostics
     except RefusalError as error:
         wrong = Diagnostic(error.code, Severity.ERROR, f"{settings.name}: {error.message}", error.help)
@@ -154,7 +154,7 @@ def in_place_order(diagnostics: list[Diagnostic]) -> tuple[Diagnostic, ...]:
             is_last = all(d.code != diagnostic.code for d in kept[index + 1 :])
             if is_last:
                 message = f"{diagnostic.message} (and {more} more like this)"
-                kept[index] = replace(diagnostic, message=message)
+                kept[index] = diagnostic._replace(message=message)
     return tuple(kept)
 
 

@@ -181,7 +181,7 @@ def _cut_json(result: Result, checked: CheckedCut, settings: Settings) -> dict[s
         "stroke_mm": cut.cut.stroke_mm,
         "waveform": cut.cut.waveform,
         "alpha_share": cut.cut.alpha_share,
-        "stand_s": float(checked.planned.expansion.stand_s[0]),
+        "stand_s": float(checked.planned.expansion.stand_s[0]) if cut.keeps_feed else 0.0,
         "end_stand_s": cut.end_stand_s,
         "moves": checked.move_count,
         "loops": [

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +15,7 @@ from chipbreak.source import Source, read
 EDITED, BROKEN = "RES001", "RES002"
 
 
-@dataclass(frozen=True)
-class Region:
+class Region(NamedTuple):
     """One bracketed change in a filtered program.
 
     Lines ``first`` (BEGIN) to ``last`` (exclusive, behind END); ``body`` is the first line behind the WAS
@@ -110,15 +109,25 @@ def _rejected(source: Source, line: int, code: str, message: str, help_text: str
     return ProgramRejectedError([Diagnostic(code, Severity.ERROR, message, help_text, place, text)])
 
 
-def restored_bytes(source: Source, found: Sequence[Region]) -> bytes:
-    """The bytes of the original program, from the changes that :func:`regions` found."""
-    pieces: list[bytes] = []
+def restored(source: Source, found: Sequence[Region]) -> Iterator[bytes | memoryview]:
+    """The original program in pieces, from the changes that :func:`regions` found."""
+    data = memoryview(source.data)
     line = 0
     for region in found:
-        pieces += [source.data[source.starts[line] : source.starts[region.first]], region.original]
+        yield data[source.starts[line] : source.starts[region.first]]
+        yield region.original
         line = region.last
-    pieces.append(source.data[source.starts[line] :])
-    return b"".join(pieces)
+    yield data[source.starts[line] :]
+
+
+def restores(source: Source, found: Sequence[Region], original: bytes) -> bool:
+    """True when putting the program back gives these bytes."""
+    at = 0
+    for piece in restored(source, found):
+        if not original.startswith(piece, at):
+            return False
+        at += len(piece)
+    return at == len(original)
 
 
 def restore(source: Source) -> Source:
@@ -137,4 +146,4 @@ def restore(source: Source) -> Source:
         numbers.append(np.full(count, region.first + 1))
         line = region.last
     numbers.append(np.arange(line, source.line_count) + 1)
-    return read(restored_bytes(source, found), source.name, np.concatenate(numbers))
+    return read(b"".join(restored(source, found)), source.name, np.concatenate(numbers))

@@ -7,7 +7,7 @@ read by no control: it is leader and trailer, outside ``body``, and passes throu
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from chipbreak.span import Place
 
 LF, CR = 10, 13
+_PIECE_BYTES = 1 << 17
 # What controls read past: the bytes of BLANK in grammar/nc.lark.
 BLANKS = b" \t\0\x0b\x0c\x1a\x7f\xef\xbb\xbf"
 
 
-@dataclass(frozen=True, eq=False)
-class Source:
+class Source(NamedTuple):
     """A program as bytes, cut into lines.
 
     ``starts`` holds n + 1 offsets: line i, with its line end, is ``data[starts[i]:starts[i + 1]]``.
@@ -63,13 +63,20 @@ def read(data: bytes, name: str = "<stdin>", numbers: NDArray[np.int64] | None =
 
 def _line_starts(data: bytes) -> NDArray[np.int64]:
     array = np.frombuffer(data, np.uint8)
-    after_end = np.flatnonzero(array == LF) + 1
+    after_end = _behind(array, LF)
     if b"\r" in data:
-        returns = np.flatnonzero(array == CR) + 1
+        returns = _behind(array, CR)
         lone = returns[np.append(array, 0)[returns] != LF]
         after_end = np.sort(np.concatenate((after_end, lone)))
-    starts = np.concatenate(([0], after_end)).astype(np.int64)
+    starts = np.concatenate((np.zeros(1, np.int64), after_end))
     return starts if starts[-1] == len(data) else np.append(starts, len(data))
+
+
+def _behind(array: NDArray[np.uint8], byte: int) -> NDArray[np.int64]:
+    """The places behind each such byte; a piece at a time, so that the pieces stay in the cache."""
+    pieces = range(0, len(array), _PIECE_BYTES)
+    places = [np.flatnonzero(array[at : at + _PIECE_BYTES] == byte) + (at + 1) for at in pieces]
+    return np.concatenate(places) if places else np.empty(0, np.int64)
 
 
 def _usual_end(data: bytes, starts: NDArray[np.int64]) -> bytes:

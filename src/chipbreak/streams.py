@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
-import tempfile
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -26,7 +25,7 @@ class Reporter:
         """Errors always; warnings unless quiet."""
         chosen = [d for d in diagnostics if not self.quiet or d.severity.value == "error"]
         if self.as_json:
-            click.echo(json.dumps([d.as_json() for d in chosen]), err=True)
+            write_json([d.as_json() for d in chosen], err=True)
             return
         for diagnostic in chosen:
             text = diagnostic.render()
@@ -35,6 +34,13 @@ class Reporter:
                 styled = click.style(mark, fg=_COLOURS[diagnostic.severity.value], bold=True)
                 text = text.replace(mark, styled, 1)
             click.echo(text, err=True, color=self.colour)
+
+
+def write_json(value: Any, *, indent: int | None = None, err: bool = False) -> None:
+    """A value as JSON to stdout, or to stderr."""
+    import json  # noqa: PLC0415 (most runs print none)
+
+    click.echo(json.dumps(value, indent=indent), err=err)
 
 
 def read_input(source: str) -> bytes:
@@ -64,21 +70,27 @@ def write_stdout(pieces: Iterable[bytes]) -> None:
 def replace_file(target: Path, pieces: Iterable[bytes]) -> None:
     """Write a file so that it has either the old or the new content, never a part."""
     real = target.resolve()
+    temporary = real.with_name(f".{real.name}.{os.getpid()}")
     try:
-        handle, temporary = tempfile.mkstemp(dir=real.parent, prefix=f".{real.name}.")
-        try:
-            with os.fdopen(handle, "wb") as file:
+        # "x": never into a file that is there, or through a link somebody put there.
+        with open(temporary, "xb", opener=_private) as file:
+            try:
                 file.writelines(pieces)
                 file.flush()
                 os.fsync(file.fileno())
-            mode = real.stat().st_mode & 0o7777 if real.exists() else 0o666 & ~_umask()
-            Path(temporary).chmod(mode)
-            Path(temporary).replace(real)
-        except BaseException:
-            Path(temporary).unlink(missing_ok=True)
-            raise
+                mode = real.stat().st_mode & 0o7777 if real.exists() else 0o666 & ~_umask()
+                temporary.chmod(mode)
+                temporary.replace(real)
+            except BaseException:
+                temporary.unlink(missing_ok=True)
+                raise
     except OSError as error:
         raise click.UsageError(f"cannot write {target}: {error.strerror}") from None
+
+
+def _private(path: str, flags: int) -> int:
+    """Open for nobody else, until the file has the mode of the one it replaces."""
+    return os.open(path, flags, 0o600)
 
 
 def _umask() -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,7 +19,7 @@ from chipbreak.options import (
     reporting_options,
     settings_of,
 )
-from chipbreak.streams import read_input, replace_file
+from chipbreak.streams import read_input, replace_file, write_json
 
 if TYPE_CHECKING:
     from chipbreak.checks.edges import EdgeVerdict
@@ -129,7 +128,7 @@ def _say(verdicts: dict[int, EdgeVerdict], heading: str, *, as_json: bool) -> No
             }
             for tooth, verdict in verdicts.items()
         ]
-        click.echo(json.dumps({"chipped": any(v.is_chipped for v in verdicts.values()), "teeth": teeth}))
+        write_json({"chipped": any(v.is_chipped for v in verdicts.values()), "teeth": teeth})
         return
     click.echo(heading)
     for tooth, verdict in verdicts.items():
@@ -171,7 +170,7 @@ def tools(
         reporter.show(error.diagnostics)
         sys.exit(USAGE)
     if as_json:
-        click.echo(json.dumps(table_json(table), indent=2))
+        write_json(table_json(table), indent=2)
         return
     reporter.show(table.diagnostics)
     for line in table_text(table):

@@ -7,7 +7,6 @@ vibration stays weak.  So each proposal is planned, printed, read back and judge
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from chipbreak.diagnostics import RefusalError, SelfCheckError
 from chipbreak.emit import render
@@ -19,8 +18,8 @@ from chipbreak.settings import Settings
 from chipbreak.source import read
 from chipbreak.syntax.parse import parse
 from chipbreak.vibration.chain import Chain
+from chipbreak.vibration.given import Given, shown
 from chipbreak.vibration.plan import command_group
-from chipbreak.vibration.solve import Given, shown
 
 _STROKES = (1.05, 1.25, 1.5, 2.0, 2.5, 3.0)  # times the least stroke by the formula
 _SLOWER = (0.8, 0.6, 0.45, 0.3, 0.2, 0.12)
@@ -65,7 +64,7 @@ def _breaks(
     """The cut as it would be with other values, if its chips break."""
     values = {k: g for k, g in chain.requests[0].values.items() if k not in without}
     values |= {key: Given(value, _ORIGIN) for key, value in wish.items()}
-    other = Chain(tuple(replace(request, values=values) for request in chain.requests))
+    other = Chain(tuple(request._replace(values=values) for request in chain.requests))
     try:
         planned = planned_cut(other, trace, settings)
         source = read(b"".join(render(trace.program, [planned.edit], settings)), trace.program.source.name)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 
 from chipbreak.dialects.base import Loop
 from chipbreak.restore import Region
@@ -28,7 +27,7 @@ def unrolled(source: Source, found: Sequence[Region], loop: Loop | None) -> tupl
         pieces += [source.data[source.starts[line] : source.starts[region.body]], text]
         more = text.count(source.line_end) - body.count(source.line_end)
         first, start, last = region.first + shift, region.body + shift, region.last + shift + more
-        moved.append(replace(region, first=first, body=start, last=last))
+        moved.append(region._replace(first=first, body=start, last=last))
         line, shift = region.last, shift + more
     pieces.append(source.data[source.starts[line] :])
     return read(b"".join(pieces), source.name), moved

@@ -20,7 +20,7 @@ from chipbreak.model.modal import Setting, State
 from chipbreak.model.trace import Trace, interpret
 from chipbreak.model.words import codes_of
 from chipbreak.passes import VIBRATE
-from chipbreak.restore import Region, regions, restored_bytes
+from chipbreak.restore import Region, regions, restores
 from chipbreak.settings.sections import Settings
 from chipbreak.source import Source, read
 from chipbreak.syntax.parse import parse_changed
@@ -38,7 +38,7 @@ def verify(
     """Check the output against the original.  Raises SelfCheckError."""
     source = read(output, trace.program.source.name)
     found = regions(source)
-    if restored_bytes(source, found) != trace.program.source.data:
+    if not restores(source, found, trace.program.source.data):
         raise SelfCheckError("putting the output back does not give the original bytes")
     ordered = in_order(edits)
     if len(found) != len(ordered):

@@ -16,6 +16,7 @@ from chipbreak.diagnostics import Diagnostic
 from chipbreak.edits import Edit
 from chipbreak.emit import render
 from chipbreak.model.kinds import KindRules
+from chipbreak.model.main_program import main_program
 from chipbreak.model.operations import Operation, operations_of
 from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace, interpret
@@ -79,8 +80,9 @@ def filtered(data: bytes, profile: str = "fanuc-mill", *options: str) -> Filtere
     short = (calls, "checks.calls=short")
     rules = settings.load(profile, (*short, *options))
     trace = traced(data, rules)
-    operations = operations_of(trace, KindRules.from_profile(rules.operations))
-    edits, diagnostics = plan(trace, operations, rules, EveryTool({}, ()))
+    main = main_program(trace)
+    operations = operations_of(trace, main, KindRules.from_profile(rules.operations))
+    edits, diagnostics = plan(trace, main, operations, rules, EveryTool({}, ()))
     output = b"".join(render(trace.program, edits, rules))
     return Filtered(rules, data, output, trace, operations, edits, diagnostics)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -63,10 +62,10 @@ def test_tool_data_is_in_mm_in_inch_programs_too(profile: str) -> None:
     ("data", "kind", "tip"),
     [
         (DATA, 1, 0.0),
-        (replace(DATA, type="bull nose end mill", corner_radius_mm=1.5), 1, 1.5),
-        (replace(DATA, type="ball end mill", corner_radius_mm=6.0), 2, 6.0),
-        (replace(DATA, type="drill", point_deg=118.0), 3, 118.0),
-        (replace(DATA, type="reamer"), 4, 0.0),
+        (DATA._replace(type="bull nose end mill", corner_radius_mm=1.5), 1, 1.5),
+        (DATA._replace(type="ball end mill", corner_radius_mm=6.0), 2, 6.0),
+        (DATA._replace(type="drill", point_deg=118.0), 3, 118.0),
+        (DATA._replace(type="reamer"), 4, 0.0),
     ],
     ids=["flat", "bull nose", "ball", "drill", "reamer"],
 )
@@ -76,7 +75,7 @@ def test_built_in_calls_hand_over_what_the_macros_take(
     """The macros' own writer of these blocks and the built-in templates say the same."""
     blocks = ToolValues(2, kind, 12.0, tip, 38.0, 70.0, 4, 45.0).blocks(profile)
     calls = calls_of(settings.load(profile))
-    written = calls.text(Event.TOOL_CHECK, replace(VALUES, data=data), is_inch=False)
+    written = calls.text(Event.TOOL_CHECK, VALUES._replace(data=data), is_inch=False)
     assert written[: len(blocks)] == blocks
 
 
@@ -84,7 +83,7 @@ def test_a_shop_may_use_all_that_is_known_of_a_tool() -> None:
     fields = "D{diameter} H{length} R{corner_radius} E{holder} ({type} {helix})"
     shop = f'calls.shop={{trace=["G65 P1 {fields}"]}}'
     calls = calls_of(settings.load("fanuc-mill", [shop, "checks.calls=shop"]))
-    data = replace(DATA, diameter_mm=12.7, corner_radius_mm=0.0)
+    data = DATA._replace(diameter_mm=12.7, corner_radius_mm=0.0)
     (text,) = calls.text(Event.TRACE, CallValues(data=data), is_inch=True)
     assert text == "G65 P1 D0.5 H1.49606 R0. E2.75591 (FLAT END MILL 45.)"
 
@@ -148,7 +147,7 @@ def test_the_number_of_workpieces_and_the_sister_are_handed_over() -> None:
     def written(profile: str, *options: str) -> list[str]:
         calls = calls_of(settings.load(profile, options))
         found = settings.load(profile, options).checks
-        values = replace(VALUES, every=found.every, sister=found.sister.get("2", 0))
+        values = VALUES._replace(every=found.every, sister=found.sister.get("2", 0))
         return [calls.text(event, values, is_inch=False)[-1] for event in Event]
 
     assert written("fanuc-mill", "checks.every=3") == [

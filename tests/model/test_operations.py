@@ -26,7 +26,8 @@ def traced(program: str | bytes, profile: str = "fanuc-mill") -> Trace:
 
 
 def operations(program: str | bytes, profile: str = "fanuc-mill", **rules: list[str]) -> list[Operation]:
-    return operations_of(traced(program, profile), KindRules.from_profile(rules))
+    trace = traced(program, profile)
+    return operations_of(trace, main_program(trace), KindRules.from_profile(rules))
 
 
 def short(found: list[Operation]) -> list[tuple[int | None, str, str]]:

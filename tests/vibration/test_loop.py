@@ -17,8 +17,8 @@ from chipbreak.settings import SettingsError
 from chipbreak.source import read
 from machine_reader import Run, filtered, points, rejected, run_program, times
 
-LOOP, FINE = "output.form=loop", "output.decimals=7"
-FINE_FEED = "output.feed_decimals=9"
+LOOP = "output.form=loop"
+FANUC = chipbreak.load("fanuc-lathe", [LOOP])
 TURNING = "G97 S3000 M3\nG0 X20. Z2.\nG1 Z-48. F0.05 N1.5\nG0 X30.\nM30\n"
 
 
@@ -76,6 +76,7 @@ ON_AN_AXIS = [
         "G1 Z-48. F0.05 N1.5", ("vibration.ramp_vibrations=0", "vibration.end_revolutions=0"), id="no ends"
     ),
     pytest.param("G1 Z-48. F0.05 N1.5", ("control.lathe_system=B",), id="G91"),
+    pytest.param("G1 Z-48. F0.05 N1.5", ("axes.Z.sign=-1",), id="the work moves"),
 ]
 
 
@@ -143,26 +144,24 @@ def test_no_point_leaves_the_exact_motion_by_more_than_promised(cut: tuple[str, 
     program, sets = cut
     try:
         result, bounds = cuts_of(program, "fanuc-lathe", *sets)
-        exact = filtered(program, "fanuc-lathe", *sets, FINE, FINE_FEED, allow_unbroken=True)
     except chipbreak.ProgramRejectedError:
         assume(False)
     (checked,), (bound,) = result.cuts, bounds
     loops = checked.planned.expansion.loops or ()
     event("loops" if loops else "no loop")
     event("drift" if bound > 0.5 else "alike")
-    (fine,) = run_program(exact).cuts
     (real,) = run_program(written_out(result.data.decode())).cuts
     assert len(real) == checked.move_count
-    # Where the knots lie in the exact motion, by the time at which the blocks should end.
-    knots = np.append(0.0, checked.planned.expansion.time_s)
-    wanted = np.array([np.interp(knots, times(fine), points(fine)[:, axis]) for axis in range(3)]).T
+    # Where the blocks should end in the exact motion, by the time at which they should.
+    plan, ends_s = checked.planned.cut, np.append(0.0, checked.planned.expansion.time_s)
+    wanted = plan.path.points(np.interp(ends_s, plan.time_s, plan.distance_mm))
     step = np.array([0.0005, 0.001, 0.001])
     away = np.abs(points(real) - wanted) / step
     # An incremental program counts from its start, so its points have the digits of that.
     assert away[:-1].max() <= bound + 0.02
     assert bound <= 0.5 + 0.125
-    assert points(real)[-1] == pytest.approx(points(fine)[-1], abs=1e-7)
-    assert times(real)[-1] == pytest.approx(times(fine)[-1], rel=0.004)
+    assert points(real)[-1] == pytest.approx(wanted[-1], abs=1e-7)
+    assert times(real)[-1] == pytest.approx(plan.cut.duration_s, rel=0.004)
     again = chipbreak.rewrite(result.data, chipbreak.load("fanuc-lathe", [LOOP, *sets]), allow_unbroken=True)
     assert again.data == result.data
     assert restore(read(result.data)).data.decode() == program
@@ -205,13 +204,13 @@ def test_explain_says_what_repeats() -> None:
     from chipbreak.report import explain_json, explain_text
 
     result, _ = cuts_of(TURNING, "fanuc-lathe")
-    text = "\n".join(explain_text(result, chipbreak.load("fanuc-lathe")))
+    text = "\n".join(explain_text(result, FANUC))
     assert "loop     3 vibrations 497 times; 21 blocks of motion\n" in text
-    (cut,) = explain_json(result, chipbreak.load("fanuc-lathe"))["cuts"]
+    (cut,) = explain_json(result, FANUC)["cuts"]
     assert cut["loops"] == [{"vibrations": 3, "passes": 497, "drift_steps": 0.0}]
     assert cut["moves"] == 2997
     arc, _ = cuts_of(TURNING.replace("G1 Z-48.", "G3 X40. Z-8. R10."), "fanuc-lathe")
-    assert "loop     none" in "\n".join(explain_text(arc, chipbreak.load("fanuc-lathe")))
+    assert "loop     none" in "\n".join(explain_text(arc, FANUC))
 
 
 # --- reading back -----------------------------------------------------------------------------------------
@@ -263,6 +262,14 @@ def test_names_that_the_program_needs_are_not_taken() -> None:
     assert "#101=#101+1" in filtered(used + TURNING, "fanuc-lathe", LOOP, "output.loop_variable=101")
     looped = "#1=0\nWHILE[#1LT2]DO1\n#1=#1+1\nEND1\n" + TURNING
     assert "DO2" in filtered(looped, "fanuc-lathe", LOOP)
+
+
+def test_a_counter_that_the_control_has_not_is_refused() -> None:
+    with pytest.raises(SettingsError) as caught:
+        chipbreak.load("fanuc-mill", [LOOP, "output.loop_variable=50"])
+    assert caught.value.diagnostic.code == "SET003"
+    assert "100 to 199" in caught.value.diagnostic.help
+    assert chipbreak.load("linuxcnc-lathe", [LOOP, "output.loop_variable=50"])  # it counts by itself
 
 
 def test_a_control_without_a_known_loop_is_refused() -> None:

@@ -9,9 +9,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from chipbreak.diagnostics import RefusalError
+from chipbreak.vibration.given import Given
 from chipbreak.vibration.solve import (
     CommandGroup,
-    Given,
     Period,
     Solution,
     SolverRules,

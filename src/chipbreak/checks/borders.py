@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from chipbreak.checks.clearance import Clearance
 from chipbreak.checks.ground import Ground
@@ -24,8 +24,7 @@ from chipbreak.syntax.parse import read_block
 REACH = 500
 
 
-@dataclass(frozen=True)
-class Border:
+class Border(NamedTuple):
     """A line before which a check can stand.
 
     ``state``          the state there
@@ -41,16 +40,14 @@ class Border:
     needs_speed: bool
 
 
-@dataclass(frozen=True)
-class NoBorder:
+class NoBorder(NamedTuple):
     """Why there is none: what is wrong at the obvious line."""
 
     line: int
     why: str
 
 
-@dataclass(frozen=True)
-class Range:
+class Range(NamedTuple):
     """Where to look: forward from ``obvious`` to ``last``, then back to ``first`` (all of them lines).
 
     The line before ``first`` is a cut, a tool call or nothing (``at_start``).
@@ -62,8 +59,7 @@ class Range:
     at_start: bool = False
 
 
-@dataclass(frozen=True)
-class _Spot:
+class _Spot(NamedTuple):
     """A line, the state before it, and what brought the tool there.
 
     ``mover``   "nothing" yet, "rapid", "home" (or the machine's own tool change), or "cut" for all else

@@ -7,12 +7,11 @@ one stored on the control, to be called behind an operation.  Their limit takes 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Final
+from types import MappingProxyType
+from typing import Final, NamedTuple
 
 
-@dataclass(frozen=True)
-class ShippedCalls:
+class ShippedCalls(NamedTuple):
     """Blocks by event, and what stands behind the last of them.
 
     ``tails``          behind the last block where a tool has a sister, or not every workpiece is checked
@@ -20,7 +19,7 @@ class ShippedCalls:
     """
 
     blocks: Mapping[str, Sequence[str]]
-    tails: Mapping[str, str] = field(default_factory=dict)
+    tails: Mapping[str, str] = MappingProxyType({})
     ends_offset: bool = False
 
 

@@ -11,8 +11,7 @@ from __future__ import annotations
 import enum
 import string
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 from chipbreak.checks.call_sets import BUILT_IN, NAMED, NAMED_DIALECT, ShippedCalls
 from chipbreak.checks.tool_values import DATA_FIELDS, data_texts
@@ -45,8 +44,7 @@ class Event(enum.Enum):
         return self.value.upper().replace("_", " ")
 
 
-@dataclass(frozen=True)
-class CallValues:
+class CallValues(NamedTuple):
     """What the fields of a call stand for; None where an event has no such value.
 
     ``every`` is 1 where each workpiece is checked, ``sister`` 0 where no tool may take this one's place.
@@ -101,8 +99,7 @@ _EVENT_FIELDS: Final[Mapping[Event, tuple[str, ...]]] = {
 }
 
 
-@dataclass(frozen=True)
-class CallSet:
+class CallSet(NamedTuple):
     """The blocks of every event that is called; see :class:`ShippedCalls`."""
 
     name: str

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 from chipbreak.checks.calls import CallSet, CallValues, Event
 from chipbreak.checks.tool_values import source_field
 from chipbreak.diagnostics import Diagnostic, Severity
@@ -18,16 +16,13 @@ NOT_LOOKED_AT, WHICH_TOOL, LEFT_TO_CONTROL = "CHK005", "CHK006", "CHK007"
 _LEFT_OUT = (NO_BORDER, NO_SPEED, NO_SHAPE, WHICH_TOOL)
 
 
-@dataclass
 class Known:
     """What is known of the tools of a program; ``diagnostics`` collects what is said."""
 
-    program: Program
-    checks: Checks
-    calls: CallSet
-    tools: ToolTable
-    diagnostics: list[Diagnostic] = field(default_factory=list)
-    _said: set[tuple[int, str]] = field(default_factory=set)
+    def __init__(self, program: Program, checks: Checks, calls: CallSet, tools: ToolTable) -> None:
+        self.program, self.checks, self.calls, self.tools = program, checks, calls, tools
+        self.diagnostics: list[Diagnostic] = []
+        self._said: set[tuple[int, str]] = set()
 
     def allows(self, event: Event, values: CallValues, first_cut: int) -> bool:
         """True when the set has such a call, and all it says about the tool and its speed is known."""

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from chipbreak.model.kinds import Kind
 from chipbreak.model.operations import Operation
 from chipbreak.settings.sections import Settings
 
 
-@dataclass(frozen=True)
-class Limit:
+class Limit(NamedTuple):
     """W, and why."""
 
     w_mm: float

@@ -11,8 +11,8 @@ the program: wear adds up, and a new reference at every call would hide it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import groupby, pairwise
+from typing import NamedTuple
 
 from chipbreak.checks.borders import Border, BorderFinder, NoBorder, Range
 from chipbreak.checks.calls import CallSet, CallValues, Event, calls_of
@@ -21,7 +21,7 @@ from chipbreak.checks.known import NO_BORDER, NO_SHAPE, NOT_LOOKED_AT, WHICH_TOO
 from chipbreak.checks.limits import Limit, limit_before
 from chipbreak.diagnostics import Diagnostic
 from chipbreak.model.kinds import Kind
-from chipbreak.model.main_program import main_program
+from chipbreak.model.main_program import MainProgram
 from chipbreak.model.operations import Operation
 from chipbreak.model.trace import Trace
 from chipbreak.settings.sections import Settings
@@ -31,8 +31,7 @@ from chipbreak.tools.tips import Tip, tip_of
 NO_TOOL_CALL, SISTER_IS_CALLED = "CHK001", "CHK008"
 
 
-@dataclass(frozen=True)
-class PlannedCheck:
+class PlannedCheck(NamedTuple):
     """A check that will be inserted; ``limit_mm`` is the W of a CHIP CHECK."""
 
     event: Event
@@ -45,19 +44,18 @@ class PlannedCheck:
 
 
 def plan_checks(
-    operations: Sequence[Operation], trace: Trace, settings: Settings, tools: ToolTable
+    operations: Sequence[Operation], trace: Trace, main: MainProgram, settings: Settings, tools: ToolTable
 ) -> tuple[list[PlannedCheck], list[Diagnostic]]:
     """All checks of a program, in its order, and what could not be checked.
 
     Raises RefusalError when the calls of the profile cannot be used (SET030 to SET034).
     """
-    planner = _Planner(operations, trace, settings, tools)
+    planner = _Planner(operations, trace, main, settings, tools)
     planner.run()
     return planner.planned, planner.known.diagnostics
 
 
-@dataclass(frozen=True)
-class _Wish:
+class _Wish(NamedTuple):
     """A check that wants a place."""
 
     event: Event
@@ -79,12 +77,17 @@ class _Planner:
     """One walk over the operations."""
 
     def __init__(
-        self, operations: Sequence[Operation], trace: Trace, settings: Settings, tools: ToolTable
+        self,
+        operations: Sequence[Operation],
+        trace: Trace,
+        main: MainProgram,
+        settings: Settings,
+        tools: ToolTable,
     ) -> None:
-        self.trace, self.settings, self.checks, self.tools = trace, settings, settings.checks, tools
+        self.trace, self.main, self.tools = trace, main, tools
+        self.settings, self.checks = settings, settings.checks
         self.operations = operations
         self.calls: CallSet = calls_of(settings)
-        self.main = main_program(trace)
         self.finder = BorderFinder(trace, Ground(trace, self.main), calls_end_offset=self.calls.ends_offset)
         # How many workpieces a check is for; the control counts them where the beam is measured.
         self.every = self.checks.every

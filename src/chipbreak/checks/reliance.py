@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from chipbreak.model.main_program import calls_subprogram
 from chipbreak.model.operations import calls_tool
@@ -27,8 +28,7 @@ _HARMLESS = frozenset({"dwell", "exact-stop", "data-setting", "data-setting-end"
 _BENT = ("rotation", "polar", "interpolation", "cylinder", "mirror", "scaling", "modal_macro")
 
 
-@dataclass(frozen=True)
-class Reliance:
+class Reliance(NamedTuple):
     """``axes`` that must stand where they stood; whether the length offset must be in force again."""
 
     axes: frozenset[str]

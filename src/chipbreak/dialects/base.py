@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import NamedTuple
 
 # Groups whose codes act in their own block only.  The interpreter and the refusals know them by value.
@@ -17,18 +17,19 @@ class Code(NamedTuple):
     value: str
 
 
-@dataclass(frozen=True)
-class Loop:
+class Loop(NamedTuple):
     """How a control repeats blocks: the lines before and behind them.
 
     ``{passes}`` is how often, ``{label}`` one of ``labels``, ``{variable}`` the number of a counter.
-    ``reuses``: loops that do not lie in each other may have one label.
+    ``reuses``: loops that do not lie in each other may have one label.  ``variables``: the numbers that a
+    counter may have; empty where there is none.
     """
 
     begin: tuple[str, ...]
     end: tuple[str, ...]
     labels: range
     reuses: bool
+    variables: tuple[range, ...] = ()
 
     @property
     def statements(self) -> int:
@@ -36,8 +37,7 @@ class Loop:
         return 1 + len(self.end)
 
 
-@dataclass(frozen=True)
-class Dialect:
+class Dialect(NamedTuple):
     """A control's vocabulary.
 
     ``g_codes``       ten times the G number -> Code
@@ -60,7 +60,7 @@ class Dialect:
     initial: Mapping[str, str]
     tool_change: str
     lathe_system: str = ""
-    incremental: Mapping[str, str] = field(default_factory=dict)
+    incremental: Mapping[str, str] = MappingProxyType({})
     speed_limit: frozenset[int] = frozenset()
     machine_retract: tuple[str, ...] = ()
     retract_is_absolute: bool = False

@@ -15,6 +15,7 @@ _LOOP = Loop(
     end=("#{variable}=#{variable}+1", "END{label}"),
     labels=range(1, 4),
     reuses=True,
+    variables=(range(1, 34), range(100, 200), range(500, 1000)),
 )
 
 _LATHE = COMMON | table(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.base import ONCE
@@ -13,8 +13,7 @@ from chipbreak.syntax.parse import Program
 CONTOUR_CYCLES = ("rough-cycle", "finish-cycle")
 
 
-@dataclass(frozen=True)
-class Flow:
+class Flow(NamedTuple):
     """Jump targets and cycle contours.
 
     ``targets``   lines that a GOTO may reach

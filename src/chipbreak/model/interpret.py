@@ -8,7 +8,6 @@ units, compensation, offsets and the other modal groups, (8) non-modal codes, (9
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.dialects.base import ONCE
@@ -85,7 +84,7 @@ class Interpreter:
     def advance(self, state: State, block: Block) -> Step:
         """What a block does."""
         if state.ended and not block.is_empty:
-            state = replace(initial_state(self.settings), unknown_why="another program starts here")
+            state = initial_state(self.settings)._replace(unknown_why="another program starts here")
         if block.line in self.flow.targets:
             state = state.forgotten(JUMPED)
         if block.opaque:
@@ -98,7 +97,7 @@ class Interpreter:
             return Step(block, state, state, vibration=asks, in_contour=True)
         step = self._with_peripheral(self._execute(state, block))
         if block.skip:
-            step = replace(step, after=_maybe(state, step.after, block.line))
+            step = step._replace(after=_maybe(state, step.after, block.line))
         return step
 
     def _with_peripheral(self, step: Step) -> Step:
@@ -110,9 +109,9 @@ class Interpreter:
         if asked is None:
             return step
         text = asked.speed_text(self.settings.spindle.resolution_rpm)
-        after = replace(step.after, speed=Setting(float(text), text, step.block.line))
+        after = step.after._replace(speed=Setting(float(text), text, step.block.line))
         unread = tuple(w for w in step.unread if w not in asked.words)
-        return replace(step, after=after, unread=unread, peripheral=asked)
+        return step._replace(after=after, unread=unread, peripheral=asked)
 
     def _execute(self, state: State, block: Block) -> Step:
         changes, once, unknown = self._codes(block)
@@ -164,15 +163,15 @@ class Interpreter:
     ) -> State:
         """(1) feed mode, (2) feed, (3) speed, (7) the other modal groups."""
         modes = {**state.modes, **changes}
-        after = replace(state, modes=modes)
+        after = state._replace(modes=modes)
         if modes["feed_mode"] != state.modes["feed_mode"]:
-            after = replace(after, feed=None)
+            after = after._replace(feed=None)
         if modes["speed_mode"] != state.modes["speed_mode"]:
-            after = replace(after, speed=None)
+            after = after._replace(speed=None)
         if "path" in changes:
-            after = replace(after, path_words=self._group_words(block, "path"))
+            after = after._replace(path_words=self._group_words(block, "path"))
         if "look_ahead" in changes:
-            after = replace(after, smooth_words=self._group_words(block, "look_ahead"))
+            after = after._replace(smooth_words=self._group_words(block, "look_ahead"))
         limits = self._is_speed_limit(block)
         reads_all = bool(once & _READS_ALL) and not limits
         for word in block.words:
@@ -180,17 +179,17 @@ class Interpreter:
                 continue
             if word.address == "F":
                 value = feed_value(word, after, self.settings.control)
-                after = replace(after, feed=Setting(value, word.value_text, block.line))
+                after = after._replace(feed=Setting(value, word.value_text, block.line))
             elif word.address == "S":
                 setting = Setting(plain_value(word), word.value_text, block.line)
-                after = replace(after, speed_limit=setting) if limits else replace(after, speed=setting)
+                after = after._replace(speed_limit=setting) if limits else after._replace(speed=setting)
             elif word.address == "D" and changes.get("speed_mode") == "surface":
-                after = replace(after, speed_limit=Setting(plain_value(word), word.value_text, block.line))
+                after = after._replace(speed_limit=Setting(plain_value(word), word.value_text, block.line))
         if any(modes.get(group, "off") != state.modes.get(group, "off") for group in _COORDINATE_GROUPS):
             after = after.lost("the coordinate system changed")
         if changes.get("length_offset") == "on":
-            after = replace(after, position=after.position._replace(z=math.nan))
-            after = replace(after, unknown_why="tool length compensation changed Z")
+            after = after._replace(position=after.position._replace(z=math.nan))
+            after = after._replace(unknown_why="tool length compensation changed Z")
         return after
 
     def _group_words(self, block: Block, group: str) -> str:
@@ -213,16 +212,16 @@ class Interpreter:
             elif word.address == "M" and not math.isnan(value):
                 state = _m_code(state, int(value))
         if self.dialect.tool_change == "M6" and any(w.address == "M" and w.number == 6 for w in block.words):
-            state = replace(state, tool=state.next_tool).lost("a tool change moves the machine")
+            state = state._replace(tool=state.next_tool).lost("a tool change moves the machine")
         return state
 
     def _tool_word(self, state: State, value: float) -> State:
         number = None if math.isnan(value) else int(value)
         if self.dialect.tool_change == "M6":
-            return replace(state, next_tool=number)
+            return state._replace(next_tool=number)
         if number is not None and number >= 100:
             number //= 100
-        return replace(state, tool=number, next_tool=None).lost("a tool or its offset changed")
+        return state._replace(tool=number, next_tool=None).lost("a tool or its offset changed")
 
     def _motion(
         self, state: State, block: Block, once: frozenset[str], unknown: bool
@@ -243,7 +242,7 @@ class Interpreter:
         if unknown:
             return state.lost("a G code this profile does not know stands with axis words"), None
         move = move_of(block, state, axis_words, self.settings, once)
-        return replace(state, position=move.end), move
+        return state._replace(position=move.end), move
 
     def _flow_of_control(self, state: State, block: Block) -> State:
         """Loops, subprograms and calls: the next block may be reached with other values."""
@@ -271,13 +270,13 @@ class Interpreter:
 
 def _m_code(state: State, code: int) -> State:
     if code in _SPINDLE:
-        return replace(state, spindle=_SPINDLE[code])
+        return state._replace(spindle=_SPINDLE[code])
     if code in (7, 8):
-        return replace(state, coolant=state.coolant | {"mist" if code == 7 else "flood"})
+        return state._replace(coolant=state.coolant | {"mist" if code == 7 else "flood"})
     if code == 9:
-        return replace(state, coolant=frozenset())
+        return state._replace(coolant=frozenset())
     if code in _ENDS:
-        return replace(state, ended=True)
+        return state._replace(ended=True)
     return state
 
 
@@ -285,7 +284,7 @@ def _lose_axes(state: State, axes: list[str], why: str, *, everything: bool) -> 
     if everything or not axes:
         return state.lost(why)
     position = state.position._replace(**{a.lower(): math.nan for a in axes if a in AXES})
-    return replace(state, position=position, unknown_why=why)
+    return state._replace(position=position, unknown_why=why)
 
 
 def _maybe(before: State, after: State, line: int) -> State:
@@ -294,5 +293,5 @@ def _maybe(before: State, after: State, line: int) -> State:
     position = Position(*(b if a == b else math.nan for a, b in pairs))
     if position != after.position:
         why = f"line {line + 1} is skipped while block delete is on"
-        after = replace(after, position=position, unknown_why=why)
-    return replace(after, ended=before.ended)
+        after = after._replace(position=position, unknown_why=why)
+    return after._replace(ended=before.ended)

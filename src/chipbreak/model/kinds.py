@@ -10,8 +10,8 @@ from __future__ import annotations
 import enum
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.model import kind_words as words
@@ -35,24 +35,21 @@ class Kind(enum.Enum):
     UNKNOWN = "unknown"
 
 
-@dataclass(frozen=True)
-class KindFinding:
+class KindFinding(NamedTuple):
     """A kind and the words it was read from."""
 
     kind: Kind
     reason: str
 
 
-@dataclass(frozen=True)
-class OperationMark:
+class OperationMark(NamedTuple):
     """A title of an operation (``is_start``), or the mark some CAM systems put behind one."""
 
     is_start: bool
     label: str
 
 
-@dataclass(frozen=True)
-class ToolNote:
+class ToolNote(NamedTuple):
     """What a comment says about a tool; ``None`` where it says nothing.
 
     ``diameter`` and ``corner_radius`` are in the unit the text itself names, ``unit`` ("mm" or "in"); a
@@ -69,8 +66,7 @@ class ToolNote:
     unit: str | None = None
 
 
-@dataclass(frozen=True)
-class KindRules:
+class KindRules(NamedTuple):
     """The user's regular expressions per kind, tried in their order before the built-in words."""
 
     patterns: tuple[tuple[Kind, re.Pattern[str]], ...] = ()

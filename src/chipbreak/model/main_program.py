@@ -7,13 +7,14 @@ at one by one.
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace
+from chipbreak.syntax.shapes import bits_of
 
 _SUBPROGRAM_CALLS = (97, 98, 198)
 # What acts in its own block and cuts, or may cut.
@@ -25,8 +26,7 @@ _MOVING = "XYZUVWABC"
 _WORK_OF_MOTION = {"rapid": _NOTHING, "none": _NOTHING, "probe": _PROBES}
 
 
-@dataclass(frozen=True, eq=False)
-class MainProgram:
+class MainProgram(NamedTuple):
     """The lines that run from the start to the program's end: ``first`` to ``last`` (exclusive).
 
     ``bodies``  [first, last] lines of subprograms between them
@@ -106,13 +106,14 @@ def _bodies(trace: Trace) -> tuple[tuple[tuple[int, int], ...], int]:
 def _work(trace: Trace) -> NDArray[np.int8]:
     """What each line of the file does to the workpiece."""
     program = trace.program
-    moves = np.array([any(a in s.letters for a in _MOVING + "IJK") for s in program.shapes] + [False])
     given = np.array([-1 if s.motion is None else min(s.motion, 1) for s in program.shapes] + [-1], np.int8)
     mode = given[program.plain]
     for step in trace.events:
         mode[step.block.line] = _WORK_OF_MOTION.get(step.after.modes["motion"], _CUTS)
-    latest = np.maximum.accumulate(np.where(mode >= 0, np.arange(len(mode)), 0))
-    work = np.where(moves[program.plain], np.maximum(mode[latest], _NOTHING), _NOTHING).astype(np.int8)
+    lines = np.arange(len(mode), dtype=np.int32)
+    lines[mode < 0] = 0
+    mode = mode[np.maximum.accumulate(lines)]
+    work = np.where(program.bits & bits_of(_MOVING + "IJK"), np.maximum(mode, _NOTHING), np.int8(_NOTHING))
     for step in trace.events:
         work[step.block.line] = _work_of(step)
     for first, last in trace.flow.contours:

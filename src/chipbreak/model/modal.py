@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 UNKNOWN = math.nan
@@ -29,8 +28,7 @@ class Setting(NamedTuple):
     line: int
 
 
-@dataclass(frozen=True, slots=True)
-class State:
+class State(NamedTuple):
     """Everything that one block leaves to the next.
 
     ``modes``          modal group -> value, as in the dialect
@@ -58,15 +56,15 @@ class State:
 
     def with_modes(self, changes: Mapping[str, str]) -> State:
         """The same with some modal groups changed."""
-        return replace(self, modes={**self.modes, **changes})
+        return self._replace(modes={**self.modes, **changes})
 
     def lost(self, why: str) -> State:
         """The same with the position unknown."""
-        return replace(self, position=NOWHERE, unknown_why=why)
+        return self._replace(position=NOWHERE, unknown_why=why)
 
     def forgotten(self, why: str) -> State:
         """The same with position, feed and speed unknown: the block can be reached from elsewhere."""
-        return replace(self, position=NOWHERE, unknown_why=why, feed=None, speed=None)
+        return self._replace(position=NOWHERE, unknown_why=why, feed=None, speed=None)
 
     @property
     def is_inch(self) -> bool:

@@ -24,7 +24,7 @@ from chipbreak.model.kinds import (
     operation_title,
     tool_text,
 )
-from chipbreak.model.main_program import MainProgram, main_program
+from chipbreak.model.main_program import MainProgram
 from chipbreak.model.modal import State
 from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace
@@ -84,12 +84,11 @@ class _Draft:
     remarks: list[_Remark] = field(default_factory=list)
 
 
-def operations_of(trace: Trace, rules: KindRules) -> list[Operation]:
+def operations_of(trace: Trace, main: MainProgram, rules: KindRules) -> list[Operation]:
     """The operations of a program, in order.
 
     Raises ProgramRejectedError when a directive is misspelt.
     """
-    main = main_program(trace)
     scan = _Scan(trace, main)
     drafts = scan.run()
     judge = _Judge(trace, rules, scan.tool_list)

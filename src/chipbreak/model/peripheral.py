@@ -6,7 +6,7 @@ V is in m/min, D in mm, in every program; S = 1000 V / (pi D).
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.model.modal import State
@@ -21,8 +21,7 @@ _ITEM = re.compile(r"([VD])\s*=?\s*([-+]?(?:\d+\.?\d*|\.\d+))[\s,]*", re.IGNOREC
 _FOREIGN = frozenset("XYZUWABCHIJKRPQL")
 
 
-@dataclass(frozen=True)
-class Peripheral:
+class Peripheral(NamedTuple):
     """A speed asked by V and D.  ``words`` are V and D of the block, empty for the directive."""
 
     v_m_min: float

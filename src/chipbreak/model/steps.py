@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from chipbreak.model.modal import Position, State
 from chipbreak.model.peripheral import Peripheral
@@ -11,8 +11,7 @@ from chipbreak.syntax.nodes import Block, Word
 CUTTING = ("line", "cw", "ccw")
 
 
-@dataclass(frozen=True, slots=True)
-class Move:
+class Move(NamedTuple):
     """A motion from ``start`` to ``end`` [mm, X as radius].
 
     ``kind``         rapid, line, cw, ccw, thread or other
@@ -37,8 +36,7 @@ class Move:
         return self.kind in CUTTING
 
 
-@dataclass(frozen=True, slots=True)
-class Step:
+class Step(NamedTuple):
     """A block with the state before and after it.
 
     ``once``        what its non-modal codes do (dwell, home, macro-call, ...)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,14 +22,14 @@ from chipbreak.model.words import feed_value, is_diameter, length_mm
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.columns import read_columns, uniform_run
 from chipbreak.syntax.parse import Program
+from chipbreak.syntax.shapes import MOTION_CODE, NO_POINT, bits_of
 from chipbreak.units import MM_PER_INCH
 
 _MOTION = ("rapid", "line", "cw", "ccw")
 _SHORT_RUN = 8
 
 
-@dataclass(frozen=True, eq=False)
-class Trace:
+class Trace(NamedTuple):
     """States and steps of a program.
 
     ``lines`` and ``states`` hold the state before each line that is no plain motion, and before the line
@@ -41,9 +41,9 @@ class Trace:
     settings: Settings
     flow: Flow
     interpreter: Interpreter
-    lines: list[int] = field(default_factory=list)
-    states: list[State] = field(default_factory=list)
-    events: list[Step] = field(default_factory=list)
+    lines: list[int]
+    states: list[State]
+    events: list[Step]
 
     def before(self, line: int) -> State:
         """The state before a line."""
@@ -100,15 +100,13 @@ class Trace:
         """True when a run gives distances, by G91 or by U and W."""
         if state.modes.get("distance", "absolute") == "incremental":
             return True
-        distances = self.settings.axis_words.distances
-        used = _used(self.program.plain[first:last])
-        return any(distances.intersection(self.program.shapes[i].letters) for i in used)
+        return bool(_used(self.program.bits[first:last]) & bits_of(self.settings.axis_words.distances))
 
     def _values_are_plain(self, first: int, last: int) -> bool:
         """True when every number of a run means what it says."""
         if self.settings.control.decimal_point == "calculator":
             return True
-        return all(self.program.shapes[i].has_points for i in _used(self.program.plain[first:last]))
+        return not _used(self.program.bits[first:last]) & NO_POINT
 
     def _sum(self, state: State, last: int, letters: str, numbers: NDArray[np.float64]) -> State:
         """Add up the distances of a run whose blocks all have the same words."""
@@ -128,63 +126,55 @@ class Trace:
         feed = word_of.get("F")
         if feed is not None:
             setting = Setting(feed_value(feed, state, control), feed.value_text, last - 1)
-            state = replace(state, feed=setting)
-        return replace(state, position=Position(**ends))
+            state = state._replace(feed=setting)
+        return state._replace(position=Position(**ends))
 
     def _jump(self, state: State, first: int, last: int) -> State:
         """Take the last word of each letter in a run."""
-        shapes = self.program.shapes
-        ids = self.program.plain[first:last]
-        used = _used(ids)
-        control, words = self.settings.control, self.settings.axis_words
-        motion_at = _last_of(ids, [i for i in used if shapes[i].motion is not None], len(shapes))
-        if motion_at >= 0:
-            state = state.with_modes({"motion": _MOTION[shapes[ids[motion_at]].motion or 0]})
+        bits = self.program.bits[first:last]
+        used, control, words = _used(bits), self.settings.control, self.settings.axis_words
+        if used & MOTION_CODE:
+            shape = self.program.shapes[self.program.plain[first + _last_of(bits, MOTION_CODE)]]
+            state = state.with_modes({"motion": _MOTION[shape.motion or 0]})
+        letters = [pair for pair in (*words.letters.items(), ("", "F")) if used & bits_of(pair[1])]
+        lines = [first + _last_of(bits, bits_of(letter)) for _, letter in letters]
+        blocks = {line: self.program.block(line) for line in set(lines)}
         position = {}
-        for axis, letter in (*words.letters.items(), ("", "F")):
-            at = _last_of(ids, [i for i in used if letter in shapes[i].letters], len(shapes))
-            if at < 0:
-                continue
-            word = self.program.block(first + at).word(letter)
+        for (axis, letter), line in zip(letters, lines, strict=True):
+            word = blocks[line].word(letter)
             assert word is not None
             if not axis:
-                state = replace(
-                    state, feed=Setting(feed_value(word, state, control), word.value_text, first + at)
-                )
+                feed = Setting(feed_value(word, state, control), word.value_text, line)
+                state = state._replace(feed=feed)
                 continue
             value = length_mm(word, state, control) * words.signs[axis]
             if axis == "X" and is_diameter(state, control):
                 value /= 2.0
             position[axis.lower()] = value
-        return replace(state, position=state.position._replace(**position))
+        return state._replace(position=state.position._replace(**position))
 
 
-def _used(ids: NDArray[np.int32]) -> list[int]:
-    """The shapes that occur; what is no plain block there is a blank line or a comment."""
-    return (np.flatnonzero(np.bincount(ids + 1)[1:])).tolist()
+def _used(bits: NDArray[np.uint16]) -> int:
+    """What any of the lines has."""
+    return int(np.bitwise_or.reduce(bits))
 
 
-def _last_of(ids: NDArray[np.int32], wanted: list[int], shape_count: int) -> int:
-    """Index of the last element that is one of ``wanted``, -1 for none."""
-    if not wanted:
-        return -1
-    is_wanted = np.zeros(shape_count + 1, np.bool_)  # one more, for the -1 of lines that are no plain block
-    is_wanted[wanted] = True
-    stop, window = len(ids), 64
-    while stop > 0:
+def _last_of(bits: NDArray[np.uint16], wanted: int) -> int:
+    """The last line that has a bit which one of them has."""
+    stop, window = len(bits), 64
+    while True:
         start = max(0, stop - window)
-        found = np.flatnonzero(is_wanted[ids[start:stop]])
+        found = np.flatnonzero(bits[start:stop] & wanted)
         if len(found):
             return start + int(found[-1])
         stop, window = start, window * 4
-    return -1
 
 
 def interpret(program: Program, settings: Settings) -> Trace:
     """Interpret a program from its first to its last line."""
     flow = read_flow(program, settings.dialect)
     interpreter = Interpreter(settings, flow)
-    trace = Trace(program, settings, flow, interpreter)
+    trace = Trace(program, settings, flow, interpreter, [], [], [])
     state = initial_state(settings)
     line = program.source.body.start
     trace.lines.append(line)

@@ -30,6 +30,7 @@ from chipbreak.diagnostics import Diagnostic
 from chipbreak.edits import Edit
 from chipbreak.model.flow import Flow
 from chipbreak.model.interpret import Interpreter
+from chipbreak.model.main_program import MainProgram
 from chipbreak.model.operations import Operation
 from chipbreak.model.trace import Trace
 from chipbreak.model.words import is_diameter
@@ -47,7 +48,11 @@ _DECIMALS = 6
 
 
 def plan(
-    trace: Trace, operations: Sequence[Operation], settings: Settings, tools: ToolTable
+    trace: Trace,
+    main: MainProgram,
+    operations: Sequence[Operation],
+    settings: Settings,
+    tools: ToolTable,
 ) -> tuple[list[Edit], list[Diagnostic]]:
     """The insertions of all checks, and what could not be checked.
 
@@ -55,7 +60,7 @@ def plan(
     """
     if not settings.checks.enabled:
         return [], []
-    checks, diagnostics = plan_checks(operations, trace, settings, tools)
+    checks, diagnostics = plan_checks(operations, trace, main, settings, tools)
     checks.sort(key=lambda check: check.border.line)
     edits = [_edit(list(group), settings) for _, group in groupby(checks, lambda check: check.border.line)]
     return edits, diagnostics

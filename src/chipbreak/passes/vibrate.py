@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from chipbreak.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.edits import Edit, MoveTable
@@ -82,7 +82,7 @@ def plan(
             expansion = _expand(cut, settings, names, advise=len(diagnostics) < _MOST_ADVISED)
         except RefusalError as error:
             if allow_unbroken and error.code == TOO_SHORT and not chain.asked_by_word:
-                warnings.append(replace(_at_chain(trace, chain, error), severity=Severity.WARNING))
+                warnings.append(_at_chain(trace, chain, error)._replace(severity=Severity.WARNING))
             else:
                 diagnostics.append(_at_chain(trace, chain, error))
             continue

@@ -8,15 +8,14 @@ negative direction.  Whatever reads or writes an axis word asks here.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 AXES = "XYZ"
 CENTRES = "IJK"
 PLANES = ("XY", "ZX", "YZ")
 
 
-@dataclass(frozen=True)
-class AxisWords:
+class AxisWords(NamedTuple):
     """The axis words of a control.
 
     ``letters``    axis of the geometry -> the letter that moves it

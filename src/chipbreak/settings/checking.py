@@ -7,8 +7,7 @@ import re
 import types
 import typing
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from chipbreak.diagnostics import Diagnostic, Severity
 from chipbreak.nearest import nearest
@@ -31,8 +30,7 @@ class SettingsError(Exception):
         self.diagnostic = diagnostic
 
 
-@dataclass(frozen=True)
-class Layer:
+class Layer(NamedTuple):
     """One source of values: a file's text, or an option."""
 
     name: str

@@ -6,7 +6,6 @@ import os
 import re
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -29,11 +28,12 @@ from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS, Axis, Planner, 
 from chipbreak.settings.tool_rules import check_macros, check_sisters
 from chipbreak.span import Place
 
+_PROFILES = Path(__file__).parents[1] / "profiles"
+
 
 def profile_names() -> list[str]:
     """The shipped profiles."""
-    folder = resources.files("chipbreak") / "profiles"
-    return sorted(p.name.removesuffix(".toml") for p in folder.iterdir() if p.name.endswith(".toml"))
+    return sorted(path.stem for path in _PROFILES.glob("*.toml"))
 
 
 def profile_text(profile: str) -> tuple[str, str]:
@@ -42,8 +42,7 @@ def profile_text(profile: str) -> tuple[str, str]:
     Raises SettingsError when there is neither.
     """
     if profile in profile_names():
-        text = (resources.files("chipbreak") / "profiles" / f"{profile}.toml").read_text("utf-8")
-        return profile, text
+        return profile, (_PROFILES / f"{profile}.toml").read_text("utf-8")
     path = Path(profile)
     if path.suffix != ".toml" and not path.is_file():
         near = nearest(profile, profile_names())
@@ -97,10 +96,8 @@ def _build(
         message = f"output.feed_mode {mode!r}: {dialect.title} has no code for it"
         others = [other for other in ("rev", "inverse", "minute") if dialect.can("feed_mode", other)]
         raise layer.fail(IMPOSSIBLE, "output.feed_mode", message, f"one of {', '.join(others)}")
-    if sections["output"].form == "loop" and dialect.loop is None:
-        message = f"output.form 'loop': how {dialect.title} repeats blocks is not known"
-        help_text = 'write form = "expanded", or name the control: fanuc-lathe, linuxcnc-lathe'
-        raise layer.fail(IMPOSSIBLE, "output.form", message, help_text)
+    if sections["output"].form == "loop":
+        _check_loop(layer, sections["output"].loop_variable, dialect)
     if sections["planner"].reversal_stop_ms and sections["planner"].model != "trapezoid":
         message = f"planner.reversal_stop_ms has no place in planner.model {sections['planner'].model!r}"
         hint = 'planner.model = "trapezoid", or leave it out'
@@ -118,6 +115,19 @@ def _build(
         origins=origins,
         **sections,
     )
+
+
+def _check_loop(layer: Layer, variable: int, dialect: Dialect) -> None:
+    """Refuse loops where it is not known how, or with a counter that the control does not have."""
+    if dialect.loop is None:
+        message = f"output.form 'loop': how {dialect.title} repeats blocks is not known"
+        help_text = 'write form = "expanded", or name the control: fanuc-lathe, linuxcnc-lathe'
+        raise layer.fail(IMPOSSIBLE, "output.form", message, help_text)
+    there = dialect.loop.variables
+    if there and not any(variable in numbers for numbers in there):
+        message = f"output.loop_variable {variable}: {dialect.title} has no such variable"
+        known = ", ".join(f"{numbers[0]} to {numbers[-1]}" for numbers in there)
+        raise layer.fail(IMPOSSIBLE, "output.loop_variable", message, f"one of {known}")
 
 
 def _axis_words(layer: Layer, axes: Mapping[str, Axis], dialect: Dialect, *, checks: bool) -> AxisWords:

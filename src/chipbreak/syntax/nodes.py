@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 Operand = "Number | Variable | Operation | Call"
 
 
-@dataclass(frozen=True, slots=True)
-class Number:
+class Number(NamedTuple):
     """A literal number in an expression."""
 
     value: float
 
 
-@dataclass(frozen=True, slots=True)
-class Variable:
+class Variable(NamedTuple):
     """``#101``, ``#<name>`` or an indirect ``#[...]``: ``key`` is the number, the name or an expression."""
 
     key: int | str | Expression
 
 
-@dataclass(frozen=True, slots=True)
-class Operation:
+class Operation(NamedTuple):
     """``left operator right``; a sign in front of something is ``0 - something``."""
 
     operator: str
@@ -31,8 +27,7 @@ class Operation:
     right: Expression
 
 
-@dataclass(frozen=True, slots=True)
-class Call:
+class Call(NamedTuple):
     """A function such as ``SIN[...]``."""
 
     function: str
@@ -96,8 +91,7 @@ class Control(NamedTuple):
     end: int
 
 
-@dataclass(frozen=True, slots=True)
-class Block:
+class Block(NamedTuple):
     """One line of a program.
 
     ``line`` counts from 0.  ``sequence`` is the leading N word.  ``skip`` is the block-delete level (``/``

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,19 +28,20 @@ LONGEST_LINE = 1 << 16
 _BLANK_CHARACTERS = BLANKS.decode("latin-1")
 
 
-@dataclass(frozen=True, eq=False)
-class Program:
+class Program(NamedTuple):
     """A program as lines, without losing a byte.
 
     ``plain`` holds for every line the index of its shape in ``table.shapes``, or -1 where the line is more
-    than a plain motion block; ``events`` are those lines of the body.  Blocks are read when asked for.
+    than a plain motion block; ``events`` are those lines of the body.  ``bits`` says for every plain line
+    what it has (see ``Shape.bits``), 0 for the others.  Blocks are read when asked for.
     """
 
     source: Source
     plain: NDArray[np.int32]
     table: ShapeTable
     events: NDArray[np.int64]
-    _blocks: dict[int, Block] = field(default_factory=dict)
+    bits: NDArray[np.uint16]
+    known: dict[int, Block]
 
     @property
     def shapes(self) -> Sequence[Shape]:
@@ -49,11 +50,11 @@ class Program:
 
     def block(self, line: int) -> Block:
         """The block on a line."""
-        block = self._blocks.get(line)
+        block = self.known.get(line)
         if block is None:
             block = read_block(line, self.source.text(line))
             if self.plain[line] < 0:
-                self._blocks[line] = block
+                self.known[line] = block
         return block
 
     def event_blocks(self) -> Iterator[Block]:
@@ -116,7 +117,8 @@ def parse_changed(source: Source, original: Program, kept: Sequence[tuple[int, i
 def _program(source: Source, plain: NDArray[np.int32], table: ShapeTable) -> Program:
     body = source.body
     events = np.flatnonzero(plain[body.start : body.stop] < 0).astype(np.int64) + body.start
-    return Program(source, plain, table, events)
+    bits = np.array([shape.bits for shape in table.shapes] + [0], np.uint16)
+    return Program(source, plain, table, events, bits[plain], {})
 
 
 def emit(program: Program) -> bytes:

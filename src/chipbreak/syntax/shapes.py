@@ -1,16 +1,16 @@
 """The shape of a line: its text with every run of digits made one mark.
 
 ``N120 X10.5 Y-3.25`` and ``N125 X7.0 Y-12.`` have one shape, and a program of a million blocks has a few
-hundred.  So each shape is read once; a line whose shape is a plain motion block needs no more.  The digits
-of a G word stay, so that G1 and G10 have different shapes.
+hundred.  So each shape is read once; a line whose shape is a plain motion block needs no more.  The G of a
+motion code becomes a mark of its own, so that G1 and G2 have different shapes.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Container, Iterator
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,17 +19,18 @@ from chipbreak.source import Source
 from chipbreak.syntax.grammar import terminals
 
 PLAIN_LETTERS = "XYZUVWABCIJKRF"
+# What a plain line has, as bits: its letters, a code of motion, a number without a point.
+MOTION_CODE, NO_POINT = 1 << 14, 1 << 15
 # A longer line gets a closer look; in a shorter one every number is finite.
 LONGEST_PLAIN = 255
-_DIGITS = b"0123456789"
-_CHUNK_BYTES = 1 << 20
-# Digits become NUL; a real NUL becomes SOH, which no plain block has.
-_TO_SHAPE = bytes.maketrans(_DIGITS + b"\0", b"\0" * 10 + b"\1")
-_IS_DIGIT = np.isin(np.arange(256), np.frombuffer(_DIGITS, np.uint8))
+_CHUNK_BYTES = 1 << 18
+# In a shape NUL is a run of digits, and one of these the G of G0 to G3; 0xFF is left out.  Where such a byte
+# stands in a program, it becomes SOH, which no plain block has.
+_MOTIONS, _LEFT_OUT, _FOREIGN = b"\2\3\4\5", b"\xff", b"\1"
+_TO_SHAPE = bytes.maketrans(b"0123456789\0", b"\0" * 10 + _FOREIGN)
 
 
-@dataclass(frozen=True)
-class Shape:
+class Shape(NamedTuple):
     """A plain motion block: at most one of G0 to G3, then words of ``PLAIN_LETTERS``, each once.
 
     ``has_points`` is True when each of these words has a decimal point.
@@ -39,6 +40,17 @@ class Shape:
     motion: int | None
     has_points: bool
 
+    @property
+    def bits(self) -> int:
+        """Its letters, and what else can be asked of many lines at once."""
+        code = 0 if self.motion is None else MOTION_CODE
+        return bits_of(self.letters) | code | (0 if self.has_points else NO_POINT)
+
+
+def bits_of(letters: Container[str]) -> int:
+    """Those of ``PLAIN_LETTERS`` that are among the letters, as bits."""
+    return sum(1 << bit for bit, letter in enumerate(PLAIN_LETTERS) if letter in letters)
+
 
 @lru_cache(maxsize=1)
 def _shape_patterns() -> tuple[re.Pattern[bytes], re.Pattern[bytes]]:
@@ -46,7 +58,7 @@ def _shape_patterns() -> tuple[re.Pattern[bytes], re.Pattern[bytes]]:
     blank = r"[ 	]*+"  # possessive: a long run of blanks must not be tried twice
     number = terminals()["NUMBER"].replace("[0-9]+", r"\x00").replace("[0-9]*", r"\x00?")
     word = f"[{PLAIN_LETTERS}]{blank}{number}{blank}"
-    head = rf"{blank}(?:N{blank}{number}{blank})?(?:G0?([0-3]){blank})?"
+    head = rf"{blank}(?:N{blank}{number}{blank})?(?:([\x02-\x05])\x00{blank})?"
     return re.compile(f"{head}((?:{word})+)".encode("latin-1")), re.compile(f"[{PLAIN_LETTERS}]".encode())
 
 
@@ -61,7 +73,7 @@ def read_shape(shape: bytes) -> Shape | None:
     letters = b"".join(letter.findall(match[2])).decode("ascii")
     if len(set(letters)) != len(letters):
         return None
-    motion = None if match[1] is None else int(match[1])
+    motion = None if match[1] is None else _MOTIONS.index(match[1])
     return Shape(letters, motion, match[2].count(b".") == len(letters))
 
 
@@ -71,27 +83,38 @@ def line_shapes(source: Source, first: int, stop: int) -> Iterator[list[bytes]]:
         limit = source.starts[first] + _CHUNK_BYTES
         last = max(first + 1, int(np.searchsorted(source.starts, limit, "right")) - 1)
         last = min(last, stop)
-        shapes = _chunk_shapes(source.data[source.starts[first] : source.starts[last]])
-        yield shapes[: last - first]
+        data = source.data[source.starts[first] : min(source.starts[last], limit + LONGEST_PLAIN)]
+        yield _chunk_shapes(data)[: last - first]
         first = last
 
 
 def _chunk_shapes(data: bytes) -> list[bytes]:
     if b"\r" in data:
         data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    for byte in _MOTIONS + _LEFT_OUT:
+        if byte in data:
+            data = data.replace(bytes((byte,)), _FOREIGN)
     raw = np.frombuffer(data, np.uint8)
-    marks = np.frombuffer(data.translate(_TO_SHAPE), np.uint8).copy()
-    at = np.flatnonzero(raw == ord("G")) + 1
-    for _ in range(2):
-        at = at[at < len(raw)]
-        at = at[_IS_DIGIT[raw[at]]]
-        marks[at] = raw[at]
-        at = at + 1
-    is_mark = marks == 0
-    keep = np.ones(len(marks), np.bool_)
-    np.logical_and(is_mark[1:], is_mark[:-1], out=keep[1:])
-    np.logical_not(keep[1:], out=keep[1:])
-    return marks[keep].tobytes().split(b"\n")
+    marks = raw.copy()
+    is_digit = _digits(raw) < 10
+    goes_on = (is_digit[1:] & is_digit[:-1]).view(np.uint8)
+    marks[1:] |= np.negative(goes_on)  # 0xFF where a digit follows a digit
+    codes = np.flatnonzero(raw == ord("G"))
+    marks[codes] = _motion_marks(raw, codes)
+    return marks.tobytes().translate(_TO_SHAPE, _LEFT_OUT).split(b"\n")
+
+
+def _digits(raw: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """The values of digits; 10 or more for anything else."""
+    return raw - np.uint8(ord("0"))
+
+
+def _motion_marks(raw: NDArray[np.uint8], codes: NDArray[np.int64]) -> NDArray[np.uint8]:
+    """What the G at each of these places becomes: a mark of its own where G0 to G3 (or G00 to G03) begin."""
+    one, two, three = (_digits(raw.take(codes + ahead, mode="clip")) for ahead in (1, 2, 3))
+    number = np.where(two < 10, one * np.uint8(10) + two, one)
+    is_motion = (one < 10) & (number < len(_MOTIONS)) & ((two >= 10) | (three >= 10))
+    return np.where(is_motion, number + np.uint8(_MOTIONS[0]), np.uint8(ord("G")))
 
 
 class ShapeTable(dict[bytes, int]):
@@ -114,7 +137,7 @@ class ShapeTable(dict[bytes, int]):
 def classify(source: Source, table: ShapeTable, first: int, stop: int) -> NDArray[np.int32]:
     """For lines ``first`` to ``stop`` (exclusive) the index of the plain shape in ``table.shapes``, or -1."""
     chunks = line_shapes(source, first, stop)
-    parts = [np.array(list(map(table.__getitem__, chunk)), np.int32) for chunk in chunks]
+    parts = [np.fromiter(map(table.__getitem__, chunk), np.int32, len(chunk)) for chunk in chunks]
     plain = np.concatenate(parts) if parts else np.empty(0, np.int32)
     plain[np.diff(source.starts[first : stop + 1]) > LONGEST_PLAIN] = -1
     return plain

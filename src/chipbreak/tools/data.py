@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
-from typing import Any, Final, NoReturn
+from types import MappingProxyType
+from typing import Any, Final, NamedTuple, NoReturn
 
 from chipbreak.diagnostics import Diagnostic, Severity
 from chipbreak.span import Place
@@ -13,6 +13,7 @@ CANNOT_OPEN, NO_FORMAT, UNKNOWN_KEY, BAD_VALUE = "TOL001", "TOL002", "TOL003", "
 NO_NUMBER, NO_UNIT, TOO_MANY = "TOL005", "TOL006", "TOL007"
 # Whoever reads twenty errors starts over with another file.
 MOST_ERRORS = 20
+MOST_BYTES = 64 * 1024 * 1024  # of one file of tools, packed or not
 
 FIELDS: Final = (
     "type",
@@ -27,8 +28,7 @@ FIELDS: Final = (
 )
 
 
-@dataclass(frozen=True)
-class ToolData:
+class ToolData(NamedTuple):
     """One tool; ``None`` is what nobody said.
 
     ``type``       in the words of Fusion's library: "flat end mill", "ball end mill", "drill", …
@@ -50,7 +50,7 @@ class ToolData:
     point_deg: float | None = None
     holder_mm: float | None = None
     name: str | None = None
-    origins: Mapping[str, str] = field(default_factory=dict)
+    origins: Mapping[str, str] = MappingProxyType({})
 
     @classmethod
     def said(cls, number: int, origin: str, values: Mapping[str, Any]) -> ToolData:

@@ -1,4 +1,4 @@
-"""Files of tools: which reader reads which."""
+"""Files of tools: which reader reads which.  A reader is loaded when a file wants it."""
 
 from __future__ import annotations
 
@@ -7,11 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from chipbreak.settings.sections import Settings
-from chipbreak.tools.data import CANNOT_OPEN, NO_FORMAT, Errors, ToolData
-from chipbreak.tools.freecad import read_bit, read_library
-from chipbreak.tools.fusion import MOST_BYTES, read_fusion, read_tools_zip
-from chipbreak.tools.linuxcnc import read_table
-from chipbreak.tools.lists import read_csv, read_toml
+from chipbreak.tools.data import CANNOT_OPEN, MOST_BYTES, NO_FORMAT, Errors, ToolData
 from chipbreak.units import MM_PER_INCH
 
 SUFFIXES: Final = (".csv", ".toml", ".json", ".tools", ".fctl", ".tbl")
@@ -59,6 +55,11 @@ def read_bytes(name: str) -> bytes:
 
 def read_tools(name: str, data: bytes, unit: tuple[float, str] = (1.0, "mm")) -> list[ToolData]:
     """The tools of one file, by the end of its name.  Raises ToolFileError."""
+    from chipbreak.tools.freecad import read_bit, read_library
+    from chipbreak.tools.fusion import read_fusion, read_tools_zip
+    from chipbreak.tools.linuxcnc import read_table
+    from chipbreak.tools.lists import read_csv, read_toml
+
     suffix = Path(name).suffix.lower()
     if suffix == ".csv":
         return read_csv(name, data)

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from chipbreak.tools.cells import decoded
-from chipbreak.tools.data import BAD_VALUE, NO_FORMAT, NO_UNIT, Errors, ToolData
+from chipbreak.tools.data import BAD_VALUE, MOST_BYTES, NO_FORMAT, NO_UNIT, Errors, ToolData
 from chipbreak.tools.json_text import json_line, load_json
 from chipbreak.tools.values import name_of, number_of, type_of
 from chipbreak.units import MM_PER_INCH
@@ -27,8 +27,6 @@ _GEOMETRY: Final = {
     "assemblyGaugeLength": "gauge_mm",
 }
 _UNITS: Final = {"millimeters": 1.0, "inches": MM_PER_INCH}
-MOST_BYTES = 64 * 1024 * 1024  # of one file, packed or not
-
 
 def read_tools_zip(name: str, data: bytes) -> list[ToolData]:
     """Tools of a ``.tools`` file.  Raises ToolFileError."""

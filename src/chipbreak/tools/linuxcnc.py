@@ -8,7 +8,6 @@ holder is not in the table.
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from typing import Any, Final
 
 from chipbreak.model.kinds import tool_text
@@ -90,4 +89,4 @@ def _tool(
         return []
     tool = ToolData.said(int(number), f"{errors.name}, line {line}", values)
     by_unit = {key: f"{origin} ({unit[1]})" for key, origin in tool.origins.items() if key.endswith("_mm")}
-    return [replace(tool, origins={**tool.origins, **by_unit})]
+    return [tool._replace(origins={**tool.origins, **by_unit})]

@@ -8,8 +8,7 @@ say which of them is in the magazine.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from chipbreak.diagnostics import Diagnostic, Severity
 from chipbreak.tools.data import FIELDS, ToolData
@@ -39,8 +38,7 @@ _WORDS: Final = {
 }
 
 
-@dataclass(frozen=True)
-class ToolTable:
+class ToolTable(NamedTuple):
     """``tools`` by number, and what has to be said about the sources."""
 
     tools: dict[int, ToolData]
@@ -84,7 +82,7 @@ def _filled(tool: ToolData, other: ToolData) -> ToolData:
     if not news:
         return tool
     origins = {**tool.origins, **{key: other.origins[key] for key in news}}
-    return replace(tool, **news, origins=origins)
+    return tool._replace(**news, origins=origins)
 
 
 def _of_one_file(entries: Sequence[ToolData]) -> tuple[ToolData | None, list[Diagnostic]]:
@@ -106,7 +104,7 @@ def _of_one_file(entries: Sequence[ToolData]) -> tuple[ToolData | None, list[Dia
             diagnostics.append(Diagnostic(TWICE, Severity.WARNING, message, help_text))
         elif said:
             values[field], origins[field] = getattr(said[0], field), said[0].origins[field]
-    return replace(entries[0], **{**dict.fromkeys(FIELDS), **values}, origins=origins), diagnostics
+    return entries[0]._replace(**{**dict.fromkeys(FIELDS), **values}, origins=origins), diagnostics
 
 
 def _at_odds(tool: ToolData, other: ToolData) -> list[Diagnostic]:
@@ -132,4 +130,4 @@ def _with_radius(tool: ToolData) -> ToolData:
         return tool
     origin = f"half the diameter ({tool.origins['diameter_mm']})"
     origins = {**tool.origins, "corner_radius_mm": origin}
-    return replace(tool, corner_radius_mm=tool.diameter_mm / 2.0, origins=origins)
+    return tool._replace(corner_radius_mm=tool.diameter_mm / 2.0, origins=origins)

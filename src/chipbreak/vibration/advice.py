@@ -9,9 +9,10 @@ from chipbreak.diagnostics import RefusalError
 from chipbreak.settings.sections import Settings
 from chipbreak.vibration.chain import Chain
 from chipbreak.vibration.control import ControlModel, control_model
+from chipbreak.vibration.given import Given, shown
 from chipbreak.vibration.plan import VibratedCut, command_group, plan_cut
 from chipbreak.vibration.planner import feed_for_time
-from chipbreak.vibration.solve import Given, Period, shown
+from chipbreak.vibration.solve import Period
 from chipbreak.vibration.waveform import forward_ticks
 
 LIMITS = ("VIB030", "VIB031", "VIB032")
@@ -54,8 +55,8 @@ def with_advice(
 
 
 def _standing(cut: VibratedCut) -> str:
-    """What needs no reversal: at this E the tool stands for 1.2 revolutions (per edge)."""
-    turns = 1.2 / cut.edges / (1.0 - cut.cut.alpha_share)
+    """What needs no reversal: at this E half of what is left to the stand is to spare."""
+    turns = 1.5 / cut.edges / (1.0 - cut.cut.alpha_share)
     return f"; WAVE DWELL with E {shown(round(turns, 2))} never turns back and stands instead"
 
 
@@ -66,7 +67,7 @@ def _slower(cut: VibratedCut, period: Period, settings: Settings) -> VibratedCut
     for request in cut.chain.requests:
         values = {k: given for k, given in request.values.items() if k not in "SE"}
         values |= {key: Given(value, "advice") for key, value in wish.items()}
-        requests.append(replace(request, values=values))
+        requests.append(request._replace(values=values))
     return plan_cut(Chain(tuple(requests)), settings)
 
 

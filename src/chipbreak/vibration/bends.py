@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +12,7 @@ from chipbreak.settings.sections import Settings
 from chipbreak.vibration.control import ControlModel
 
 Floats = NDArray[np.float64]
+Places = NDArray[np.intp]
 _DIGITS = 9  # of a length in mm: what lies behind them is noise that would make every stretch another one
 _SOFT_BEND = 0.1  # LinuxCNC's tangent kink ratio; for other controls, radians that count as straight on
 
@@ -30,18 +29,6 @@ class Blocks:
     lengths_mm: Floats
     bends: Floats
     acceleration_mm_s2: Floats
-
-    def model(self, start: int, stop: int, model: ControlModel, strengths: Floats) -> ControlModel:
-        """The control in some of the blocks.
-
-        LinuxCNC keeps the acceleration that a bend may take from the blocks beside it.
-        """
-        if model.acceleration_mm_s2 == math.inf:
-            return model
-        has = float(self.acceleration_mm_s2[start:stop].min())
-        if model.law == "linuxcnc":
-            has *= 1.0 - _SOFT_BEND * float(strengths[start : stop - 1].max(initial=0.0))
-        return replace(model, acceleration_mm_s2=float(f"{has:.4g}"))
 
 
 def blocks_of(moved_mm: Floats, ahead_mm: Floats, settings: Settings) -> Blocks:
@@ -77,14 +64,46 @@ def bend_strengths(blocks: Blocks, feeds_mm_s: Floats, model: ControlModel) -> F
     return strengths
 
 
-def strokes(lengths_mm: Floats) -> list[tuple[int, int]]:
-    """First and behind-last block of each stretch between two reversals."""
-    turns = np.flatnonzero(np.diff(np.sign(lengths_mm))) + 1
-    bounds = [0, *turns.tolist(), len(lengths_mm)]
-    return list(pairwise(bounds))
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """Stretches from rest to rest: the strokes, cut where the control rests on the way; (p,) each.
+
+    ``starts`` and ``stops`` are first and behind-last block, ``strokes`` counts the strokes from 0, and
+    ``acceleration_mm_s2`` is what the control has there.
+    """
+
+    starts: Places
+    stops: Places
+    strokes: Places
+    acceleration_mm_s2: Floats
 
 
-def parts(first: int, last: int, strengths: Floats) -> list[tuple[int, int]]:
-    """A stroke cut where the control rests on the way."""
-    rests = [first + 1 + int(i) for i in np.flatnonzero(strengths[first : last - 1] >= 1.0)]
-    return list(pairwise([first, *rests, last]))
+def parts_of(blocks: Blocks, strengths: Floats, model: ControlModel, last: int) -> Parts:
+    """The parts of all strokes that end before block ``last``."""
+    turns = np.flatnonzero(np.diff(np.sign(blocks.lengths_mm))) + 1
+    bounds = np.concatenate(([0], turns, [len(blocks.lengths_mm)]))
+    bounds = bounds[bounds <= last]
+    end = int(bounds[-1])
+    rests = np.flatnonzero(strengths[: max(end - 1, 0)] >= 1.0) + 1
+    starts = np.union1d(bounds[:-1], rests)
+    stops = np.append(starts[1:], [end] * min(len(starts), 1))
+    strokes = np.searchsorted(bounds, starts, "right") - 1
+    return Parts(starts, stops, strokes, _accelerations(blocks, strengths, model, starts, stops))
+
+
+def _accelerations(
+    blocks: Blocks, strengths: Floats, model: ControlModel, starts: Places, stops: Places
+) -> Floats:
+    """What the control has in each part; LinuxCNC keeps what a bend may take from the blocks beside it."""
+    if model.acceleration_mm_s2 == np.inf or not len(starts):
+        return np.full(len(starts), model.acceleration_mm_s2)
+    has = np.minimum.reduceat(blocks.acceleration_mm_s2[: stops[-1]], starts)
+    if model.law == "linuxcnc":
+        inside = strengths[: stops[-1]].copy()
+        inside[stops - 1] = 0.0
+        has = has * (1.0 - _SOFT_BEND * np.maximum.reduceat(inside, starts))
+    # Four digits: what lies behind them would make every stretch another one.
+    exponent = np.floor(np.log10(has)) - 3.0
+    unit = 10.0 ** np.abs(exponent)
+    rounded: Floats = np.where(exponent < 0.0, np.rint(has * unit) / unit, np.rint(has / unit) * unit)
+    return rounded

@@ -42,7 +42,8 @@ class Expansion:
 
     ``distance_mm`` is where on the path each block ends, ``time_s`` when it should, both of shape (blocks,);
     a block of a loop counts in every pass.  ``loops`` are those of ``content``, None where none were asked.
-    ``stand_s`` is how long the tool stands behind each block, which belongs to its time but at the end.
+    ``stand_s`` is how long the tool stands behind each block, which belongs to its time but at the end; empty
+    where it never does.
     """
 
     content: tuple[str | MoveTable, ...]
@@ -74,8 +75,10 @@ def moves_of(cut: VibratedCut, settings: Settings, names: LoopNames | None = Non
     times[0] = time_s[0]
     loops = among_kept(words.loops, keep)
     words = replace(words, absolute=words.absolute[keep], points_mm=words.points_mm[keep], loops=loops)
-    stand_s = np.where(stands[keep][1:], dwell_s(cut, settings), 0.0)
-    stand_s[-1] = max(stand_s[-1], printed_s(cut.end_stand_s))
+    stand_s = np.empty(0)
+    if cut.keeps_feed or cut.end_stand_s > 0.0:
+        stand_s = np.where(stands[keep][1:], dwell_s(cut, settings), 0.0)
+        stand_s[-1] = max(stand_s[-1], printed_s(cut.end_stand_s))
     columns = Columns(words, stand_s, names)
     if not cut.keeps_feed:
         feeds = _feed_words(cut, times, distance_mm[keep], words, settings)
@@ -146,15 +149,25 @@ def _axis_words(
         letters = distances if incremental else letters
     # The start is a position the program gave; incremental words count from it, whatever its digits.
     origin: Floats = points[0] * scale if incremental else np.zeros(3)
-    exact_steps = (points * scale - origin) * 10.0**decimals
     found: Sequence[Loop] = ()
-    steps = np.rint(exact_steps)
-    by_words = incremental or settings.dialect.can("distance", "incremental")
-    if loops and (by_words or all(map(names.distance_letter, moving))):
-        steps[:, axes], found = looped_points(cut, time_s, exact_steps[:, axes], settings)
-    rounded = steps / 10.0**decimals
-    points = (rounded + origin) / scale
-    return Words(tuple(letters), rounded[:, axes], points, decimals, incremental, found)
+    distance_letters = _distance_letters(letters, moving, settings, incremental=incremental)
+    rounded = (points * scale - origin) * 10.0**decimals
+    if loops and distance_letters:
+        rounded[:, axes], found = looped_points(cut, time_s, rounded[:, axes], settings)
+    np.rint(rounded, out=rounded)
+    rounded /= 10.0**decimals
+    places_mm = (rounded + origin) / scale
+    return Words(tuple(letters), rounded[:, axes], places_mm, decimals, incremental, distance_letters, found)
+
+
+def _distance_letters(
+    letters: Sequence[str], axes: str, settings: Settings, *, incremental: bool
+) -> tuple[str, ...]:
+    """Letters for distances along the axes of a cut, under G91 where there is that; none where neither is."""
+    if incremental or settings.dialect.can("distance", "incremental"):
+        return tuple(letters)
+    distances = tuple(d for d in map(settings.axis_words.distance_letter, axes) if d)
+    return distances if len(distances) == len(axes) else ()
 
 
 def _moving_axes(cut: VibratedCut) -> str:

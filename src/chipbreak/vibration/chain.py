@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from chipbreak.diagnostics import Diagnostic, RefusalError
 from chipbreak.model.modal import NOWHERE, State
@@ -52,7 +52,7 @@ class Chain:
     def before(self) -> State:
         """The state when the tool starts to move: modal words of the first block have acted."""
         step = self.requests[0].step
-        return replace(step.after, position=step.before.position, unknown_why=step.before.unknown_why)
+        return step.after._replace(position=step.before.position, unknown_why=step.before.unknown_why)
 
     @property
     def after(self) -> State:

@@ -24,7 +24,8 @@ Floats = NDArray[np.float64]
 class Words:
     """Axis words of every knot, in program units, rounded; (n, axes).
 
-    ``letters`` are for the places themselves, or for distances where the cut is ``incremental``.
+    ``letters`` are for the places themselves, or for distances where the cut is ``incremental``;
+    ``distance_letters`` are those of loops.
     """
 
     letters: tuple[str, ...]
@@ -32,6 +33,7 @@ class Words:
     points_mm: Floats
     decimals: int
     incremental: bool
+    distance_letters: tuple[str, ...]
     loops: Sequence[Loop]
 
 
@@ -39,7 +41,8 @@ class Words:
 class Columns:
     """What the blocks say: axis words, the time that the tool stands behind each, (n,), and its F, (n,).
 
-    Without ``feeds`` all blocks have the feed that the program gives them.
+    ``stand_s`` is empty where the tool never stands.  Without ``feeds`` all blocks have the feed that the
+    program gives them.
     """
 
     words: Words
@@ -64,8 +67,8 @@ def content_of(
     With ``plain_end`` the last block has the program's own F, in its own text.
     """
     words, names = columns.words, columns.names
-    distances = np.diff(words.absolute, axis=0)
-    table = columns.table(words.letters, distances if words.incremental else words.absolute[1:])
+    places = np.diff(words.absolute, axis=0) if words.incremental else words.absolute[1:]
+    table = columns.table(words.letters, places)
     last = len(table) - 1
     content: list[str | MoveTable] = ["G1 " + _row(table, 0)]
     if columns.feeds is None:
@@ -75,8 +78,8 @@ def content_of(
     content += dwells.behind(0)
     at = 1
     if names is not None:
-        letters, switch = _distance_letters(words, settings)
-        passes = columns.table(letters, distances)
+        switch = _switch(words, settings)
+        passes = columns.table(words.distance_letters, np.diff(words.absolute, axis=0))
         for number, loop in enumerate(words.loops):
             before, behind = names.lines(number, loop.passes)
             content += dwells.rows(table, at, loop.first)
@@ -101,28 +104,25 @@ class _Dwells:
 
     def behind(self, row: int) -> list[str]:
         """The dwell behind one block, if there is one."""
-        stand_s = float(self.stand_s[row])
+        stand_s = float(self.stand_s[row]) if len(self.stand_s) else 0.0
         return [f"G4 {self.word}{print_number(stand_s, STAND_DECIMALS)}"] if stand_s > 0.0 else []
 
     def rows(self, table: MoveTable, first: int, stop: int) -> list[MoveTable]:
         """Rows in tables, each of which has the same dwell behind every row."""
         if stop <= first:
             return []
+        if not self.stand_s[first:stop].any():
+            return [table.rows(first, stop)]
         changes = first + 1 + np.flatnonzero(np.diff(self.stand_s[first:stop]))
         bounds = pairwise([first, *changes.tolist(), stop])
         return [replace(table.rows(a, b), behind="".join(self.behind(a))) for a, b in bounds]
 
 
-def _distance_letters(words: Words, settings: Settings) -> tuple[tuple[str, ...], list[str]]:
-    """Letters for distances, and the blocks that switch to them and back where these need it."""
-    if words.incremental:
-        return words.letters, []
-    dialect = settings.dialect
-    if dialect.can("distance", "incremental"):
-        return words.letters, [dialect.code("distance", way) for way in ("incremental", "absolute")]
-    names = settings.axis_words
-    found = [names.distance_letter(names.axes[letter]) for letter in words.letters]
-    return tuple(letter for letter in found if letter), []
+def _switch(words: Words, settings: Settings) -> list[str]:
+    """The blocks that switch to distances and back, where other letters do not say it."""
+    if words.incremental or words.distance_letters != words.letters:
+        return []
+    return [settings.dialect.code("distance", way) for way in ("incremental", "absolute")]
 
 
 def _row(table: MoveTable, row: int, feed: str = "") -> str:

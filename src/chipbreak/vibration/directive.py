@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import NamedTuple
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.nearest import nearest
-from chipbreak.vibration.solve import Given
+from chipbreak.vibration.given import Given
 
 # What each key means, for messages and the manual.
 KEYS = {
@@ -29,12 +31,11 @@ _VALUE = rf"{'|'.join(WAVES)}|[-+]?(?:\d+\.?\d*|\.\d+)"
 _ITEM = re.compile(rf"\s*([A-Z]+?)\s*(?:=\s*)?({_VALUE})(?=[\s,A-Z]|$)[\s,]*")
 
 
-@dataclass(frozen=True)
-class Directive:
+class Directive(NamedTuple):
     """What one directive says; ``on`` is False for ``(VIB OFF)``."""
 
     on: bool
-    values: dict[str, Given] = field(default_factory=dict)
+    values: Mapping[str, Given] = MappingProxyType({})
     waveform: str = ""
 
 

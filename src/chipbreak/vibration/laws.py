@@ -12,9 +12,9 @@ from math import inf, sqrt
 
 Numbers = tuple[float, ...]
 
-_NOTHING = 1e-12  # mm and s that count as none
-_STANDING = 1e-8  # mm/s
-_LEAST_PERIODS = 1.02  # a block that LinuxCNC runs into takes at least this many periods
+NOTHING = 1e-12  # mm and s that count as none
+STANDING = 1e-8  # mm/s
+LEAST_PERIODS = 1.02  # a block that LinuxCNC runs into takes at least this many periods
 
 
 def trapezoid(lengths: Sequence[float], speeds: Sequence[float], acceleration: float) -> Numbers:
@@ -77,7 +77,7 @@ class _Stretch:
         self, lengths: Numbers, speeds: Numbers, acceleration: float, period: float, ramp: float
     ) -> None:
         self.lengths, self.acceleration, self.period, self.ramp = lengths, acceleration, period, ramp
-        self.caps = [lengths[0] / period, *(way / (_LEAST_PERIODS * period) for way in lengths[1:])]
+        self.caps = [lengths[0] / period, *(way / (LEAST_PERIODS * period) for way in lengths[1:])]
         self.speeds = [min(pair) for pair in zip(speeds, self.caps, strict=True)]
         self.ends = self._end_speeds()
         self.times, self.places = [0.0] * len(lengths), list[float]()
@@ -133,14 +133,14 @@ class _Stretch:
         """Move on by ``time``: towards the end speed, or as fast as feed and braking allow."""
         speed, most, left = self.speed, self.acceleration, self.lengths[self.block] - self.done
         end = self.ends[self.block]
-        if even and end > _STANDING:
-            change = (end - speed) * (speed + end) / (2.0 * max(left, _NOTHING))
+        if even and end > STANDING:
+            change = (end - speed) * (speed + end) / (2.0 * max(left, NOTHING))
         else:
             half = most * time / 2.0
             # Braking from the next speed w has to fit behind the way that this period takes.
             room = end * end + most * (2.0 * left - speed * time)
             braked = sqrt(room + half * half) - half if room > 0.0 else -half
-            change = (min(braked, self.speeds[self.block]) - speed) / max(time, _NOTHING)
+            change = (min(braked, self.speeds[self.block]) - speed) / max(time, NOTHING)
         after = speed + max(-most, min(most, change)) * time
         if after < 0.0:  # the last, incomplete period goes to the end
             after, self.done = 0.0, self.done + (left if left < speed * time else 0.0)
@@ -152,10 +152,10 @@ class _Stretch:
     def _end_in_sight(self) -> tuple[float, float] | None:
         """The time to the end of the block and the speed there, if it is reached within the next period."""
         left = self.lengths[self.block] - self.done
-        if left <= _NOTHING:
+        if left <= NOTHING:
             return 0.0, self.speed
         end, mean = self.ends[self.block], (self.speed + self.ends[self.block]) / 2.0
-        if self.block == len(self.lengths) - 1 or mean <= _STANDING:
+        if self.block == len(self.lengths) - 1 or mean <= STANDING:
             return None
         time = left / mean
         change = (end - self.speed) / time

@@ -182,9 +182,8 @@ def _repeat(
     goes = np.rint(exact)
     lacks = goes - exact
     centred = np.rint(exact_steps[start + 1 : start + 1 + knots] - lacks * (passes - 2) / 2.0)
-    for one in range(passes):
-        at = start + 1 + one * knots
-        steps[at : at + knots] = centred + goes * one
+    gone = np.arange(passes)[:, np.newaxis, np.newaxis] * goes
+    steps[start + 1 : start + 1 + passes * knots] = (centred + gone).reshape(-1, len(goes))
     steps[start] = centred[-1] - goes
 
 

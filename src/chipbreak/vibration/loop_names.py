@@ -43,8 +43,7 @@ def free_names(program: Program, settings: Settings) -> LoopNames | None:
         return None
     variables, labels = _taken(program)
     counter = settings.output.loop_variable
-    counts = any("{variable}" in line for line in words.begin)
-    if counts and (counter in variables or None in variables):
+    if words.variables and (counter in variables or None in variables):
         why = f"uses #{counter}" if counter in variables else "uses variables whose number it works out"
         message = f"the program {why}, and loops count in #{counter}"
         raise RefusalError(

@@ -15,9 +15,10 @@ from chipbreak.model.modal import State
 from chipbreak.settings.sections import Settings
 from chipbreak.units import MM_PER_INCH, MS_PER_S, S_PER_MIN, spindle_speed_rpm
 from chipbreak.vibration.chain import Chain, legs_of
+from chipbreak.vibration.given import Given
 from chipbreak.vibration.path import Path, path_of
 from chipbreak.vibration.request import solver_inputs
-from chipbreak.vibration.solve import CommandGroup, Given, Solution, SolverRules, solve
+from chipbreak.vibration.solve import CommandGroup, Solution, SolverRules, solve
 from chipbreak.vibration.waveform import Cut, Waveform, forward_ticks, least_stroke_mm, sample
 
 _MOST_RPM = 1e7

@@ -141,6 +141,16 @@ def feeds_for_times(lengths_mm: ArrayLike, times_s: ArrayLike, model: ControlMod
     return np.array([feed_for_time(*pair, model) for pair in zip(lengths, times, strict=True)])
 
 
+def refuse_too_fast(length_mm: float, time_s: float, model: ControlModel) -> None:
+    """The errors of :func:`feed_for_time`, without a feed."""
+    period = model.servo_period_s
+    wanted = round(time_s / period) * period if model.law == "linuxcnc" else time_s
+    _refuse_too_fast(length_mm, wanted, model)
+    # Less by two periods: no feed in the middle is that fast, so only beyond it there is need to look.
+    if laws.speed_for_time(length_mm, wanted - 2.0 * period, model.acceleration_mm_s2) > model.velocity_mm_s:
+        feed_for_time(length_mm, time_s, model)
+
+
 @lru_cache(maxsize=4096)
 def _feed(length: float, time: float, model: ControlModel) -> float:
     period = model.servo_period_s

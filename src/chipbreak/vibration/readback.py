@@ -30,8 +30,8 @@ _SHORT_RUN = 16
 class ReadBack:
     """Ends of the moves: ``points_mm`` (n, 3), how long each is, and its commanded feed, (n,) each.
 
-    ``stand_s`` is how long the tool stands behind each (G4), (n,).  ``strangers`` counts moves that are no
-    feed moves, which an expanded cut never has.
+    ``stand_s`` is how long the tool stands behind each (G4), (n,), empty where it never does.  ``strangers``
+    counts moves that are no feed moves, which an expanded cut never has.
     """
 
     points_mm: Floats
@@ -85,7 +85,7 @@ def read_moves(trace: Trace, first: int, last: int) -> ReadBack:
         line += 1
     if not points:
         return ReadBack(np.empty((0, 3)), np.empty(0), np.empty(0), np.empty(0), strangers)
-    stand_s = np.zeros(count)
+    stand_s = np.zeros(count if stands else 0)
     stand_s[list(stands)] = list(stands.values())
     points_mm, lengths_mm, feed_mm_s = (np.concatenate(column) for column in (points, lengths, feeds))
     return ReadBack(points_mm, lengths_mm, feed_mm_s, stand_s, strangers)

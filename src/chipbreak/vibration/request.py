@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from typing import NamedTuple
 
 from chipbreak.diagnostics import Diagnostic, RefusalError
 from chipbreak.model.modal import State
@@ -11,7 +12,7 @@ from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace
 from chipbreak.settings.sections import Settings
 from chipbreak.vibration.directive import KEYS, Directive, read_directive
-from chipbreak.vibration.solve import Given
+from chipbreak.vibration.given import Given
 
 _FROM_PROFILE = {
     "N": "n",
@@ -33,8 +34,7 @@ _COUNT = re.compile(r"N\s*[-+]?[.\d]")
 _FEED, _FREQUENCY = re.compile(r"F\s*[.\d]"), re.compile(r"f\s*[-+]?[.\d]")
 
 
-@dataclass(frozen=True, eq=False)
-class Request:
+class Request(NamedTuple):
     """A block that is asked to vibrate.
 
     ``values`` holds what was said, by the keys of directives; ``speed`` is an S of the block or directive.
@@ -157,7 +157,7 @@ class RequestReader:
         waveform = said.waveform or self.settings.vibration.waveform
         return Request(step, merged, waveform, by_word)
 
-    def _check_values(self, line: int, values: dict[str, Given], at: tuple[int, int]) -> bool:
+    def _check_values(self, line: int, values: Mapping[str, Given], at: tuple[int, int]) -> bool:
         for key, given in values.items():
             low, high = _LIMITS.get(key, _POSSIBLE)
             zero_is_fine = key == "RAMP"
@@ -228,7 +228,7 @@ def solver_inputs(request: Request, state: State) -> tuple[Given | None, Given |
     values = request.values
     per_rev = values.get("N")
     if per_rev is None and "E" in values:
-        per_rev = replace(values["E"], value=1.0 / values["E"].value)
+        per_rev = values["E"]._replace(value=1.0 / values["E"].value)
     frequency, speed = values.get("F"), values.get("S")
     if speed is None and not (per_rev and frequency) and state.speed is not None:
         speed = Given(state.speed.value, f"active S, line {state.speed.line + 1}")

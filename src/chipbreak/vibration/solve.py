@@ -12,22 +12,12 @@ from typing import Literal
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.units import MS_PER_S, S_PER_MIN
+from chipbreak.vibration.given import Given, shown
 
 FAR_RATIO = 1.25  # an f given as a word that far outside the group is more likely a feed
 MOST_TICKS = 1_000_000  # the end of a group without a highest multiple: over an hour per vibration
 WHOLE_WITHIN = 1e-3  # nearer to a whole number, the stroke would have to be hundreds of times the feed
 _FUZZ = 1e-9  # two numbers that differ by less were meant to be equal
-
-
-@dataclass(frozen=True)
-class Given:
-    """A number somebody asked for, and where ("N word, line 12")."""
-
-    value: float
-    origin: str
-
-    def __str__(self) -> str:
-        return f"{shown(self.value)} ({self.origin})"
 
 
 @dataclass(frozen=True)
@@ -127,11 +117,6 @@ class Solution:
     period: Period
     reasons: tuple[str, ...]
     changed_speed: bool
-
-
-def shown(value: float) -> str:
-    """A number for people, six digits at most: ``2586.21``."""
-    return f"{value:.6g}"
 
 
 def never_breaks(per_rev: float, edges: int = 1) -> bool:

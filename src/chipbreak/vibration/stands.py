@@ -15,9 +15,9 @@ from chipbreak.settings.sections import Settings
 from chipbreak.units import MS_PER_S, S_PER_MIN
 from chipbreak.vibration.bends import Blocks
 from chipbreak.vibration.control import ControlModel, control_model
+from chipbreak.vibration.given import shown
 from chipbreak.vibration.plan import VibratedCut
 from chipbreak.vibration.planner import predict
-from chipbreak.vibration.solve import shown
 from chipbreak.vibration.timing import Motion, motion_of
 
 Floats = NDArray[np.float64]
@@ -25,6 +25,7 @@ STAND_DECIMALS = 3  # of the seconds in a G4 block
 _PER_S = 1000.0
 _STILL_MM = 1e-9
 _SOON_S = 1e-9
+_PERIODS_LATE = 2.0
 
 
 def printed_s(stand_s: float) -> float:
@@ -45,14 +46,15 @@ def dwell_s(cut: VibratedCut, settings: Settings) -> float:
     feed_mm_s = min(motion.feed_speed_mm_s, model.velocity_mm_s)
     moves_s = float(predict([way_mm], [feed_mm_s], model)[0])
     stand_s = float(round(motion.period_s - moves_s, STAND_DECIMALS))
+    # LinuxCNC's interpolator lets the move go on a little longer than its block.
+    still_s = stand_s - (_PERIODS_LATE * model.servo_period_s if model.law == "linuxcnc" else 0.0)
     revolution_s = S_PER_MIN / motion.speed_rpm
-    least_s = revolution_s / cut.edges
-    if stand_s < least_s - _SOON_S:
-        more = (moves_s - motion.alpha_share * motion.period_s) / revolution_s
+    if still_s < revolution_s / cut.edges - _SOON_S:
+        more = ((1.0 - motion.alpha_share) * motion.period_s - still_s) / revolution_s
         turns = math.ceil((1.0 / cut.edges + more) / (1.0 - motion.alpha_share) * 10.0 + 1.0) / 10.0
         message = (
             f"at N {shown(round(cut.solution.per_rev, 4))} the tool feeds for {moves_s * MS_PER_S:.4g} ms of"
-            f" {motion.period_s * MS_PER_S:.4g} and stands for {max(0.0, stand_s) / revolution_s:.3g}"
+            f" {motion.period_s * MS_PER_S:.4g} and stands for {max(0.0, still_s) / revolution_s:.3g}"
             f" revolutions; the chip ends only behind {1.0 / cut.edges:.3g}"
         )
         raise RefusalError("VIB086", message, f"take E {turns:g}, or a smaller ALPHA")
@@ -77,9 +79,9 @@ def motion_with_stands(
     distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats, model: ControlModel, stand_s: Floats
 ) -> Motion:
     """:func:`timing.motion_of` for blocks behind which the tool stands, (n,) seconds beside the spans."""
-    ends = np.flatnonzero(stand_s > 0.0) + 1
-    if not len(ends):
+    if not stand_s.any():
         return motion_of(distance_mm, blocks, feeds_mm_s, model)
+    ends = np.flatnonzero(stand_s > 0.0) + 1
     if ends[-1] != len(stand_s):
         ends = np.append(ends, len(stand_s))
     spans_s = np.empty(len(stand_s))

@@ -7,32 +7,30 @@ can follow at speed.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.diagnostics import RefusalError
-from chipbreak.units import MS_PER_S, S_PER_MIN
-from chipbreak.vibration.bends import Blocks, bend_strengths, parts, strokes
+from chipbreak.units import S_PER_MIN
+from chipbreak.vibration.bends import Blocks, Parts, bend_strengths, parts_of
 from chipbreak.vibration.control import ControlModel
+from chipbreak.vibration.factors import Stretch, feed_factors, feeds_of_single_blocks, forget
 from chipbreak.vibration.planner import (
-    feed_for_time,
     interpolated,
-    predict,
     refuse_merging,
     run_stretch,
     shortest_time,
 )
+from chipbreak.vibration.stretches import can_run_many, run_many
 
 Floats = NDArray[np.float64]
-Numbers = tuple[float, ...]
-Key = tuple[Numbers, Numbers, float, ControlModel]  # lengths, feeds and time, the feed before, control
+_Run = tuple[tuple[float, ...], tuple[float, ...], float, float]  # lengths, feeds, acceleration, feed before
+_EITHER = (0.0, np.inf)
 _ROUNDS = 4
 _STILL_EVEN_MM = 1e-9
-_FACTORS = np.geomspace(0.5, 20.0, 75)
 
 
 def feeds_for_spans(blocks: Blocks, spans_s: Floats, model: ControlModel, plain_from: int) -> Floats:
@@ -47,6 +45,7 @@ def feeds_for_spans(blocks: Blocks, spans_s: Floats, model: ControlModel, plain_
     if model.law == "ideal":
         _check_limits(feeds, spans_s, model)
         return feeds
+    forget(model)
     # Where the control rests at a bend depends on the feeds, and the feeds on where it rests.
     strengths = bend_strengths(blocks, feeds, model)
     for _ in range(_ROUNDS):
@@ -64,30 +63,78 @@ def _feeds(
     """:func:`feeds_for_spans` where the strengths of the bends are known."""
     ways_mm = np.abs(blocks.lengths_mm)
     feeds = ways_mm / spans_s
-    known: dict[Key, Floats] = {}
-    ends_s = np.cumsum(spans_s)
-    done_s = late_s = before = 0.0
-    for first, last in strokes(blocks.lengths_mm):
-        if last > plain_from:
-            break
+    parts = parts_of(blocks, strengths, model, plain_from)
+    times_s = _times_of_parts(parts, ways_mm, spans_s, model)
+    alone = parts.stops - parts.starts == 1
+    firsts, allowed = parts.starts[alone], parts.acceleration_mm_s2[alone]
+    feeds[firsts] = feeds_of_single_blocks(ways_mm[firsts], times_s[alone], allowed, model)
+    _fit_several(parts, ways_mm, feeds, times_s, model)
+    return feeds
+
+
+def _fit_several(parts: Parts, ways_mm: Floats, feeds: Floats, times_s: Floats, model: ControlModel) -> None:
+    """Change the feeds of the parts that are several blocks, so that these take their times."""
+    several = np.flatnonzero(parts.stops - parts.starts > 1)
+    starts, stops = parts.starts[several].tolist(), parts.stops[several].tolist()
+    lengths, nominal = (
+        [tuple(c[i:j].tolist()) for i, j in zip(starts, stops, strict=True)] for c in (ways_mm, feeds)
+    )
+    rest = times_s[several].tolist(), parts.acceleration_mm_s2[several].tolist()
+    stretches = list(map(Stretch, lengths, nominal, *rest))
+    found: dict[tuple[Stretch, float], float | RefusalError] = {}
+    if can_run_many(model):
+        kinds = list(dict.fromkeys(stretches))
+        for before in _EITHER if model.per_revolution else _EITHER[:1]:
+            factors = feed_factors(kinds, before, model)
+            found |= {(kind, before): factor for kind, factor in zip(kinds, factors, strict=True)}
+    for start, stop, stretch in zip(starts, stops, stretches, strict=True):
+        before = _before(feeds, start, stretch.lengths_mm[0], model)
+        if (stretch, before) not in found:
+            [found[stretch, before]] = feed_factors([stretch], before, model)
+        factor = found[stretch, before]
+        if isinstance(factor, RefusalError):
+            raise factor
+        feeds[start:stop] *= factor
+
+
+def _before(feeds: Floats, start: int, length_mm: float, model: ControlModel) -> float:
+    """The feed of the block before a part, as far as it counts.
+
+    With feed per revolution LinuxCNC asks it whether the first block is one even change of speed, and nothing
+    else; so one of two feeds stands for all.
+    """
+    before = float(feeds[start - 1]) if start and model.per_revolution else 0.0
+    if can_run_many(model):
+        return _EITHER[int(2.0 * length_mm < model.ramp_s * before)]
+    return before
+
+
+def _with(model: ControlModel, acceleration_mm_s2: float) -> ControlModel:
+    return replace(model, acceleration_mm_s2=acceleration_mm_s2)
+
+
+def _times_of_parts(parts: Parts, ways_mm: Floats, spans_s: Floats, model: ControlModel) -> Floats:
+    """How long each part should take, (p,)."""
+    firsts = np.flatnonzero(np.diff(parts.strokes, prepend=-1)).tolist()
+    lasts = [*firsts[1:], len(parts.starts)]
+    ends_s = np.cumsum(spans_s)[parts.stops[np.array(lasts, np.intp) - 1] - 1] if firsts else np.empty(0)
+    times_s: list[float] = []
+    done_s = late_s = 0.0
+    for first, last, end_s in zip(firsts, lasts, ends_s.tolist(), strict=False):
         # What rounding to servo periods takes from one stroke, the next one gets.
-        wanted_s = float(ends_s[last - 1]) + late_s - done_s
+        wanted_s = end_s + late_s - done_s
         if model.law == "linuxcnc":
             wanted_s = round(wanted_s / model.servo_period_s) * model.servo_period_s
-        pieces = parts(first, last, strengths)
-        models = [blocks.model(start, stop, model, strengths) for start, stop in pieces]
-        times_s = _shares([float(ways_mm[start:stop].sum()) for start, stop in pieces], wanted_s, models)
-        for (start, stop), part_model, time_s in zip(pieces, models, times_s, strict=True):
-            lengths, nominal = ways_mm[start:stop], feeds[start:stop]
-            if stop - start == 1:
-                nominal, before = nominal[:0], 0.0  # one block depends on its time alone
-            key = (tuple(lengths.tolist()), (*nominal.tolist(), time_s), before, part_model)
-            if key not in known:
-                known[key] = _stretch_feeds(lengths, nominal, time_s, part_model, before)
-            feeds[start:stop] = known[key]
-            done_s, before = done_s + time_s, float(feeds[stop - 1])
-        late_s += max(0.0, done_s - float(ends_s[last - 1]) - late_s - model.servo_period_s)
-    return feeds
+        shares = [wanted_s]
+        if last - first > 1:
+            ways = np.add.reduceat(ways_mm[: parts.stops[last - 1]], parts.starts[first:last]).tolist()
+            models = [_with(model, has) for has in parts.acceleration_mm_s2[first:last].tolist()]
+            shares = _shares(ways, wanted_s, models)
+        times_s += shares
+        for share in shares:
+            done_s += share
+        late_s += max(0.0, done_s - end_s - late_s - model.servo_period_s)
+    return np.array(times_s)
 
 
 def _check_limits(feeds: Floats, spans_s: Floats, model: ControlModel) -> None:
@@ -118,43 +165,6 @@ def _shares(ways_mm: Sequence[float], wanted_s: float, models: Sequence[ControlM
     return [least + more * step_s for least, more in zip(least_s, given, strict=True)]
 
 
-def _stretch_feeds(
-    lengths: Floats, feeds: Floats, wanted_s: float, model: ControlModel, before: float
-) -> Floats:
-    """Feeds of one stretch from rest to rest that together take ``wanted_s``: one factor on all of them.
-
-    The factor stands in the middle of those that do, so that rounding F does not tip it over.
-    """
-    # Refuses, with the numbers, what even one block over the whole stretch could not do.
-    feed = feed_for_time(float(lengths.sum()), wanted_s, model)
-    if len(lengths) == 1:
-        return np.array([feed])
-    slack_s = model.servo_period_s / 2.0 if model.law == "linuxcnc" else 0.002 * wanted_s
-
-    def misses(factor: float) -> float:
-        return float(predict(lengths, feeds * factor, model, before_mm_s=before).sum()) - wanted_s
-
-    late_s = np.array([misses(factor) for factor in _FACTORS])
-    hits = np.flatnonzero(np.abs(late_s) <= slack_s)
-    if not len(hits):
-        crossing = np.flatnonzero((late_s[:-1] > 0.0) & (late_s[1:] <= 0.0))
-        if not len(crossing):
-            message = (
-                f"a stroke of {lengths.sum():.4g} mm in {len(lengths)} blocks takes"
-                f" {(late_s.min() + wanted_s) * MS_PER_S:.4g} ms"
-                f" at any feed, {wanted_s * MS_PER_S:.4g} ms are wanted"
-            )
-            help_text = "take one block per stroke (WAVE TRIANGLE), or a lower frequency"
-            raise RefusalError("VIB030", message, help_text)
-        between = np.geomspace(float(_FACTORS[crossing[0]]), float(_FACTORS[crossing[0] + 1]), 40)
-        late_s = np.array([misses(factor) for factor in between])
-        best = np.flatnonzero(np.abs(late_s) == np.abs(late_s).min())
-        return feeds * float(between[best[len(best) // 2]])
-    runs = np.split(hits, np.flatnonzero(np.diff(hits) > 1) + 1)
-    widest = max(runs, key=len)
-    return feeds * math.sqrt(float(_FACTORS[widest[0]] * _FACTORS[widest[-1]]))
-
-
 @dataclass(frozen=True, eq=False)
 class Motion:
     """What a control makes of some blocks: how long each takes [s], (n,), and where the tool is when.
@@ -173,32 +183,49 @@ def motion_of(distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats, model: Co
     """The motion of blocks between the places ``distance_mm`` along the path, (n + 1,)."""
     refuse_merging(blocks.lengths_mm, model)
     ways_mm = np.abs(blocks.lengths_mm)
-    spans_s, before = ways_mm / np.minimum(feeds_mm_s, model.velocity_mm_s), 0.0
     if model.law == "ideal":
+        spans_s = ways_mm / np.minimum(feeds_mm_s, model.velocity_mm_s)
         return Motion(spans_s, np.append(0.0, np.cumsum(spans_s)), distance_mm)
-    places, rests = [np.zeros(2)], list[int]()
-    known: dict[Key, tuple[Floats, Floats]] = {}
     strengths = bend_strengths(blocks, feeds_mm_s, model)
-    for first, last in strokes(blocks.lengths_mm):
-        sign = np.sign(blocks.lengths_mm[first])
-        for start, stop in parts(first, last, strengths):
-            part_model = blocks.model(start, stop, model, strengths)
-            lengths, feeds = ways_mm[start:stop], feeds_mm_s[start:stop]
-            before = before if stop - start > 1 else 0.0
-            key = (tuple(lengths.tolist()), tuple(feeds.tolist()), before, part_model)
-            if key not in known:
-                known[key] = run_stretch(lengths, feeds, part_model, before_mm_s=before)
-            spans_s[start:stop], way_mm = known[key]
-            places.append(distance_mm[start] + sign * way_mm)
-            before = float(feeds[-1])
-            rests.append(stop)
+    parts = parts_of(blocks, strengths, model, len(ways_mm))
+    times, passed = _runs_of_parts(parts, ways_mm, feeds_mm_s, model)
+    spans_s = np.concatenate(times)
     if model.law != "linuxcnc":
-        return _with_rests(spans_s, distance_mm, np.array(rests), model.reversal_stop_s)
-    planned = np.concatenate([*places, distance_mm[-1:]])
+        return _with_rests(spans_s, distance_mm, parts.stops, model.reversal_stop_s)
+    counts = [len(places) for places in passed]
+    signs = np.repeat(np.sign(blocks.lengths_mm[parts.starts]), counts)
+    along_mm = np.repeat(distance_mm[parts.starts], counts) + signs * np.concatenate(passed)
+    planned = np.concatenate([np.zeros(2), along_mm, distance_mm[-1:]])
     knots_mm = np.concatenate([np.zeros(1), interpolated(planned), distance_mm[-1:]])
     bent = np.abs(np.diff(knots_mm, 2)) > _STILL_EVEN_MM
     kept = np.flatnonzero(np.concatenate([[True], bent, [True]]))
     return Motion(spans_s, kept.astype(np.float64) * model.servo_period_s, knots_mm[kept])
+
+
+def _runs_of_parts(
+    parts: Parts, ways_mm: Floats, feeds_mm_s: Floats, model: ControlModel
+) -> tuple[list[Floats], list[Floats]]:
+    """Of each part the times of its blocks, and where LinuxCNC is after each period of it."""
+    keys: list[_Run] = []
+    for start, stop, has in zip(
+        parts.starts.tolist(), parts.stops.tolist(), parts.acceleration_mm_s2.tolist(), strict=True
+    ):
+        lengths, feeds = tuple(ways_mm[start:stop].tolist()), tuple(feeds_mm_s[start:stop].tolist())
+        before = _before(feeds_mm_s, start, lengths[0], model) if len(lengths) > 1 else 0.0
+        keys.append((lengths, feeds, has, before))
+    kinds = list(dict.fromkeys(keys))
+    found: dict[_Run, tuple[Floats, Floats]] = {}
+    for count in {len(kind[0]) for kind in kinds} - {1} if can_run_many(model) else ():
+        alike = [kind for kind in kinds if len(kind[0]) == count]
+        lengths_mm, feeds_of, has_mm_s2, before_mm_s = map(np.array, zip(*alike, strict=True))
+        times, places = run_many(lengths_mm, feeds_of, has_mm_s2, before_mm_s, model)
+        ways = [row[~np.isnan(row)] for row in places]
+        found |= dict(zip(alike, zip(times, ways, strict=True), strict=True))
+    for kind in kinds:
+        if kind not in found:
+            lengths, feeds, has, before = kind
+            found[kind] = run_stretch(lengths, feeds, _with(model, has), before_mm_s=before)
+    return [found[key][0] for key in keys], [found[key][1] for key in keys]
 
 
 def _with_rests(spans_s: Floats, distance_mm: Floats, rests: NDArray[np.intp], stop_s: float) -> Motion:

@@ -21,7 +21,8 @@ import numpy.typing as npt
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.units import S_PER_MIN
-from chipbreak.vibration.solve import never_breaks, shown
+from chipbreak.vibration.given import shown
+from chipbreak.vibration.solve import never_breaks
 
 Waveform = Literal["triangle", "sine", "dwell"]
 Floats = npt.NDArray[np.float64]
