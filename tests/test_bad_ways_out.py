@@ -25,6 +25,7 @@ WAYS: dict[str, list[Way]] = {
     "axis-moves-too-slowly": [("N1.5", "N1.5 f10")],
     "axis-without-acceleration": ["axes.Y.max_acceleration_mm_s2=20000", 'planner.model="ideal"'],
     "block-delete": [("/G1", "G1"), ("N1.5", "")],
+    "check-has-no-place": [("(.FINISH.)", r"G0 Z15.\nG40 X1.\n\1\nG0 X1. Y2.\nG1 Z-1. F50.")],
     "chips-do-not-break": [("Q0.5", "Q1.06")],
     "contour-of-a-cycle": [("N1.5", ""), ("G7.*P100.*\n", "")],
     "control-reads-too-few-blocks": [("N1.5", "N1.5 f41.6667")],
@@ -51,6 +52,11 @@ WAYS: dict[str, list[Way]] = {
     "directive-value-unreadable": [("N1.5.2", "N1.5")],
     "directive-wave-unknown": [("SQUARE", "SINE"), ("SQUARE", "TRIANGLE")],
     "drilling-cycle": [("G83", "G1"), (" N1.5", "")],
+    "dwell-has-no-stroke": [(" Q1.4", "")],
+    "dwell-moves-too-little": ["output.decimals=4", ("E2", "E8")],
+    "dwell-of-a-whole-count": [("N2", "E2")],
+    "dwell-stands-too-short-on-this-control": [("E2", "E2.2"), ("E2", "E2 ALPHA0.4")],
+    "dwell-stands-too-short": [("N0.75", "E2"), ("N0.75", "N0.75 ALPHA0.2")],
     "end-is-a-variable": [("Z#1", "Z-30.")],
     "end-without-point": [("Z-30", "Z-30."), 'control.decimal_point="calculator"'],
     "feed-missing-since-mode-change": [("N1.5", "F0.05 N1.5"), ("G95", "G95 F0.05")],
@@ -62,6 +68,10 @@ WAYS: dict[str, list[Way]] = {
     "frequency-zero": [("f0", "f62.5")],
     "incremental-distance-too-fine": [("Z-30.12345", "Z-30.123"), ("G91\nG1 Z-30.12345", "G1 Z-28.12345")],
     "inverse-time": [("G93\n(.*) F5.", r"G95\n\1 F.05"), ("G93\n(.*) F5.", r"G94\n\1 F150.")],
+    "loop-counter-is-taken": ["output.loop_variable=32", 'output.form="expanded"'],
+    "loop-counter-may-be-taken": ['output.form="expanded"'],
+    "loop-labels-are-taken": ['output.form="expanded"'],
+    "loop-takes-no-whole-servo-periods": ["command.periods_ms=[40]"],
     "m-code-acts-behind-the-move": [(" M9", "\nM9")],
     "modal-macro": [("G66 P9100", "G66 P9100\nG67"), (" N1.5", "")],
     "nose-compensation": [("G1 Z-30.", "G40 G1 Z0.\nG1 Z-30."), (" N1.5", "")],
@@ -121,18 +131,17 @@ WAYS: dict[str, list[Way]] = {
 START = "move Z to an absolute position with G0 before the cut"
 
 
-def ways_of(stem: str, text: str) -> list[Way]:
+def ways_of(stem: str) -> list[Way]:
     """What is done about a bad program; all those with an unknown start have one way out."""
     if stem in WAYS:
         return WAYS[stem]
     if stem == "start-not-known-behind-a-jump":
         return [("N100 G1", "N100 G0 X20. Z2.\nG1")]
-    assert stem.startswith("start-not-known"), f"say what the way out of {stem} is"
-    return [("G1 Z-30.", "G0 X20. Z2.\nG1 Z-30.")]
+    return [("G1 Z-30.", "G0 X20. Z2.\nG1 Z-30.")] if stem.startswith("start-not-known") else []
 
 
 def cases() -> list[tuple[str, Way]]:
-    return [(file.stem, way) for file in FILES for way in ways_of(file.stem, file.read_text("latin-1"))]
+    return [(file.stem, way) for file in FILES for way in ways_of(file.stem)]
 
 
 @pytest.mark.parametrize(("stem", "way"), cases(), ids=str)
@@ -150,5 +159,6 @@ def test_the_way_out_works(stem: str, way: Way) -> None:
     assert not [d for d in result.diagnostics if d.severity.value == "error"]
 
 
-def test_every_way_is_of_a_bad_program() -> None:
-    assert set(WAYS) <= {file.stem for file in FILES}
+def test_every_refused_program_has_a_way_out() -> None:
+    without = [file.stem for file in FILES if not ways_of(file.stem)]
+    assert not without, "say what their help tells to do"

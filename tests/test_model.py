@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
+import chipbreak
 from chipbreak.model.interpret import initial_state
 from chipbreak.model.modal import State
 from chipbreak.model.trace import Trace, interpret
@@ -253,7 +254,23 @@ def test_feed_and_speed(program: str, feed: float | None, speed: float | str | N
 def test_speed_limits(program: str, limit: float | None) -> None:
     state = after(program)
     assert (state.speed_limit.value if state.speed_limit else None) == limit
+
+
+def test_the_limit_of_linuxcnc_stands_with_its_g96() -> None:
     assert after("G96 D1500 S120", "linuxcnc-lathe").speed_limit == (1500.0, "1500", 0)
+    assert after("G96 D1500 S120\nS100", "linuxcnc-lathe").speed_limit == (1500.0, "1500", 0)
+    assert after("G96 D1500 S120\nG96 S100", "linuxcnc-lathe").speed_limit is None
+    assert after("G96 D1500 S120\nG97 S500", "linuxcnc-lathe").speed_limit is None
+    assert after("G96 D1500 S120").speed_limit is None, "on another control D is no limit"
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "off"),
+    [("G7.1 C20.", "", False), ("G7.1 C20.", "G7.1 C0", True), ("G107 H20.", "G107 H0.", True)],
+)
+def test_a_cylinder_of_no_radius_ends_it(*, first: str, second: str, off: bool) -> None:
+    modes = after(f"{first}\n{second}", "fanuc-lathe").modes
+    assert modes["cylinder"] == ("off" if off else "on")
 
 
 @pytest.mark.parametrize(
@@ -295,3 +312,9 @@ def test_words_that_nothing_reads_are_named() -> None:
     steps = list(traced("G1 X1. P5\nG1 X1. R2.\nG2 X1. R2.\nG4 P5\nM98 P100\nG1 Z2. L3 F.1\n").steps(0, 6))
     shown = [[step.block.text[w.start : w.end] for w in step.unread] for step in steps]
     assert shown == [["P5"], ["R2."], [], [], [], ["L3"]]
+
+
+@pytest.mark.parametrize("line", ["G68 X0. Y0. R30.", "G51 X0. Y0. P2000", "G51.1 X0."])
+def test_the_words_of_a_rotation_are_read_by_it(line: str) -> None:
+    settings = chipbreak.load("fanuc-mill", ["checks.enabled=false"])
+    assert not chipbreak.rewrite(f"G0 X1. Y1.\n{line}\nM30\n".encode(), settings).diagnostics

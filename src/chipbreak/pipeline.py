@@ -244,7 +244,8 @@ def _unbroken(trace: Trace, checked: CheckedCut, *, allow_unbroken: bool, advise
     cut, verdict = checked.planned.cut, checked.verdict
     message = (
         f"this cut would not break chips: with a stroke of {cut.cut.stroke_mm:.4f} mm at N"
-        f" {verdict.per_rev:.3f} the weakest vibration has a margin of {verdict.margin:.2f}, 1 is needed"
+        f" {verdict.per_rev or cut.solution.per_rev:.3f} the weakest vibration has a margin of"
+        f" {verdict.margin:.2f}, 1 is needed"
     )
     works = ways_out(trace, trace.settings, checked) if advise else ""
     way_out = f"works: {works}" if works else "take another N, less feed, or leave Q and A out"

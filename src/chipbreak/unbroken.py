@@ -17,6 +17,7 @@ from chipbreak.restore import regions
 from chipbreak.settings import Settings
 from chipbreak.source import read
 from chipbreak.syntax.parse import parse
+from chipbreak.vibration.advice import few
 from chipbreak.vibration.chain import Chain
 from chipbreak.vibration.given import Given, shown
 from chipbreak.vibration.plan import command_group
@@ -36,7 +37,8 @@ def _larger_stroke(trace: Trace, settings: Settings, checked: CheckedCut) -> str
     cut, margin = checked.planned.cut, checked.verdict.margin
     ratio = cut.cut.stroke_mm / cut.cut.feed_mm_rev
     least = ratio / margin if margin > 0.0 else ratio
-    tried = dict.fromkeys(round(least * factor + 0.005, 2) for factor in _STROKES)
+    count = checked.move_count
+    tried = dict.fromkeys(round(least * factor + 0.005, 2) for factor in few(_STROKES, cut, settings, count))
     for stroke in (s for s in tried if s > ratio):
         if _breaks(trace, settings, cut.chain, {"Q": stroke}, without="A"):
             return f"Q {stroke:g} with the same S, N and f"
@@ -46,7 +48,7 @@ def _larger_stroke(trace: Trace, settings: Settings, checked: CheckedCut) -> str
 def _lower_frequency(trace: Trace, settings: Settings, checked: CheckedCut) -> str:
     cut, group = checked.planned.cut, command_group(settings)
     per_rev = round(cut.solution.per_rev, 4)
-    for factor in _SLOWER:
+    for factor in few(_SLOWER, cut, settings, checked.move_count):
         frequency_hz = group.nearest(cut.solution.frequency_hz * factor).frequency_hz
         if frequency_hz >= cut.solution.frequency_hz:
             continue

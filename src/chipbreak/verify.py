@@ -120,7 +120,7 @@ def _check_states(trace: Trace, result: Trace, edit: Edit, region: Region, motio
 def _check_speed_back(trace: Trace, result: Trace, edit: Edit, region: Region) -> None:
     """What gives the programmed spindle speed back gives back that speed, in its mode."""
     was, now = trace.before(edit.last), result.before(region.last)
-    spoken = [(state.modes["speed_mode"], _value(state.speed)) for state in (was, now)]
+    spoken = [(s.modes["speed_mode"], _value(s.speed), _value(s.speed_limit)) for s in (was, now)]
     if spoken[0] != spoken[1]:
         raise SelfCheckError(f"before line {edit.last + 1} the spindle speed is not the programmed one")
 
@@ -168,6 +168,10 @@ def _difference(was: State, now: State) -> str:
         return "the smoothing"
     if _value(was.feed) != _value(now.feed):
         return "the feed"
+    # A speed mode that was changed on purpose takes its limit with it, until both come back.
+    same_mode = was.modes["speed_mode"] == now.modes["speed_mode"]
+    if same_mode and _value(was.speed_limit) != _value(now.speed_limit):
+        return "the limit of the spindle"
     pairs = (("tool", was.tool, now.tool), ("spindle", was.spindle, now.spindle))
     for name, one, other in (*pairs, ("coolant", was.coolant, now.coolant)):
         if one != other:

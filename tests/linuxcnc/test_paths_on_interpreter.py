@@ -159,6 +159,12 @@ class Leg:
             points[:, self.axes[1]] = self.centre[1] + self.radius * np.sin(angle)
         return points
 
+    def length(self) -> float:
+        """The length of the way."""
+        if not self.arc:
+            return float(np.linalg.norm(self.end - self.start))
+        return math.hypot(self.radius * self.sweep, self.end[self.across] - self.start[self.across])
+
     def distances(self, points: Floats) -> Floats:
         """How far points are away, (n, 3) -> (n,); on a helix the foot is taken at the same angle."""
         if self.arc:
@@ -227,6 +233,14 @@ def test_every_point_lies_where_the_original_goes(drawn: Drawn) -> None:
     middles = (ends[1:] + ends[:-1]) / 2.0
     off = np.min([leg.distances(middles) for leg in legs], axis=0)
     assert off.max() <= 0.0011 / drawn.unit_mm + step + 2.0 * _CANON
+
+    # It takes the time of the cut without vibration, at the speed that it has now.
+    cut = next(c for c in result.cuts)
+    took_s = sum(move.time_s for move in now.motion[:-1] if move.kind == "feed")
+    feed_mm_s = cut.planned.cut.cut.feed_mm_rev * cut.planned.cut.solution.speed_rpm / 60.0
+    length_mm = sum(leg.length() for leg in legs) * drawn.unit_mm
+    # Canonical moves have four decimals; in inches that is a hundredth of the short ones.
+    assert took_s == pytest.approx(length_mm / feed_mm_s, rel=0.02 if drawn.inch else 0.006)
 
     # Behind the cut the control does what it did: places, feed, feed mode, speed and path mode.
     assert now.motion[-2][:4] == was.motion[-2][:4]

@@ -178,6 +178,17 @@ def test_only_the_vibrations_of_full_stroke_on_a_line_are_looped() -> None:
     assert all(re.search(r"^[UW]", body) for body in re.findall(r"DO1\n(.*?)\n#33", text, re.DOTALL))
 
 
+def test_a_vibration_stands_between_two_loops() -> None:
+    """Blocks that go straight on, joined where one vibration ends: each loop starts from its own point."""
+    swing, dwell = "S2500 M3\n(VIB N1.5)", "S1200 M3\n(VIB E2.4 WAVE DWELL)"
+    for joint, wish in (("-18.", swing), ("-18.01", swing), ("-12.4", dwell), ("-12.333", dwell)):
+        chain = f"G97 {wish}\nG0 X20. Z2.\nG1 Z{joint} F0.12\nZ-38.\n(VIB OFF)\nM30\n"
+        expanded, loop, text = both(chain, "fanuc-lathe")
+        assert text.count("WHILE[") == 2
+        (one,), (other,) = expanded.cuts, loop.cuts
+        assert np.abs(points(one) - points(other)).max() <= 0.001 + 1e-9
+
+
 def test_statements_are_reckoned_with_where_blocks_per_second_are_limited() -> None:
     """200 a second, 125 of them motion: a pass with its three statements has three vibrations or more."""
     program = TURNING.replace("F0.05", "F0.06")  # 0.04 mm in a vibration: one would do

@@ -81,6 +81,13 @@ def test_a_full_circle(turn: int) -> None:
     assert quarter == pytest.approx([6.0, 0.0, -4.0 * turn])
 
 
+def test_a_radius_goes_before_a_centre() -> None:
+    ends = (10.0, 0.0, 0.0), (12.0, 0.0, -2.0), 1, "ZX"
+    by_both = path_of([Leg(*ends, (7.0, NAN, 1.0), 2.0)])
+    by_radius = path_of([Leg(*ends, (NAN, NAN, NAN), 2.0)])
+    assert by_both.length_mm == by_radius.length_mm == pytest.approx(math.pi)
+
+
 def test_clockwise_in_the_turning_plane() -> None:
     """From Z to X is counter-clockwise: G3 from the face outwards goes round a convex corner."""
     path = path_of([Leg((10.0, 0.0, 0.0), (12.0, 0.0, -2.0), 1, "ZX", (NAN, NAN, NAN), 2.0)])

@@ -170,6 +170,8 @@ def test_the_clamp_of_linuxcnc_stands_with_g96() -> None:
     program = "G7 G95 G96 D1500 S120 M3\nG0 X20. Z2.\nG1 Z-10. F0.05 E2\nM2\n"
     result = chipbreak.rewrite(program.encode(), chipbreak.load("linuxcnc-lathe"))
     assert "1500 rpm" in result.cuts[0].planned.cut.reasons[0]
+    # G96 without D would let the spindle run as fast as it can.
+    assert result.data.decode().splitlines()[-3] == "G96 D1500 S120"
 
 
 # --- V and D ----------------------------------------------------------------------------------------------

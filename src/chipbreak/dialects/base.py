@@ -45,6 +45,7 @@ class Dialect(NamedTuple):
     ``incremental``   letters that always move incrementally -> the axis (U -> X); empty where they are axes
     ``tool_change``   "T" where a T word changes the tool at once, "M6" where M6 does
     ``speed_limit``   G codes (times ten) that limit the spindle when they stand with S
+    ``surface_limit`` the letter that limits the spindle in the block of G96; without it there is no limit
     ``dwell_word``    the letter of seconds in a G4 block
     ``machine_retract`` blocks that take the tool to the machine's safe end of travel, in order
     ``kept_variables`` first and last numbers of the variables in which programs may keep values
@@ -62,6 +63,7 @@ class Dialect(NamedTuple):
     lathe_system: str = ""
     incremental: Mapping[str, str] = MappingProxyType({})
     speed_limit: frozenset[int] = frozenset()
+    surface_limit: str = ""
     machine_retract: tuple[str, ...] = ()
     retract_is_absolute: bool = False
     kept_variables: tuple[tuple[int, int], ...] = ()

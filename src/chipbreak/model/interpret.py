@@ -17,7 +17,7 @@ from chipbreak.model.motion import move_of
 from chipbreak.model.peripheral import peripheral_of
 from chipbreak.model.requests import vibration_words
 from chipbreak.model.steps import CUTTING, Move, Step
-from chipbreak.model.words import JUMPED, codes_of, cylinder_of, feed_value, plain_value
+from chipbreak.model.words import JUMPED, codes_of, cylinder_of, feed_value, plain_value, surface_limit
 from chipbreak.settings.axis_words import AXES, CENTRES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
@@ -118,7 +118,8 @@ class Interpreter:
         motion = {**state.modes, **changes}.get("motion")
         reads_all = bool(once & _READS_ALL)
         # A full circle may name its centre only.
-        moving = self.axis_letters | _CENTRE_LETTERS if motion in _ARCS else self.axis_letters
+        # So is an axis of another profile's: its wish must be refused, not passed over.
+        moving = self.axis_letters | set(AXES) | (_CENTRE_LETTERS if motion in _ARCS else set())
         mode_words = "PQR" if changes.keys() & _MODES_WITH_WORDS else ""
         cuts = motion in CUTTING and not (unknown or mode_words)
         vibration = vibration_words(block, moving, cuts=cuts, has_once=reads_all)
@@ -126,11 +127,12 @@ class Interpreter:
         if "macro-call" not in once:  # T, M and S of a G65 block are arguments
             after = self._machine_functions(after, block)
         move = None
-        if not any(changes.get(group) == "on" for group in _CENTRE_GROUPS):
+        has_centre = any(changes.get(group) == "on" for group in _CENTRE_GROUPS)
+        if not has_centre:
             after, move = self._motion(after, block, once, unknown)
         after = self._flow_of_control(after, block)
         seen = (*vibration, *(w for w in block.words if w.address in mode_words))
-        unread = () if reads_all or block.has_macro else self._unread(block, seen, after, move)
+        unread = () if reads_all or has_centre or block.has_macro else self._unread(block, seen, after, move)
         return Step(block, state, after, move, once, vibration, unread)
 
     def _codes(self, block: Block) -> tuple[dict[str, str], frozenset[str], bool]:
@@ -168,6 +170,9 @@ class Interpreter:
             after = after._replace(feed=None)
         if modes["speed_mode"] != state.modes["speed_mode"]:
             after = after._replace(speed=None)
+        if "speed_mode" in changes and self.dialect.surface_limit:
+            limit = surface_limit(block, modes["speed_mode"], self.dialect)
+            after = after._replace(speed_limit=limit)
         if "path" in changes:
             after = after._replace(path_words=self._group_words(block, "path"))
         if "look_ahead" in changes:
@@ -183,8 +188,6 @@ class Interpreter:
             elif word.address == "S":
                 setting = Setting(plain_value(word), word.value_text, block.line)
                 after = after._replace(speed_limit=setting) if limits else after._replace(speed=setting)
-            elif word.address == "D" and changes.get("speed_mode") == "surface":
-                after = after._replace(speed_limit=Setting(plain_value(word), word.value_text, block.line))
         if any(modes.get(group, "off") != state.modes.get(group, "off") for group in _COORDINATE_GROUPS):
             after = after.lost("the coordinate system changed")
         if changes.get("length_offset") == "on":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from chipbreak.dialects import Dialect
 from chipbreak.model.evaluate import constant
-from chipbreak.model.modal import UNKNOWN, State
+from chipbreak.model.modal import UNKNOWN, Setting, State
 from chipbreak.settings.sections import Control
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.units import MM_PER_INCH
@@ -34,6 +34,12 @@ def cylinder_of(block: Block) -> str:
     """``G7.1 C0`` ends what ``G7.1 C20.`` began: the radius of the cylinder is zero."""
     radii = [plain_value(w) for w in block.words if w.address in "ABCH"]
     return "off" if radii and all(radius == 0.0 for radius in radii) else "on"
+
+
+def surface_limit(block: Block, mode: str, dialect: Dialect) -> Setting | None:
+    """``G96 D2000 S120``: the limit stands with its G96; one without it has none, and G97 ends it."""
+    word = block.word(dialect.surface_limit) if mode == "surface" else None
+    return None if word is None else Setting(plain_value(word), word.value_text, block.line)
 
 
 def length_mm(word: Word, state: State, control: Control) -> float:

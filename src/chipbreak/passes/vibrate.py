@@ -13,7 +13,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from chipbreak.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.edits import Edit, MoveTable
@@ -29,10 +31,13 @@ from chipbreak.vibration.loop_names import LoopNames, free_names
 from chipbreak.vibration.plan import VibratedCut, plan_cut
 from chipbreak.vibration.request import Request
 from chipbreak.vibration.speeds import SpeedChange, speed_changes, speed_words
+from chipbreak.vibration.waveform import TOO_SHORT
 
 _MOST_ADVISED = 3  # what works is tried for the first refused cuts; the others fail alike
-SMOOTHED, TOO_SHORT = "VIB063", "VIB013"
+SMOOTHED = "VIB063"
 _OFF = re.compile(r"[PQ]\s*0\b")
+
+_NO_KNOTS = np.empty(0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +91,8 @@ def plan(
             else:
                 diagnostics.append(_at_chain(trace, chain, error))
             continue
-        cuts.append(cut)
+        # Its blocks are made: the knots have served, and a long program has many.
+        cuts.append(replace(cut, time_s=_NO_KNOTS, distance_mm=_NO_KNOTS))
         expansions.append(expansion)
         names = names.behind(len(expansion.loops or ())) if names is not None else None
     if diagnostics:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from chipbreak.diagnostics import RefusalError
@@ -10,14 +11,17 @@ from chipbreak.settings.sections import Settings
 from chipbreak.vibration.chain import Chain
 from chipbreak.vibration.control import ControlModel, control_model
 from chipbreak.vibration.given import Given, shown
-from chipbreak.vibration.plan import VibratedCut, command_group, plan_cut
+from chipbreak.vibration.plan import MOST_MOVES, VibratedCut, command_group, plan_cut
 from chipbreak.vibration.planner import feed_for_time
 from chipbreak.vibration.solve import Period
 from chipbreak.vibration.waveform import forward_ticks
 
 LIMITS = ("VIB030", "VIB031", "VIB032")
 _STEP = 0.93  # from one frequency tried to the next
+_LARGE_STEP = 0.6  # where each try takes seconds
 _TRIES = 80
+_MOST_SLOW_MOVES = 2000
+_FEW_CORNERS = 8
 
 
 def with_advice(
@@ -35,14 +39,19 @@ def with_advice(
     model = control_model(settings, cut.path, cut.chain.before)
     group = command_group(settings)
     frequency_hz, tried = cut.solution.frequency_hz, {cut.solution.frequency_hz}
+    is_slow = is_slow_to_plan(cut, settings)
+    moves_left = _MOST_SLOW_MOVES if is_slow else MOST_MOVES
     for _ in range(_TRIES):
-        frequency_hz *= _STEP
+        frequency_hz *= _LARGE_STEP if is_slow else _STEP
         period = group.nearest(frequency_hz)
         if period.frequency_hz in tried or not _runs(cut, period, model):
             continue
         tried.add(period.frequency_hz)
+        if moves_left <= 0:
+            break
         try:
             slower = _slower(cut, period, settings)
+            moves_left -= len(slower.time_s)
             expand(slower, settings)
         except RefusalError:
             continue
@@ -54,10 +63,26 @@ def with_advice(
     return RefusalError(error.code, error.message, f"{error.help}{_standing(cut)}")
 
 
+def is_slow_to_plan(cut: VibratedCut, settings: Settings) -> bool:
+    """True where no two strokes are alike, so that each move takes milliseconds to plan."""
+    bends = any(arc is not None for arc in cut.path.arcs) or len(cut.path.corners_mm()) > _FEW_CORNERS
+    return settings.planner.model == "linuxcnc" and bends
+
+
+def few(factors: Sequence[float], cut: VibratedCut, settings: Settings, move_count: int) -> Sequence[float]:
+    """All factors to try, or as many of them, evenly chosen, as may be tried with a cut of so many moves."""
+    if not is_slow_to_plan(cut, settings):
+        return factors
+    step = math.ceil(len(factors) / max(1, _MOST_SLOW_MOVES // move_count))
+    return factors[step // 2 :: step]
+
+
 def _standing(cut: VibratedCut) -> str:
     """What needs no reversal: at this E half of what is left to the stand is to spare."""
     turns = 1.5 / cut.edges / (1.0 - cut.cut.alpha_share)
-    return f"; WAVE DWELL with E {shown(round(turns, 2))} never turns back and stands instead"
+    has_stroke = cut.chain.requests[0].values.keys() & {"Q", "A"}
+    without = ", without Q and A," if has_stroke else ""
+    return f"; WAVE DWELL with E {shown(round(turns, 2))}{without} never turns back and stands instead"
 
 
 def _slower(cut: VibratedCut, period: Period, settings: Settings) -> VibratedCut:

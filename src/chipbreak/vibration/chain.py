@@ -131,7 +131,7 @@ def refusal_of(
         help_text = f"write the passes as G1 without the cycle, or {_without(request)}"
         return RefusalError("VIB043", message, help_text), at
     if move is None or not move.is_cut:
-        return _not_a_cut(move, _without(request)), at
+        return _foreign_axis(step, axis_words) or (_not_a_cut(move, _without(request)), at)
     if step.block.skip:
         message = "a block with block delete (/) cannot vibrate: the cut would start elsewhere without it"
         return RefusalError("VIB045", message, f"take the / away, or {_without(request)}"), (0, 1)
@@ -148,6 +148,17 @@ def refusal_of(
 def _without(request: Request) -> str:
     """How this block is left without vibration: its own words ask whatever stands before it."""
     return "take N, f, E and Q out of it" if request.by_word else "write (VIB OFF) before it"
+
+
+def _foreign_axis(step: Step, axis_words: AxisWords) -> tuple[RefusalError, tuple[int, int]] | None:
+    """An X, Y or Z in a profile that names this axis otherwise."""
+    for word in step.unread:
+        if word.address in AXES and step.move is None:
+            named = ", ".join(f"{axis} by {letter} words" for axis, letter in axis_words.letters.items())
+            message = f"no axis of this profile has the letter {word.address}"
+            help_text = f"this profile moves {named}: write these, or correct [axes.{word.address}]"
+            return RefusalError("VIB048", message, help_text), (word.start, word.end)
+    return None
 
 
 def _not_a_cut(move: Move | None, without: str) -> RefusalError:

@@ -65,10 +65,10 @@ def looped_points(
     """
     steps = np.rint(exact_steps)
     loops: list[Loop] = []
-    per_vibration = cut.cut.moves_per_vibration
+    per_vibration, free = cut.cut.moves_per_vibration, 0
     for begin, last in _stretches(cut):
         every = _closing(cut, settings)
-        first = _next_multiple(begin, every)
+        first = _next_multiple(max(begin, free), every)
         start = int(np.searchsorted(time_s, first * cut.cut.period_s - _SAME_S))
         stop = int(np.searchsorted(time_s, last * cut.cut.period_s - _SAME_S))
         if stop - start != (last - first) * per_vibration:
@@ -81,10 +81,11 @@ def looped_points(
             _repeat(steps, exact_steps, start, found, per_vibration)
             count, passes, drift = found
             loops.append(Loop(start, count * per_vibration, passes, count, drift))
+            # One vibration leads from the last point of this loop to the first of the next one.
+            free = first + count * passes + 1
             if not drift:
                 break  # what is left is shorter than one pass; written out it stays exact
-            # One vibration leads from the last point of this loop to the first of the next one.
-            gone = _next_multiple(count * passes + 1, every)
+            gone = _next_multiple(free, every) - first
             first += gone
             start += gone * per_vibration
     return steps, loops

@@ -46,8 +46,9 @@ def free_names(program: Program, settings: Settings) -> LoopNames | None:
     if words.variables and (counter in variables or None in variables):
         why = f"uses #{counter}" if counter in variables else "uses variables whose number it works out"
         message = f"the program {why}, and loops count in #{counter}"
+        other = "" if None in variables else "name another output.loop_variable, or "
         raise RefusalError(
-            "VIB080", message, 'name another output.loop_variable, or take output.form "expanded"'
+            "VIB080", message, f'{other}take output.form "expanded"'
         )
     free = [label for label in words.labels if label not in labels]
     if not free:

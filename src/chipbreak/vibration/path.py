@@ -178,7 +178,8 @@ def _arc_of(leg: Leg) -> _Arc:
     start = np.array([leg.start[a] for a in axes])
     end = np.array([leg.end[a] for a in axes])
     offset = np.array([leg.centre_offset[a] for a in axes])
-    if np.isfinite(offset).any():
+    # R goes before I, J and K where a block gives both; LinuxCNC stops at such a block.
+    if np.isfinite(offset).any() and math.isnan(leg.radius_mm):
         centre = start + np.nan_to_num(offset)
     else:
         centre = _centre_from_radius(start, end, leg)

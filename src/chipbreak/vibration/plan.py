@@ -18,7 +18,7 @@ from chipbreak.vibration.chain import Chain, legs_of
 from chipbreak.vibration.given import Given
 from chipbreak.vibration.path import Path, path_of
 from chipbreak.vibration.request import solver_inputs
-from chipbreak.vibration.solve import CommandGroup, Solution, SolverRules, solve
+from chipbreak.vibration.solve import NEVER_BREAKS, CommandGroup, Solution, SolverRules, solve
 from chipbreak.vibration.waveform import Cut, Waveform, forward_ticks, least_stroke_mm, sample
 
 _MOST_RPM = 1e7
@@ -80,7 +80,14 @@ def plan_cut(chain: Chain, settings: Settings) -> VibratedCut:
     path = path_of(legs_of(chain))
     group = command_group(settings)
     rules = _rules(settings, state, alpha, edges)
-    solution = solve(speed=speed, per_rev=per_rev, frequency=frequency, group=group, rules=rules)
+    try:
+        solution = solve(speed=speed, per_rev=per_rev, frequency=frequency, group=group, rules=rules)
+    except RefusalError as error:
+        if request.waveform == "dwell" and error.code == NEVER_BREAKS:
+            turns = 1.0 / edges / (1.0 - alpha)
+            way_out = f"take E {turns:.4g} or more: a dwell stands for a revolution (per edge)"
+            raise RefusalError(error.code, error.message, way_out) from None
+        raise
     cut = _cut_of(chain, path.length_mm, solution, settings)
     if cut.waveform != "sine" and not math.isclose(cut.alpha_share, alpha, abs_tol=1e-9):
         whole = f"{cut.forward_ticks} of {cut.ticks} base periods"

@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 from chipbreak.diagnostics import Diagnostic, RefusalError
 from chipbreak.model.modal import State
-from chipbreak.model.steps import Step
+from chipbreak.model.steps import CUTTING, Step
 from chipbreak.model.trace import Trace
+from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
 from chipbreak.vibration.directive import KEYS, Directive, read_directive
 from chipbreak.vibration.given import Given
@@ -107,7 +108,10 @@ class RequestReader:
         return any(w.address == called[0] and called[1] in (None, w.number) for w in step.block.words)
 
     def _cut(self, step: Step) -> None:
-        if step.move is not None and step.move.is_cut and not step.in_contour:
+        # An X, Y or Z that no axis of the profile has: refused later, with what the profile says.
+        is_foreign = any(w.address in AXES for w in step.unread) and step.after.modes["motion"] in CUTTING
+        is_cut = is_foreign if step.move is None else step.move.is_cut
+        if is_cut and not step.in_contour:
             self.requests.append(self._request(step, {}, by_word=False))
 
     def _comments(self, line: int) -> None:

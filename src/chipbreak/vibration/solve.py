@@ -17,7 +17,7 @@ from chipbreak.vibration.given import Given, shown
 FAR_RATIO = 1.25  # an f given as a word that far outside the group is more likely a feed
 MOST_TICKS = 1_000_000  # the end of a group without a highest multiple: over an hour per vibration
 WHOLE_WITHIN = 1e-3  # nearer to a whole number, the stroke would have to be hundreds of times the feed
-_FUZZ = 1e-9  # two numbers that differ by less were meant to be equal
+NEVER_BREAKS, _FUZZ = "VIB005", 1e-9  # two numbers that differ by less were meant to be equal
 
 
 @dataclass(frozen=True)
@@ -261,7 +261,7 @@ def _check_breaks(per_rev: float, rules: SolverRules, origin: str) -> None:
         good = dict.fromkeys(shown(rules.edges * (n + rules.phase)) for n in (max(whole - 1, 0), whole))
         what = f"N {shown(per_rev)} ({origin})" + (f" / {rules.edges} edges" if rules.edges > 1 else "")
         way_out = f"N {' or '.join(good)} breaks best"
-        raise RefusalError("VIB005", f"{what} is a whole number, so no chip ever breaks", way_out)
+        raise RefusalError(NEVER_BREAKS, f"{what} is a whole number, so no chip ever breaks", way_out)
 
 
 def _check_speed(speed_rpm: float, wanted: float, group: CommandGroup, rules: SolverRules) -> None:

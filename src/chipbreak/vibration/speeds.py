@@ -116,7 +116,10 @@ def _own_words(state: State, settings: Settings) -> str:
     text = "" if speed is None else f"S{speed.text}"
     if state.modes["speed_mode"] == "rpm":
         return text
-    return f"{settings.dialect.code('speed_mode', state.modes['speed_mode'])} {text}".rstrip()
+    words = [settings.dialect.code("speed_mode", state.modes["speed_mode"])]
+    if settings.dialect.surface_limit and state.speed_limit is not None:
+        words.append(f"{settings.dialect.surface_limit}{state.speed_limit.text}")
+    return " ".join([*words, text]).rstrip()
 
 
 def _depends_on_speed(step: Step) -> bool:

@@ -27,6 +27,7 @@ from chipbreak.vibration.solve import never_breaks
 Waveform = Literal["triangle", "sine", "dwell"]
 Floats = npt.NDArray[np.float64]
 
+TOO_SHORT = "VIB013"
 _FUZZ = 1e-9  # shares of a vibration or of a stroke that differ by less are equal
 
 
@@ -266,7 +267,7 @@ def _full_vibrations(cut: Cut, scale: Floats) -> tuple[int, int]:
     plain = f"the plain end {shown(cut.end_revolutions)} rev of {shown(S_PER_MIN / cut.speed_rpm)} s"
     one = f"one vibration of {shown(cut.stroke_mm)} mm {shown(cut.period_s)} s"
     raise RefusalError(
-        "VIB013",
+        TOO_SHORT,
         f"too short to vibrate: {have}; two ramps take {shown(cut.ramp_in_s)} s each, {one}, {plain}",
         "shorten the ramp, raise f, or cut this block without vibration",
     )
