@@ -40,6 +40,7 @@ syntax.columns
 settings.axis_words
 settings.sections
 settings.checking
+settings.tool_rules
 settings.load
 settings.show
 settings
@@ -131,10 +132,15 @@ vibration.readback
 
 checks
 checks.edges
+checks.effects
+checks.subprograms
 checks.ground
 checks.reliance
+checks.clearance
 checks.tool_values
+checks.call_sets
 checks.calls
+checks.known
 checks.borders
 checks.limits
 checks.plan

@@ -125,6 +125,9 @@ def test_skipping_is_advancing(parts: list[str | list[str]], flow: str, profile:
         pytest.param("G0 X20 Z2", "linuxcnc-lathe", (), (20.0, None, 2.0), id="LinuxCNC starts in radius"),
         pytest.param("G7 G0 X20\nG8 G0 Z2", "linuxcnc-lathe", (), (10.0, None, 2.0), id="G7"),
         pytest.param("G0 X[4*5] Z[-2]", "generic-lathe", (), (10.0, None, -2.0), id="constant expressions"),
+        pytest.param("G0 X[9 MOD 5]", "generic-lathe", (), (2.0, None, None), id="a remainder"),
+        pytest.param("G0 X[-9 MOD 5]", "generic-lathe", (), (None, None, None), id="each control its own"),
+        pytest.param("G0 X[4 + 2 AND 1]", "generic-lathe", (), (None, None, None), id="bits or truth"),
         pytest.param("G0 X20. Z2.\nX#1", "generic-lathe", (), (None, None, 2.0), id="a variable"),
         pytest.param(
             "G0 X20. X30.", "generic-lathe", (), (15.0, None, None), id="the last of two words counts"

@@ -230,18 +230,16 @@ def restore(source: str, output: str | None, as_json: bool, quiet: bool, color: 
 def macros(output: str, profile: str | None, sets: tuple[str, ...]) -> None:
     """Write the macro programs that the tool checks call.
 
-    What they must know about the laser barrier is given with --set macros.KEY=VALUE.
+    What they must know about the laser barrier stands in [macros] of the profile, their limits in [checks].
     """
     from chipbreak.diagnostics import RefusalError
     from chipbreak.macros import check_axes, macro_files
-    from chipbreak.macros.parameters import split_options
+    from chipbreak.macros.parameters import MacroSettings
 
-    reporter = Reporter(as_json=False, quiet=False, colour=False)
+    settings = settings_of(profile, sets, "-", Reporter(as_json=False, quiet=False, colour=False))
     try:
-        settings, others = split_options(sets)
-        machine = settings_of(profile, others, "-", reporter)
-        check_axes(machine.axis_words)
-        files = macro_files(machine.dialect.name, settings)
+        check_axes(settings.axis_words)
+        files = macro_files(settings.dialect.name, MacroSettings.of(settings))
     except RefusalError as error:
         click.echo(f"error {error.code}: {error.message}\n  help: {error.help}", err=True)
         sys.exit(USAGE)
@@ -269,7 +267,7 @@ def profile_list() -> None:
     from chipbreak.settings import load, profile_names
 
     for name in profile_names():
-        click.echo(f"{name:16} {load(name).dialect.title}")
+        click.echo(f"{name:20} {load(name).dialect.title}")
 
 
 @profile.command("show")

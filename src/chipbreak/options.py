@@ -40,12 +40,23 @@ TOOLS_OPTION = click.option(
 )
 
 
+def _keep_strict(context: click.Context, _: click.Parameter, strict: bool) -> None:
+    context.meta["chipbreak.strict"] = strict
+
+
 def common_options(command: _Command) -> _Command:
     """The options every command that reads programs has."""
     decorators = [
         click.option("-p", "--profile", metavar="FILE|NAME", envvar="CHIPBREAK_PROFILE", help=PROFILE_HELP),
         click.option("--set", "sets", metavar="SECTION.KEY=VALUE", multiple=True, help=SET_HELP),
         TOOLS_OPTION,
+        click.option(
+            "--strict",
+            is_flag=True,
+            expose_value=False,
+            callback=_keep_strict,
+            help="A tool check that cannot stand where it should is an error.",
+        ),
         click.option("--allow-unbroken", is_flag=True, help="Let cuts pass that do not break their chips."),
         *REPORTING,
     ]
@@ -99,11 +110,32 @@ def settings_of(
         profile = str(beside)
     try:
         settings = load(profile, sets)
+        _check_rules(settings)
     except SettingsError as error:
         reporter.show([error.diagnostic])
         sys.exit(USAGE)
-    tool_files = click.get_current_context().meta.get("chipbreak.tools", ())
+    meta = click.get_current_context().meta
+    if meta.get("chipbreak.strict"):
+        settings = replace(settings, checks=replace(settings.checks, strict=True))
+    tool_files = meta.get("chipbreak.tools", ())
     return _with_tool_files(settings, tool_files) if tool_files else settings
+
+
+def _check_rules(settings: Settings) -> None:
+    """Calls and operation rules that a program may never come to are checked all the same."""
+    if not (settings.checks.enabled or settings.call_sets or settings.operations):
+        return
+    from chipbreak.checks.calls import check_sets
+    from chipbreak.diagnostics import Diagnostic, RefusalError, Severity
+    from chipbreak.model.kinds import KindRules
+    from chipbreak.settings import SettingsError
+
+    try:
+        check_sets(settings)
+        KindRules.from_profile(settings.operations)
+    except RefusalError as error:
+        message = f"{settings.name}: {error.message}"
+        raise SettingsError(Diagnostic(error.code, Severity.ERROR, message, error.help)) from None
 
 
 def _with_tool_files(settings: Settings, names: Sequence[str]) -> Settings:

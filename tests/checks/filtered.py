@@ -10,11 +10,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from chipbreak import restore, settings
+from chipbreak.checks.call_sets import NAMED
 from chipbreak.diagnostics import Diagnostic
-from chipbreak.edits import Edit, in_order
+from chipbreak.edits import Edit
 from chipbreak.emit import render
 from chipbreak.model.kinds import KindRules
 from chipbreak.model.main_program import main_program
@@ -75,7 +74,10 @@ def traced(data: bytes, rules: Settings) -> Trace:
 
 def filtered(data: bytes, profile: str = "fanuc-mill", *options: str) -> Filtered:
     """The program with its checks; all is known of its tools."""
-    short = (SHORT_CALLS[profile.partition("-")[0]], "checks.calls=short")
+    calls = SHORT_CALLS[profile.partition("-")[0]]
+    if profile.endswith("lathe"):  # where S turns the workpiece
+        calls = calls.replace(" S{speed_rpm}", "").replace(" [{speed_rpm}]", "")
+    short = (calls, "checks.calls=short")
     rules = settings.load(profile, (*short, *options))
     trace = traced(data, rules)
     main = main_program(trace)
@@ -83,26 +85,6 @@ def filtered(data: bytes, profile: str = "fanuc-mill", *options: str) -> Filtere
     edits, diagnostics = plan(trace, main, operations, rules, EveryTool({}, ()))
     output = b"".join(render(trace.program, edits, rules))
     return Filtered(rules, data, output, trace, operations, edits, diagnostics)
-
-
-LONG_LINES = 3000  # beyond, looking at every plain move one by one takes minutes
-SAMPLES = 60
-
-
-def sampled_pairs(result: Filtered) -> list[tuple[Step, Step | None]]:
-    """Of a long program: every block that is more than a plain move, the line behind it, and a sample."""
-    after = traced(result.output, result.settings)
-    body = result.trace.program.source.body
-    events = result.trace.program.events
-    spread = np.linspace(body.start, body.stop - 1, SAMPLES).astype(np.int64)
-    chosen = np.unique(np.concatenate((events, events + 1, spread)))
-    chosen = chosen[chosen < body.stop]
-    found = restore.regions(after.program.source)
-    firsts = np.array([edit.first for edit in in_order(result.edits)])
-    added = np.cumsum([0, *(region.last - region.first for region in found)])
-    new_lines = chosen + added[np.searchsorted(firsts, chosen, "right")]
-    pairs = zip(new_lines.tolist(), chosen.tolist(), strict=True)
-    return [(after.step(new), result.trace.step(old)) for new, old in pairs]
 
 
 def pairs(result: Filtered) -> list[tuple[Step, Step | None]]:
@@ -126,13 +108,15 @@ def check(result: Filtered) -> None:
         for text in edit.content:
             assert isinstance(text, str)
             assert len(text) <= min(80, result.settings.control.max_line_chars)
-    if len(result.trace.program.source.body) > LONG_LINES:
-        same_states(sampled_pairs(result))
-        return
+    output = read(result.output)
+    for region in restore.regions(output):  # with the comments around it
+        assert all(len(output.text(line)) <= 80 for line in range(region.first, region.last))
     paired = pairs(result)
     same_states(paired)
     if not result.settings.dialect.is_lathe:  # a lathe comes down slanting from wherever it is
-        same_cuts(paired, result.settings)
+        ends = result.settings.checks.calls in NAMED
+        for home_ends in (True, False):
+            same_cuts(paired, result.settings, home_ends=home_ends, calls_end=ends)
 
 
 def restored(data: bytes) -> bytes:
@@ -140,6 +124,7 @@ def restored(data: bytes) -> bytes:
 
 
 def same_states(paired: list[tuple[Step, Step | None]]) -> None:
+    """At every block the control is in the state of the original, and cuts start where they did."""
     for new, old in paired:
         if old is None:
             continue
@@ -152,23 +137,33 @@ def same_states(paired: list[tuple[Step, Step | None]]) -> None:
         for name in ("speed", "feed", "speed_limit"):
             a, b = getattr(one, name), getattr(other, name)
             assert (a and a.text) == (b and b.text), (name, where)
+        if old.move is not None and old.move.kind != "rapid":
+            for now, was in zip(new.before.position, one.position, strict=True):
+                assert math.isnan(was) or _equal(now, was), f"begins elsewhere: {where}"
+            assert new.move is not None and new.move.kind == old.move.kind, where
 
 
 @dataclass
 class Machine:
-    """Where the axes really are, in program coordinates; far-off places stand for home and the changer."""
+    """Where the axes really are, in program coordinates; far-off places stand for home and the changer.
+
+    Controls differ in whether a reference return of Z ends the length offset.
+    """
 
     settings: Settings
-    is_filtered: bool
+    home_ends_offset: bool
     at: dict[str, float] = field(default_factory=lambda: {"X": -311.0, "Y": 287.0, "Z": TOP})
     offset_is_in_force: bool = False
 
-    def run(self, step: Step, *, in_call: bool) -> tuple[dict[str, float], dict[str, float]]:
+    def run(
+        self, step: Step, *, in_call: bool, ends_offset: bool = False
+    ) -> tuple[dict[str, float], dict[str, float]]:
         """Start and end of what a block does."""
         start = dict(self.at)
         dialect = self.settings.dialect
         codes = codes_of(step.block, "length_offset", dialect)
-        if "home" in step.once and any(w.address == "Z" for w in step.block.words):
+        goes_home = "home" in step.once and any(w.address == "Z" for w in step.block.words)
+        if (goes_home and self.home_ends_offset) or ends_offset:
             self.offset_is_in_force = False
         if codes:
             self.offset_is_in_force = dialect.g_codes[codes[-1]].value == "on"
@@ -193,14 +188,16 @@ class Machine:
         return start, dict(self.at)
 
 
-def same_cuts(paired: list[tuple[Step, Step | None]], rules: Settings) -> None:
+def same_cuts(
+    paired: list[tuple[Step, Step | None]], rules: Settings, *, home_ends: bool, calls_end: bool
+) -> None:
     """The tool cuts where it did, and comes down nowhere else and with no other offset."""
-    one, other = Machine(rules, False), Machine(rules, True)
+    one, other = Machine(rules, home_ends), Machine(rules, home_ends)
     for new, old in paired:
         text = new.block.text
         is_call = "macro-call" in new.once or any(c.keyword == "O-CALL" for c in new.block.controls)
         if old is None:
-            start, end = other.run(new, in_call=is_call)
+            start, end = other.run(new, in_call=is_call, ends_offset=is_call and calls_end)
             goes_down = end["Z"] < min(TOP, start["Z"])
             if goes_down:
                 for axis in "XY":

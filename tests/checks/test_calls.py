@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
+from click.testing import CliRunner
 
 from chipbreak import settings
-from chipbreak.checks.calls import BUILT_IN, CallValues, Event, calls_of
+from chipbreak.checks.call_sets import BUILT_IN, NAMED
+from chipbreak.checks.calls import CallValues, Event, calls_of
+from chipbreak.cli import cli
 from chipbreak.diagnostics import RefusalError
 from chipbreak.macros.calls import ToolValues
 from chipbreak.tools.data import ToolData
@@ -105,15 +110,84 @@ def test_what_a_call_lacks() -> None:
     assert calls.lacking(Event.CHIP_CHECK, CallValues(2)) == []
 
 
-@pytest.mark.parametrize("profile", ["fanuc-mill", "fanuc-lathe", "linuxcnc-mill", "linuxcnc-lathe"])
+@pytest.mark.parametrize("profile", ["fanuc-mill", "linuxcnc-mill"])
 def test_every_built_in_set_calls_every_event(profile: str) -> None:
     assert set(calls_of(settings.load(profile)).blocks) == set(Event)
     assert profile in BUILT_IN
 
 
-def test_a_turning_tool_has_no_speed() -> None:
-    assert not calls_of(settings.load("fanuc-lathe")).needs(Event.TOOL_CHECK, "speed_rpm")
-    assert calls_of(settings.load("fanuc-mill")).needs(Event.TOOL_CHECK, "speed_rpm")
+@pytest.mark.parametrize(
+    ("name", "block"),
+    [
+        ("haas", "G65 P9853 T2 B0. H0.02"),
+        ("renishaw", "G65 P9858 T2 H0.02"),
+        ("speedio-renishaw", "G65 P8858 B1 H0.02 T2"),
+        ("speedio-blum", "G65 P8915 B2 Q0.02"),
+    ],
+)
+def test_makers_cycles_are_called_behind_an_operation(name: str, block: str) -> None:
+    assert texts("fanuc-mill", f"checks.calls={name}") == {"chip_check": (block,)}
+    inch = texts("fanuc-mill", f"checks.calls={name}", is_inch=True)
+    assert inch == {"chip_check": (block.replace("0.02", "0.000787"),)}
+
+
+def test_there_is_a_profile_for_each_maker() -> None:
+    profiles = {settings.load(name).checks.calls: name for name in settings.profile_names()}
+    assert set(NAMED) <= set(profiles)
+    for name in NAMED:
+        assert calls_of(settings.load(profiles[name])).name == name
+
+
+def test_an_own_set_may_stand_for_a_shipped_one() -> None:
+    own = ('calls.haas={tool_check="G65 P9853 T{tool} B0. H{limit}"}', "checks.calls=haas")
+    assert texts("fanuc-mill", *own) == {"tool_check": ("G65 P9853 T2 B0. H0.02",)}
+
+
+def test_the_number_of_workpieces_and_the_sister_are_handed_over() -> None:
+    def written(profile: str, *options: str) -> list[str]:
+        calls = calls_of(settings.load(profile, options))
+        found = settings.load(profile, options).checks
+        values = VALUES._replace(every=found.every, sister=found.sister.get("2", 0))
+        return [calls.text(event, values, is_inch=False)[-1] for event in Event]
+
+    assert written("fanuc-mill", "checks.every=3") == [
+        "G65 P9810 K3",
+        "G65 P9811 T2 S5300 K3 U0",
+        "G65 P9812 T2 Z20. K3",
+        "G65 P9813 T2 W0.02 Z20. K3 U0",
+    ]
+    assert written("linuxcnc-mill", "checks.every=3", "checks.sister.2=14") == [
+        "o<cb_calibrate> call [3]",
+        "o<cb_tool_check> call [2] [5300] [3] [14]",
+        "o<cb_trace> call [2] [20.] [0] [3]",
+        "o<cb_chip_check> call [2] [0.02] [20.] [3] [14]",
+    ]
+    own = 'calls.own={chip_check="G65 P1 T{tool} A{every} B{sister}"}'
+    assert texts("fanuc-mill", own, "checks.calls=own", "checks.every=4", "checks.sister.9=19")
+
+
+@pytest.mark.parametrize("key", ["checks.every=2", "checks.sister.2=12"])
+@pytest.mark.parametrize("name", list(NAMED))
+def test_what_the_calls_cannot_say_is_refused(name: str, key: str) -> None:
+    with pytest.raises(RefusalError) as caught:
+        calls_of(settings.load("fanuc-mill", [f"checks.calls={name}", key]))
+    assert caught.value.code == "SET035"
+    assert f"no call of the set {name}" in caught.value.message
+
+
+def test_calls_of_a_machining_centre_are_refused_elsewhere() -> None:
+    for profile in ("linuxcnc-mill", "fanuc-lathe"):
+        with pytest.raises(RefusalError) as caught:
+            calls_of(settings.load(profile, ["checks.calls=renishaw"]))
+        assert caught.value.code == "SET030"
+        assert "for the dialect fanuc-mill" in caught.value.message
+
+
+def test_the_speed_of_a_lathe_is_not_that_of_a_tool() -> None:
+    with pytest.raises(RefusalError) as caught:
+        calls_of(settings.load("fanuc-lathe", ['calls.a={trace="G65 P1 S{speed_rpm}"}', "checks.calls=a"]))
+    assert caught.value.code == "SET032"
+    assert "turns the workpiece" in caught.value.message
 
 
 def test_a_shop_may_call_its_own_cycles() -> None:
@@ -125,11 +199,12 @@ def test_a_shop_may_call_its_own_cycles() -> None:
 @pytest.mark.parametrize(
     ("options", "code", "message", "help_text"),
     [
-        (["checks.calls=renishaw"], "SET030", "renishaw", "builtin"),
+        (["checks.calls=marposs"], "SET030", "marposs", "builtin, haas, renishaw"),
+        (["checks.calls=hass"], "SET030", "hass", "did you mean haas?"),
         (["calls.blum={trace=[]}", "checks.calls=blun"], "SET030", "blun", "did you mean blum?"),
         (['calls.a={chip_chek=["G65 P1"]}'], "SET031", "chip_chek", "did you mean chip_check?"),
         (['calls.a={chip_check=["G65 P1 H{limt}"]}'], "SET032", "{limt}", "limit"),
-        (['calls.a={calibrate=["G65 P1 T{tool}"]}'], "SET032", "calibrate does not have", "no fields"),
+        (['calls.a={calibrate=["G65 P1 T{tool}"]}'], "SET032", "calibrate does not have", "known: every"),
         (['calls.a={trace=["G65 P1 H{limit}"]}'], "SET032", "{limit}", "tool"),
         (['calls.a={trace=["G65 P1 T{}"]}'], "SET032", "{}", "tool"),
         (['calls.a={trace=["G65 P1 T{tool"]}'], "SET033", "T{tool", "in braces"),
@@ -161,7 +236,30 @@ def test_a_call_that_could_write_nonsense_is_refused(
     assert help_text in caught.value.help
 
 
-def test_a_control_without_built_in_calls_says_so() -> None:
+@pytest.mark.parametrize("profile", ["generic-lathe", "fanuc-lathe", "linuxcnc-lathe"])
+def test_a_lathe_has_no_built_in_calls_and_says_so(profile: str) -> None:
     with pytest.raises(RefusalError) as caught:
-        calls_of(settings.load("generic-lathe"))
+        calls_of(settings.load(profile))
     assert caught.value.code == "SET030"
+    assert "tools that turn" in caught.value.message
+    assert "[calls.NAME]" in caught.value.help
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ('[calls.spare]\nchip_check = ["G65 P1 H{limt}"]\n', "SET032"),
+        ('[calls.spare]\nchip_chek = ["G65 P1"]\n', "SET031"),
+        ("[checks]\nenabled = true\n", "SET030"),
+        ('[checks]\nenabled = true\ncalls = "haas"\n', "SET030"),
+        ('[operations]\nruogh = ["X"]\n', "SET020"),
+    ],
+)
+def test_calls_are_checked_when_the_profile_is_read(text: str, code: str, tmp_path: Path) -> None:
+    """Also those that this program will never come to."""
+    profile = tmp_path / "lathe.toml"
+    profile.write_text('base = "fanuc-lathe"\n' + text)
+    shown = CliRunner().invoke(cli, ["profile", "show", str(profile)])
+    assert shown.exit_code == 2
+    assert f"error {code}: {profile}: " in shown.output
+    assert "help: " in shown.output

@@ -59,6 +59,13 @@ def test_fanuc_programs_do_what_they_did(program: bytes) -> None:
     assert is_not_silent(result)
 
 
+@given(mill_programs(waits=False))
+def test_a_cycle_that_ends_the_length_offset_changes_nothing_either(program: bytes) -> None:
+    result = filtered(program, "fanuc-mill", "checks.calls=renishaw")
+    check(result)
+    assert is_not_silent(result)
+
+
 @given(mill_programs(waits=True))
 def test_linuxcnc_programs_do_what_they_did(program: bytes) -> None:
     result = filtered(program, "linuxcnc-mill")
@@ -85,10 +92,15 @@ def test_real_programs_do_what_they_did(corpus_file: Path) -> None:
 
 
 def test_real_mill_programs_get_checks(corpus: list[Path]) -> None:
+    """Those without: most call no tool at all (a post for a machine without a changer)."""
     mills = [file for file in corpus if file.parent.name in ("mill-cam", "mill-hand")]
-    found = [filtered(file.read_bytes(), "fanuc-mill") for file in mills if file.stat().st_size < 400_000]
-    assert sum(bool(result.edits) for result in found) >= 15
-    assert sum(len(result.edits) for result in found) >= 60
+    found = [filtered(file.read_bytes(), "fanuc-mill") for file in mills]
+    assert sum(bool(result.edits) for result in found) >= 18
+    assert sum(len(result.edits) for result in found) >= 95
+    without = [result for result in found if not result.edits]
+    calls_none = [result for result in without if "CHK001" in result.codes]
+    assert len(calls_none) >= 0.7 * len(without)
+    assert all("CHK002" in result.codes for result in without if result not in calls_none)
 
 
 def test_brackets_hold_nothing_but_insertions() -> None:

@@ -158,6 +158,24 @@ def test_a_lathe_checks_when_the_profile_asks() -> None:
     assert [edit.content[:2] for edit in result.edits] == [("G28 U0", "G28 W0")] * 3
 
 
+@pytest.mark.parametrize(
+    ("way_out", "is_checked"),
+    [
+        ("G0 X19. Z-10.", False),  # off the wall, but still in the bore
+        ("G0 X19.\nZ2.", True),
+        ("G0 X60.", True),
+        ("G0 X19. Z-10.\nG28 U0 W0", True),
+    ],
+)
+def test_no_turning_tool_goes_home_through_the_wall_of_a_bore(way_out: str, is_checked: bool) -> None:
+    program = "G28 U0 W0\nT0303 (ROUGH BORE)\nG97 S800 M3\nG0 X20. Z2.\nG1 Z-20. F0.2\n"
+    program += f"{way_out}\n(FINISH BORE)\nG0 X20. Z-5.\nG1 X20.2 F0.1\nZ-20.\nG0 X19.\nG0 Z2.\nG28 U0 W0\n"
+    result = filtered(program.encode(), "fanuc-lathe", "checks.enabled=true")
+    check(result)
+    assert ("CHIP CHECK T3 W0.02" in result.titles) == is_checked
+    assert is_checked or "through the wall" in only_code(result, "CHK002")
+
+
 def test_a_probe_is_not_checked() -> None:
     probing = "T9 M6\n(PROBE)\nG0 X1. Y2.\nG43 Z15. H9\nG31 Z-5. F100.\nG0 Z50.\nG28 G91 Z0.\nG90\n"
     assert "T9" not in " ".join(run(probing, visit(1, "FACE1")).titles)
@@ -188,6 +206,9 @@ def test_no_tool_call() -> None:
     result = run("S1000 M3\nG0 Z5.\nG1 X5. F100.\n")
     assert result.edits == []
     assert only_code(result, "CHK001").startswith("1: no tool is called")
+    (waiting,) = run("T3\nS1000 M3\nG0 Z5.\nG1 X5. F100.\n").diagnostics
+    assert waiting.code == "CHK001"
+    assert "T in line 5 prepares a tool" in waiting.help
 
 
 def test_no_safe_border() -> None:
@@ -217,6 +238,10 @@ def test_another_program_behind_the_end() -> None:
     check(result)
     assert "T2" not in " ".join(result.titles)
     assert only_code(result, "CHK005").startswith("24: another program")
+
+
+def test_a_tool_zero_is_nobody_s_sister() -> None:
+    assert "CHK008" not in run(visit(0, "FACE1")).codes
 
 
 def test_a_tool_without_a_number() -> None:

@@ -127,3 +127,17 @@ CHIPS = [
     _chip("broken off", FLAT, None, rough="NO CONTACT", finish="NO CONTACT", length_mm=35.0),
 ]
 CASES = CHECKS + CHIPS
+
+
+def verdict_table() -> str:
+    """The table of ``docs/measured-tools.md``."""
+    rows = [
+        "| tool | TOOL CHECK | CHIP CHECK, rough next | CHIP CHECK, finish next |",
+        "| --- | --- | --- | --- |",
+    ]
+    for case in CASES:
+        if case.later is None:
+            rows.append(f"| {case.name} | {case.expected or 'passes'} | | |")
+        else:
+            rows.append(f"| {case.name} | | {case.rough or 'passes'} | {case.finish or 'passes'} |")
+    return "\n".join(rows)

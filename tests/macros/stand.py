@@ -29,7 +29,7 @@ KINDS = {Kind.FLAT: 1, Kind.BALL: 2, Kind.DRILL: 3, Kind.REAMER: 4}
 ALARMS = {
     0: "", 100: "CALL", 101: "RUNOUT", 102: "SHORT", 103: "LONG", 104: "THIN", 105: "THICK", 106: "CHIP",
     107: "NO CONTACT", 108: "BEAM", 109: "NOT CALIBRATED", 110: "NO EDGE", 111: "NO ROOM", 112: "MODES",
-    113: "ENTRY",
+    113: "ENTRY", 114: "LOCKED",
 }  # fmt: skip
 
 

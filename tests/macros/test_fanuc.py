@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +16,20 @@ from chipbreak.macro_b import Library
 from chipbreak.macros import ToolValues, macro_files
 from chipbreak.syntax.parse import read_block
 
-from .cases import BALL, BULL, CASES, CHECKS, CHIPS, DRILL, FINISH_W, FLAT, ROUGH_W, STRAIGHT, Case
+from .cases import (
+    BALL,
+    BULL,
+    CASES,
+    CHECKS,
+    CHIPS,
+    DRILL,
+    FINISH_W,
+    FLAT,
+    ROUGH_W,
+    STRAIGHT,
+    Case,
+    verdict_table,
+)
 from .stand import SETTINGS, Nominal, Stand
 
 NAMED = {case.name: case for case in CASES}
@@ -39,6 +53,11 @@ def run(
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_every_tool_gets_its_verdict(case: Case) -> None:
     assert run(case) == (case.expected, case.rough, case.finish)
+
+
+def test_the_table_of_the_manual_is_that_of_the_cases() -> None:
+    manual = Path(__file__).parents[2] / "docs" / "measured-tools.md"
+    assert verdict_table() in manual.read_text("utf-8")
 
 
 @pytest.mark.parametrize("case", [*CHECKS[:14], CHIPS[1]], ids=lambda case: case.name)

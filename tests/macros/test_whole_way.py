@@ -35,13 +35,13 @@ M30
 CHIP = FLAT.real(chips=(Chip(2, 12.0, 0.03, 2.2),))
 
 
-def parts(folder: Path, name: str) -> list[str]:
+def parts(folder: Path, name: str, *options: str) -> list[str]:
     """The filtered program, cut before each CHIP CHECK."""
     tools = folder / "tools.csv"
     tools.write_text(
         "number,type,teeth,diameter_mm,length_mm,holder_mm,helix_deg\n1,flat end mill,4,10,50,80,30\n"
     )
-    settings = chipbreak.load(name, [f'tools.files=["{tools}"]'])
+    settings = chipbreak.load(name, [f'tools.files=["{tools}"]', *options])
     result = chipbreak.rewrite(PROGRAM, settings, "program.nc")
     assert not result.diagnostics
     begin = "(CHIPBREAK BEGIN CHIP CHECK"
@@ -72,6 +72,30 @@ def test_a_chip_stops_the_machine_before_the_operation_that_would_suffer(
         if number == chipped_after:
             stand.change(CHIP)
     assert said == expected
+    assert not stand.machine.crossings
+
+
+def test_every_second_workpiece_until_a_tool_with_a_sister_fails(tmp_path: Path) -> None:
+    program = parts(tmp_path, "fanuc-mill", "checks.every=2", "checks.sister.1=11")
+    stand = Stand(FLAT, FLAT.real())
+    stand.control.length_offsets_mm[1] = 131.0
+
+    def workpiece() -> tuple[bool, str]:
+        stand.machine.load(90)
+        touched = stand.machine.skip_count
+        said = ALARMS[stand.outcome("".join(program)).alarm]
+        return stand.machine.skip_count > touched, said
+
+    assert [workpiece() for _ in range(4)] == [(True, ""), (False, ""), (True, ""), (False, "")]
+    stand.machine.load(90)
+    assert stand.outcome(program[0]).alarm == 0
+    stand.change(CHIP)
+    assert ALARMS[stand.outcome("".join(program[1:])).alarm] == "CHIP"
+    # Whoever starts again without looking: the beam is measured, but this tool does not cut.
+    assert [workpiece() for _ in range(2)] == [(True, "LOCKED")] * 2
+    stand.change(FLAT.real())
+    assert stand.outcome("G65 P9829 T1").alarm == 0
+    assert workpiece() == (True, "")
     assert not stand.machine.crossings
 
 

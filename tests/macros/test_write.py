@@ -12,7 +12,7 @@ from chipbreak.cli import cli
 from chipbreak.diagnostics import RefusalError
 from chipbreak.macro_b import Library
 from chipbreak.macros import MacroSettings, macro_files
-from chipbreak.macros.parameters import split_options
+from chipbreak.settings import load
 
 from .stand import FLAT_OK, SETTINGS, Stand
 
@@ -38,7 +38,7 @@ def test_the_command_writes_macros_that_run(tmp_path: Path) -> None:
     done = invoke("-o", str(tmp_path / "new"), "-p", "fanuc-mill", *OPTIONS)
     assert (done.exit_code, done.output) == (0, "")
     files = sorted((tmp_path / "new").iterdir())
-    assert len(files) == 17
+    assert len(files) == 20
     stand = Stand(FLAT_OK, FLAT_OK.real(), programs=Library(file.read_bytes() for file in files))
     stand.calibrate()
     assert stand.check_alone() == ""
@@ -54,16 +54,11 @@ def test_the_command_writes_subroutines(tmp_path: Path) -> None:
     ("args", "said"),
     [
         (OPTIONS[1:], "MCR001: the macros need 1 more values\n  help: macros.beam_x_mm: machine X"),
-        ([*OPTIONS, "--set=macros.beam_x=1"], "MCR003: there is no key macros.beam_x"),
-        (
-            [*OPTIONS, "--set=macros.slow_feed=0"],
-            "MCR002: macros.slow_feed = 0.0 cannot be\n  help: it is above 0",
-        ),
-        ([*OPTIONS, "--set=macros.retries=1.5"], "MCR002"),
-        ([*OPTIONS, "--set=macros.retries=many"], "MCR002"),
-        ([*OPTIONS, "--set=macros.orient=M19"], "MCR002"),
-        ([*OPTIONS, "--set=macros.turn_sign=2"], "MCR002"),
-        ([*OPTIONS, "--set=macros.store_last=500"], "MCR002"),
+        ([*OPTIONS, "--set=macros.beam_x=1"], "SET001: there is no key macros.beam_x"),
+        ([*OPTIONS, "--set=macros.slow_feed=0"], "SET003: macros.slow_feed = 0.0 is not possible"),
+        ([*OPTIONS, "--set=checks.retries=many"], "SET002"),
+        ([*OPTIONS, "--set=macros.store_first=100"], "SET003: macros.store_first = 100, store_last = 999"),
+        ([*OPTIONS, "--set=macros.store_last=1200"], "keeps values in 500 to 999, or 98000 to 98499"),
         ([*OPTIONS, "--set=vibration.nonsense=1"], "SET001"),
     ],
 )
@@ -80,10 +75,42 @@ def test_a_lathe_has_no_macros() -> None:
     assert caught.value.code == "MCR004"
 
 
-def test_options_of_other_sections_are_left() -> None:
-    settings, others = split_options(["macros.beam_x_mm=5", "spindle.max_rpm=3000", "macros.laser_on='M70'"])
-    assert settings == MacroSettings(beam_x_mm=5.0, laser_on="M70")
-    assert others == ("spindle.max_rpm=3000",)
+PROFILE = """base = "fanuc-mill"
+[macros]
+beam_x_mm = 120
+beam_y_mm = -35.2
+beam_z_mm = -400
+safe_z_mm = 0
+master_length_mm = 150
+master_diameter_mm = 20
+master_tool = 90
+laser_on = "M70"
+[checks]
+runout_mm = 0.008
+length_over_mm = 2
+diameter_mm = 0.4
+trace_step_mm = 1.5
+retries = 3
+alarm_base = 140
+"""
+
+
+def test_a_profile_says_all_that_the_macros_need(tmp_path: Path) -> None:
+    profile = tmp_path / "machine.toml"
+    profile.write_text(PROFILE)
+    done = invoke("-o", str(tmp_path / "new"), "-p", str(profile), "--set=macros.clear_mm=3")
+    assert (done.exit_code, done.output) == (0, "")
+    settings = (tmp_path / "new" / "O9815.nc").read_text()
+    for line in ("#120=120.(", "#128=3.(", "#131=140(", "#132=3(", "#136=0.008(", "#137=2.(", "#138=0.4("):
+        assert f"\n{line}" in settings
+    assert "\n#139=1.5(" in settings
+    shown = click.testing.CliRunner().invoke(cli, ["profile", "show", str(profile)])
+    assert shown.exit_code == 0
+    assert f"beam_x_mm = 120.0  # profile {profile}, line 3" in shown.output
+    assert "slow_feed = 12.0  # default" in shown.output
+    again = tmp_path / "again.toml"
+    again.write_text(shown.output)
+    assert MacroSettings.of(load(str(again))) == MacroSettings.of(load(str(profile)))
 
 
 def test_the_machine_builder_s_codes_stand_in_the_macros() -> None:

@@ -68,6 +68,15 @@ def test_a_title_may_stand_before_or_behind_its_tool_call() -> None:
         assert short(operations(program)) == [(1, "rough", "ROUGH A"), (2, "finish", "FINISH B")]
 
 
+def test_a_block_number_of_its_own_heads_an_operation() -> None:
+    """FIN alone may be the end in French or Spanish; behind a block number it is the work that follows."""
+    found = operations(f"N1 (RGH)\nT1 M6\n{CUT}N2(FIN)\n{CUT}N3 (FIN)\nM30\n")
+    assert short([op for op in found if op.cuts]) == [(1, "rough", "RGH"), (1, "finish", "FIN")]
+    assert short(operations(f"T1 M6 (RGH)\n{CUT}N2 (ROUGHING END MILL)\n{CUT}(FIN)\nM30\n")) == [
+        (1, "rough", "RGH")
+    ]
+
+
 def test_one_tool_may_do_two_operations() -> None:
     found = operations(f"T1 M6\n(ROUGH .168 DEEP STEP)\n{CUT}(FINISH .168 DEEP STEP FLOOR)\n{CUT}")
     assert [(op.tool, op.kind.value) for op in found] == [(1, "rough"), (1, "finish")]
@@ -230,3 +239,9 @@ def test_cuts_found_by_shapes_are_the_cuts_found_block_by_block(corpus: list[Pat
             assert np.isin(main.cuts, main.works).all()
             compared += len(slow)
     assert compared > 10_000
+
+
+def test_another_program_number_ends_the_main_program() -> None:
+    found = operations(f"O1 (PART)\nT1 M6\n{CUT}O2\nT2 M6\n{CUT}M99\n")
+    assert [op.tool for op in found] == [1]
+    assert [op.tool for op in operations(f"!DEBUG: post\nO1\nT1 M6\n{CUT}M30\n")] == [1]

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import NamedTuple
 
+from chipbreak.checks.clearance import Clearance
 from chipbreak.checks.ground import Ground
 from chipbreak.checks.reliance import homed_axes, named_axes, reliance, relies_on_speed
 from chipbreak.model.flow import Flow
@@ -78,14 +79,19 @@ class _Spot(NamedTuple):
 
 
 class BorderFinder:
-    """Looks for safe borders in one program."""
+    """Looks for safe borders in one program.
 
-    def __init__(self, trace: Trace, ground: Ground) -> None:
+    ``calls_end_offset`` is True for calls that may end the length offset, as some makers' cycles do.
+    """
+
+    def __init__(self, trace: Trace, ground: Ground, *, calls_end_offset: bool = False) -> None:
         self.trace, self.ground = trace, ground
         self.dialect = trace.settings.dialect
         steps = list(retract_steps(trace.settings))
         self._retracted = {axis for step in steps for axis in named_axes(step, trace.settings)}
         self._retract_homes = any("home" in step.once for step in steps)
+        self._calls_end_offset = calls_end_offset
+        self._clearance = Clearance(trace, ground.main) if self.dialect.is_lathe else None
 
     def find(self, where: Range) -> Border | NoBorder:
         """The first safe line of a range."""
@@ -159,8 +165,17 @@ class BorderFinder:
         if why:
             return NoBorder(spot.line, why)
         is_on = state.modes.get("length_offset", "off") != "off"
-        has_offset = is_on and self._retract_homes and not spot.z_is_home
-        needed = reliance(self.trace, spot.line, spot.homed, has_offset=has_offset)
+        has_offset = is_on and (self._calls_end_offset or (self._retract_homes and not spot.z_is_home))
+        needed = reliance(
+            self.trace,
+            spot.line,
+            spot.homed,
+            has_offset=has_offset,
+            home_ends_offset=not self._calls_end_offset,
+        )
+        if needed.length_offset and spot.z_is_home:
+            why = "the next blocks rely on a length offset, which a reference return or the calls may end"
+            return NoBorder(spot.line, why)
         axes = set(needed.axes)
         if "Z" in axes or needed.length_offset:
             # The way down to Z starts where X and Y stood, and ends at a height that counts from the offset.
@@ -192,6 +207,9 @@ class BorderFinder:
             return "the last move was a cut, not a rapid"
         if motion in ("cw", "ccw") or (motion == "line" and spot.mover != "home"):
             return "the motion mode is a cut, not a rapid"
+        is_rapid = spot.mover == "rapid"
+        if self._clearance and is_rapid and not self._clearance.is_clear(spot.line, spot.state.position):
+            return "the tool may stand in a bore, where the way home leads through the wall"
         if spot.spindle_is_open:
             return "the spindle was on at the tool change; whether it still turns cannot be known"
         return ""

@@ -1,4 +1,4 @@
-"""How a check is asked for: blocks with named fields, built in per dialect or from the profile.
+"""How a check is asked for: blocks with named fields, shipped or from the profile.
 
 ::
 
@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import enum
 import string
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Final, NamedTuple
 
+from chipbreak.checks.call_sets import BUILT_IN, NAMED, NAMED_DIALECT, ShippedCalls
 from chipbreak.checks.tool_values import DATA_FIELDS, data_texts
 from chipbreak.diagnostics import RefusalError
 from chipbreak.nearest import nearest
@@ -23,7 +24,7 @@ from chipbreak.tools.data import ToolData
 from chipbreak.units import MM_PER_INCH
 
 UNKNOWN_SET, UNKNOWN_EVENT, UNKNOWN_FIELD = "SET030", "SET031", "SET032"
-UNREADABLE_BLOCK, LONG_BLOCK = "SET033", "SET034"
+UNREADABLE_BLOCK, LONG_BLOCK, NOT_HANDED_OVER = "SET033", "SET034", "SET035"
 # No inserted block is longer, whatever the control takes: people read them on its screen.
 LONGEST_BLOCK = 80
 _DECIMALS = 6  # of a limit: 0.02 mm in inches is 0.000787
@@ -44,7 +45,10 @@ class Event(enum.Enum):
 
 
 class CallValues(NamedTuple):
-    """What the fields of a call stand for; None where an event has no such value."""
+    """What the fields of a call stand for; None where an event has no such value.
+
+    ``every`` is 1 where each workpiece is checked, ``sister`` 0 where no tool may take this one's place.
+    """
 
     tool: int | None = None
     speed_rpm: float | None = None
@@ -52,6 +56,8 @@ class CallValues(NamedTuple):
     limit_mm: float | None = None
     operation: str | None = None
     data: ToolData | None = None
+    every: int = 1
+    sister: int = 0
 
     def fields(self, *, is_inch: bool) -> dict[str, str]:
         """The texts of all fields that have a value; lengths without ``_mm`` are in program units."""
@@ -61,6 +67,7 @@ class CallValues(NamedTuple):
             if value is not None:
                 texts[f"{name}_mm"] = print_number(value, _DECIMALS)
                 texts[name] = print_number(value / scale, _DECIMALS)
+        texts |= {"every": str(self.every), "sister": str(self.sister)}
         if self.tool is not None:
             texts["tool"] = str(self.tool)
         if self.speed_rpm is not None:
@@ -82,47 +89,23 @@ _LONGEST_DATA = ToolData(
     point_deg=118.99,
     holder_mm=1999.9999,
 )
-_LONGEST = CallValues(99999999, 99999.999, 20.123457, 20.123457, "SEMI-FINISH", _LONGEST_DATA)
+_LONGEST = CallValues(99999999, 99999.999, 20.123457, 20.123457, "SEMI-FINISH", _LONGEST_DATA, 9999, 99999999)
+_HEIGHT, _LIMIT = ("height", "height_mm"), ("limit", "limit_mm", "operation")
 _EVENT_FIELDS: Final[Mapping[Event, tuple[str, ...]]] = {
-    Event.CALIBRATE: (),
-    Event.TOOL_CHECK: ("tool", "speed_rpm", *DATA_FIELDS),
-    Event.TRACE: ("tool", "speed_rpm", "height", "height_mm", *DATA_FIELDS),
-    Event.CHIP_CHECK: ("tool", "limit", "limit_mm", "height", "height_mm", "operation", *DATA_FIELDS),
-}
-# Tool data is in mm, whatever the program counts in; it lasts for the TRACE straight behind the check.
-_FANUC = {
-    "calibrate": ("G65 P9810",),
-    "trace": ("G65 P9812 T{tool} Z{height}",),
-    "chip_check": ("G65 P9813 T{tool} W{limit} Z{height}",),
-}
-_LINUXCNC = {
-    "calibrate": ("o<cb_calibrate> call",),
-    "trace": ("o<cb_trace> call [{tool}] [{height}]",),
-    "chip_check": ("o<cb_chip_check> call [{tool}] [{limit}] [{height}]",),
-}
-_FANUC_CHECK = (
-    "G65 P9814 T{tool} K{kind} D{diameter_mm} R{tip} H{length_mm} E{holder_mm} Q{teeth} B{helix}",
-    "G65 P9811 T{tool} S{speed_rpm}",
-)
-_LINUXCNC_CHECK = (
-    "o<cb_tool> call [{tool}] [{kind}] [{diameter_mm}] [{tip}] [{teeth}] [{helix}]",
-    "o<cb_length> call [{tool}] [{length_mm}] [{holder_mm}]",
-    "o<cb_tool_check> call [{tool}] [{speed_rpm}]",
-)
-# A turning tool stands still: no runout, so no speed.  The shop's own macros know what is to be measured.
-BUILT_IN: Final[Mapping[str, Mapping[str, Sequence[str]]]] = {
-    "fanuc-mill": _FANUC | {"tool_check": _FANUC_CHECK},
-    "fanuc-lathe": _FANUC | {"tool_check": ("G65 P9811 T{tool}",)},
-    "linuxcnc-mill": _LINUXCNC | {"tool_check": _LINUXCNC_CHECK},
-    "linuxcnc-lathe": _LINUXCNC | {"tool_check": ("o<cb_tool_check> call [{tool}]",)},
+    Event.CALIBRATE: ("every",),
+    Event.TOOL_CHECK: ("tool", "speed_rpm", "every", "sister", *_LIMIT, *DATA_FIELDS),
+    Event.TRACE: ("tool", "speed_rpm", "every", *_HEIGHT, *DATA_FIELDS),
+    Event.CHIP_CHECK: ("tool", "every", "sister", *_LIMIT, *_HEIGHT, *DATA_FIELDS),
 }
 
 
 class CallSet(NamedTuple):
-    """The blocks of every event that is called."""
+    """The blocks of every event that is called; see :class:`ShippedCalls`."""
 
     name: str
     blocks: Mapping[Event, tuple[str, ...]]
+    tails: Mapping[Event, str]
+    ends_offset: bool
 
     def has(self, event: Event) -> bool:
         """True when this set has a call for an event."""
@@ -143,6 +126,10 @@ class CallSet(NamedTuple):
         used = [field for block in blocks for field in _fields(block)]
         return [field for field in dict.fromkeys(used) if field in DATA_FIELDS and field not in known]
 
+    def hands_over(self, field: str) -> bool:
+        """True when any call says a field."""
+        return any(self.needs(event, field) or field in _fields(self.tails.get(event, "")) for event in Event)
+
     def uses_tool_data(self) -> bool:
         """True when any call says something about the tool but its number."""
         return any(self.needs(event, field) for event in self.blocks for field in DATA_FIELDS)
@@ -152,6 +139,8 @@ class CallSet(NamedTuple):
         fields = values.fields(is_inch=is_inch)
         unsaid = set(DATA_FIELDS) - fields.keys()
         kept = [block for block in self.blocks[event] if not unsaid.intersection(_fields(block))]
+        if kept and (values.every > 1 or values.sister):
+            kept[-1] += self.tails.get(event, "")
         return tuple(block.format_map(fields) for block in kept)
 
 
@@ -159,33 +148,65 @@ def calls_of(settings: Settings) -> CallSet:
     """The calls that the profile asks for, all of them checked.
 
     Raises RefusalError: SET030 unknown set, SET031 unknown event, SET032 unknown field, SET033 a block that
-    cannot be read, SET034 a block that may become too long.
+    cannot be read, SET034 a block that may become too long, SET035 a set that does not tell the control what
+    the profile asks for.
     """
-    name = settings.checks.calls
-    if name == "builtin":
-        given = BUILT_IN.get(settings.dialect.name)
-        if given is None:
-            message = f"there are no built-in calls for the dialect {settings.dialect.name}"
-            raise RefusalError(UNKNOWN_SET, message, "describe them in [calls.NAME], and set checks.calls")
-    elif name in settings.call_sets:
-        given = settings.call_sets[name]
-    else:
-        message = f'checks.calls: there is no set of calls "{name}"'
-        raise RefusalError(UNKNOWN_SET, message, _nearest(name, ["builtin", *settings.call_sets]))
+    found = _read(settings.checks.calls, settings)
+    asked = {"every": settings.checks.every > 1, "sister": bool(settings.checks.sister)}
+    for field, is_asked in asked.items():
+        if is_asked and not found.hands_over(field):
+            message = f"checks.{field} is set, but no call of the set {found.name} hands {{{field}}} over"
+            help_text = f"use calls that take it, or leave checks.{field} out"
+            raise RefusalError(NOT_HANDED_OVER, message, help_text)
+    return found
+
+
+def check_sets(settings: Settings) -> None:
+    """All sets that a profile describes, and the one it uses; raises what :func:`calls_of` raises."""
+    for name in settings.call_sets:
+        _read(name, settings)
+    if settings.checks.enabled:
+        calls_of(settings)
+
+
+def _read(name: str, settings: Settings) -> CallSet:
+    """The set of a name, all its blocks checked."""
+    shipped = _shipped(name, settings)
     limit = min(LONGEST_BLOCK, settings.control.max_line_chars)
     blocks = {}
-    for key, templates in given.items():
+    for key, templates in shipped.blocks.items():
         where = f"calls.{name}.{key}"
         names = [event.value for event in Event]
         if key not in names:
             raise RefusalError(UNKNOWN_EVENT, f"{where}: there is no such event", _nearest(key, names))
+        event, tail = Event(key), shipped.tails.get(key, "")
         for template in templates:
-            _check(where, template, Event(key), limit)
-        blocks[Event(key)] = tuple(templates)
-    return CallSet(name, blocks)
+            _check(where, template + (tail if template == templates[-1] else ""), event, limit, settings)
+        blocks[event] = tuple(templates)
+    tails = {Event(key): tail for key, tail in shipped.tails.items()}
+    return CallSet(name, blocks, tails, shipped.ends_offset)
 
 
-def _check(where: str, template: str, event: Event, limit: int) -> None:
+def _shipped(name: str, settings: Settings) -> ShippedCalls:
+    """The set of a name; the profile's own come first."""
+    dialect = settings.dialect.name
+    if name in settings.call_sets:
+        return ShippedCalls(settings.call_sets[name])
+    if name == "builtin":
+        found = BUILT_IN.get(dialect)
+        message = f"there are no built-in calls for the dialect {dialect}: the macros measure tools that turn"
+    elif name in NAMED:
+        found = NAMED[name] if dialect == NAMED_DIALECT else None
+        message = f'checks.calls: the set "{name}" is for the dialect {NAMED_DIALECT}, not for {dialect}'
+    else:
+        message = f'checks.calls: there is no set of calls "{name}"'
+        raise RefusalError(UNKNOWN_SET, message, _nearest(name, ["builtin", *settings.call_sets, *NAMED]))
+    if found is None:
+        raise RefusalError(UNKNOWN_SET, message, "describe your own in [calls.NAME], and set checks.calls")
+    return found
+
+
+def _check(where: str, template: str, event: Event, limit: int, settings: Settings) -> None:
     """Refuse a template that could write something the control does not read."""
     known = _EVENT_FIELDS[event]
     try:
@@ -197,6 +218,9 @@ def _check(where: str, template: str, event: Event, limit: int) -> None:
         if field not in known:
             message = f'{where}: "{template}" has a field {{{field}}}, which {event.value} does not have'
             raise RefusalError(UNKNOWN_FIELD, message, _nearest(field, known))
+        if field == "speed_rpm" and settings.dialect.is_lathe:
+            message = f'{where}: "{template}": S of a lathe turns the workpiece, not the tool'
+            raise RefusalError(UNKNOWN_FIELD, message, "write the speed of a driven tool as a number")
     text = template.format_map(_LONGEST.fields(is_inch=False))
     block = read_block(0, text)
     why = block.opaque or ("it holds no words" if block.is_empty else "")

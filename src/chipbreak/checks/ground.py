@@ -9,6 +9,8 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterator
 
+from chipbreak.checks.effects import set_by
+from chipbreak.checks.subprograms import Subprograms
 from chipbreak.model.main_program import MainProgram
 from chipbreak.model.modal import State
 from chipbreak.model.operations import calls_tool
@@ -39,9 +41,11 @@ class Ground:
         tool_change = trace.settings.dialect.tool_change
         self._nests = list(_nests(trace))
         self._jumps = _jumps(trace)
-        self._opaque = [step.block.line for step in trace.events if step.block.opaque]
+        subprograms = Subprograms(trace)
+        self._unknown = dict(_unknown(trace, subprograms))
+        self._opaque = sorted(self._unknown)
         self._calls = [step.block.line for step in trace.events if calls_tool(step, tool_change)]
-        self._doubts = list(_doubts(trace))
+        self._doubts = list(_doubts(trace, subprograms))
 
     def why_not(self, line: int, state: State) -> str:
         """Why nothing may be inserted before a line, or "" when its place and modes allow it."""
@@ -56,19 +60,22 @@ class Ground:
         return self._unreadable(line) or self._doubted(line) or self._not_at_rest(line, state)
 
     def _unreadable(self, line: int) -> str:
-        """A tool call ends what an unreadable line may have switched, as far as it matters here."""
+        """A tool call ends what an unreadable line or a call may have switched, as far as it matters here."""
         at = bisect_right(self._calls, line - 1) - 1
         since = self._calls[at] if at >= 0 else self.main.first
         passed = bisect_right(self._opaque, line - 1) - 1
         if passed >= 0 and self._opaque[passed] >= since:
-            return f"line {self._user_line(self._opaque[passed])} before it cannot be read"
+            line = self._opaque[passed]
+            return self._unknown[line].format(line=self._user_line(line))
         return ""
 
     def _doubted(self, line: int) -> str:
         at = bisect_right(self._doubts, line - 1, key=lambda doubt: doubt[0]) - 1
-        for what, skipped in self._doubts[at][1].items() if at >= 0 else ():
+        for what, doubt in self._doubts[at][1].items() if at >= 0 else ():
             if what != "motion" or not self._moves_between(self._doubts[at][0], line):
-                return f"line {self._user_line(skipped)} with block delete (/) may or may not have set {what}"
+                is_skipped = bool(self.trace.program.block(doubt).skip)
+                who = "with block delete (/)" if is_skipped else "calls a subprogram, which"
+                return f"line {self._user_line(doubt)} {who} may or may not have set {what}"
         return ""
 
     def _moves_between(self, first: int, last: int) -> bool:
@@ -124,16 +131,29 @@ def _jumps(trace: Trace) -> tuple[int, int] | None:
     return min(lines), max(lines)
 
 
-def _doubts(trace: Trace) -> Iterator[tuple[int, dict[str, int]]]:
-    """(line, what block delete left open there -> the line that did it), wherever it changes."""
+def _unknown(trace: Trace, subprograms: Subprograms) -> Iterator[tuple[int, str]]:
+    """(line, why) wherever nobody knows what was left in force."""
+    for step in trace.events:
+        if step.block.opaque:
+            yield step.block.line, "line {line} before it cannot be read"
+        elif subprograms.changes(step) is None:
+            what = "calls tools" if subprograms.call_tools(step) else "is not in this file"
+            yield (
+                step.block.line,
+                f"what is called in line {{line}} {what}; nobody knows what it leaves in force",
+            )
+
+
+def _doubts(trace: Trace, subprograms: Subprograms) -> Iterator[tuple[int, dict[str, int]]]:
+    """(line, what block delete or a subprogram left open there -> the line that did), wherever it changes."""
     open_now: dict[str, int] = {}
     for step in trace.events:
-        changed = _changed(step)
+        changed = _changed(step) | (subprograms.changes(step) or frozenset())
         before = dict(open_now)
-        if step.block.skip:
+        if step.block.skip or subprograms.changes(step):
             open_now |= dict.fromkeys(changed, step.block.line)
         elif open_now:
-            for what in _set_by(step, trace):
+            for what in set_by(step, trace):
                 open_now.pop(what, None)
         if open_now != before:
             yield step.block.line, dict(open_now)
@@ -147,20 +167,3 @@ def _changed(step: Step) -> set[str]:
     changed = {group for group in other.modes if one.modes.get(group) != other.modes[group]}
     parts = {"the spindle": "spindle", "coolant": "coolant", "S": "speed", "the tool": "tool"}
     return changed | {what for what, name in parts.items() if getattr(one, name) != getattr(other, name)}
-
-
-def _set_by(step: Step, trace: Trace) -> set[str]:
-    """What a block sets for sure."""
-    found: set[str] = set()
-    dialect = trace.settings.dialect
-    spindle = {3.0: "the spindle", 4.0: "the spindle", 5.0: "the spindle", 19.0: "the spindle"}
-    coolant = {9.0: "coolant"}  # M7 and M8 leave the other one as it was
-    for word in step.block.words:
-        if word.address == "G" and word.number is not None:
-            code = dialect.g_codes.get(round(word.number * 10))
-            found |= {code.group} if code else set()
-        elif word.address == "M" and word.number is not None:
-            found |= {name for name in ((spindle | coolant).get(word.number),) if name}
-        elif word.address == "S":
-            found.add("S")
-    return found | ({"the tool"} if calls_tool(step, dialect.tool_change) else set())

@@ -35,14 +35,17 @@ class Reliance(NamedTuple):
     length_offset: bool
 
 
-def reliance(trace: Trace, line: int, homed: Collection[str], *, has_offset: bool) -> Reliance:
+def reliance(
+    trace: Trace, line: int, homed: Collection[str], *, has_offset: bool, home_ends_offset: bool = True
+) -> Reliance:
     """What the blocks from ``line`` on rely on.
 
     ``homed`` are axes the program itself has sent to a fixed place: a tool change and the end of the
     program may count on that.  ``has_offset`` is True where a length offset is in force that the retract
-    would end.
+    would end.  ``home_ends_offset`` is False for calls that end it also on a control whose own way home does
+    not: what stands behind that way home may then still rely on it.
     """
-    look = _Look(trace, frozenset(homed), offset_is_decided=not has_offset)
+    look = _Look(trace, frozenset(homed), offset_is_decided=not has_offset, home_ends_offset=home_ends_offset)
     last = min(line + HORIZON, trace.program.source.body.stop)
     for step in trace.steps(line, last):
         if look.is_decided_by(step):
@@ -84,6 +87,7 @@ class _Look:
     trace: Trace
     homed: frozenset[str]
     offset_is_decided: bool
+    home_ends_offset: bool
     axes_are_decided: bool = False
     axes: set[str] = field(default_factory=set)
     placed: set[str] = field(default_factory=set)
@@ -111,8 +115,9 @@ class _Look:
     def _look_at_offset(self, step: Step) -> None:
         """A new offset or the way home ends the old one; a move of Z in the program's coordinates uses it."""
         block, move = step.block, step.move
-        goes_home = "home" in step.once and "Z" in homed_axes(step, self.trace.settings)
-        if goes_home or step.after.ended or codes_of(block, "length_offset", self.dialect):
+        is_home = "home" in step.once and "Z" in homed_axes(step, self.trace.settings)
+        ends_it = step.after.ended or bool(codes_of(block, "length_offset", self.dialect))
+        if ends_it or (is_home and self.home_ends_offset):
             self.offset_is_decided = True
         elif move is not None and "machine" not in step.once:
             self.length_offset = "Z" in move.axes or move.kind != "rapid"

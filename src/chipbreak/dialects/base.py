@@ -48,6 +48,8 @@ class Dialect(NamedTuple):
     ``surface_limit`` the letter that limits the spindle in the block of G96; without it there is no limit
     ``dwell_word``    the letter of seconds in a G4 block
     ``machine_retract`` blocks that take the tool to the machine's safe end of travel, in order
+    ``kept_variables`` first and last numbers of the variables in which programs may keep values
+    ``retract_is_absolute`` these blocks must not stand in incremental mode
     ``axis_letters``  letters that can name a linear axis
     ``loop``          how blocks are repeated; None where the control has no way that is known
     """
@@ -63,6 +65,8 @@ class Dialect(NamedTuple):
     speed_limit: frozenset[int] = frozenset()
     surface_limit: str = ""
     machine_retract: tuple[str, ...] = ()
+    retract_is_absolute: bool = False
+    kept_variables: tuple[tuple[int, int], ...] = ()
     dwell_word: str = "X"
     axis_letters: str = "XYZABC"
     reads_comments_in_lower_case: bool = False

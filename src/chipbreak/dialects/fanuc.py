@@ -170,5 +170,6 @@ FANUC_MILL = Dialect(
     tool_change="M6",
     axis_letters="XYZUWABC",
     machine_retract=("G91 G28 Z0.", "G90"),
+    kept_variables=((500, 999), (98000, 98499)),
     loop=_LOOP,
 )

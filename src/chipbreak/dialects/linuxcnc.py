@@ -64,6 +64,7 @@ LINUXCNC_LATHE = Dialect(
     dwell_word="P",
     axis_letters="XYZUW",
     machine_retract=("G53 G0 X0", "G53 G0 Z0"),
+    retract_is_absolute=True,
     reads_comments_in_lower_case=True,
     loop=_LOOP,
 )
@@ -79,6 +80,8 @@ LINUXCNC_MILL = Dialect(
     dwell_word="P",
     axis_letters="XYZUW",
     machine_retract=("G53 G0 Z0",),
+    kept_variables=((31, 5000),),
+    retract_is_absolute=True,
     reads_comments_in_lower_case=True,
     loop=_LOOP,
 )

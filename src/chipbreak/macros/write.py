@@ -11,6 +11,8 @@ from chipbreak.syntax.numbers import print_number
 
 NO_MACROS = "MCR004"
 _DECIMALS = 4
+# Behind the stored edges: the count of workpieces, and ten locked tools.
+_KEPT = 11
 # The settings in the order of their variables: #120 and up on Fanuc, names on LinuxCNC.
 _NUMBERED = (
     (120, "beam_x_mm", "beam_x", "MACHINE X OF THE BEAM'S FOCUS"),
@@ -30,7 +32,7 @@ _NUMBERED = (
     (134, "inset_mm", "inset", "LENGTH SO FAR INSIDE THE EDGE"),
     (135, "resolution_mm", "resolution", "STEP OF A MEASURED VALUE"),
     (136, "runout_mm", "runout", "RUNOUT R' UP TO R PLUS"),
-    (137, "long_mm", "long", "LENGTH L' UP TO L PLUS"),
+    (137, "length_over_mm", "long", "LENGTH L' UP TO L PLUS"),
     (138, "diameter_mm", "diameter", "DIAMETER WITHIN PLUS OR MINUS"),
     (139, "trace_step_mm", "step", "STEP UP THE EDGE"),
     (140, "store_last", "store_last", "LAST VARIABLE OF STORED EDGES"),
@@ -45,8 +47,8 @@ _NUMBERED = (
 def macro_files(dialect: str, settings: MacroSettings) -> dict[str, bytes]:
     """The macro programs of a dialect by file name.
 
-    Raises UnsetError (MCR001) or RefusalError (MCR002) for settings that cannot be used, and RefusalError
-    MCR004 for a dialect without macros.
+    Raises UnsetError (MCR001) for settings that lack something, and RefusalError MCR004 for a dialect without
+    macros.
     """
     control = dialect.partition("-")[0]
     if dialect not in ("fanuc-mill", "linuxcnc-mill"):
@@ -73,6 +75,8 @@ def check_axes(words: AxisWords) -> None:
 
 def _value(settings: MacroSettings, key: str) -> str:
     value = getattr(settings, key)
+    if key == "store_last":
+        value -= _KEPT
     return print_number(float(value), _DECIMALS, point=not isinstance(value, int))
 
 

@@ -13,16 +13,13 @@ _OPERATORS: dict[str, Callable[[float, float], float]] = {
     "*": lambda a, b: a * b,
     "/": lambda a, b: a / b,
     "**": lambda a, b: a**b,
-    "MOD": math.fmod,
+    "MOD": lambda a, b: math.fmod(a, b) if a >= 0.0 and b > 0.0 else math.nan,
     "EQ": lambda a, b: float(a == b),
     "NE": lambda a, b: float(a != b),
     "GT": lambda a, b: float(a > b),
     "GE": lambda a, b: float(a >= b),
     "LT": lambda a, b: float(a < b),
     "LE": lambda a, b: float(a <= b),
-    "AND": lambda a, b: float(bool(a) and bool(b)),
-    "OR": lambda a, b: float(bool(a) or bool(b)),
-    "XOR": lambda a, b: float(bool(a) != bool(b)),
 }
 _FUNCTIONS: dict[str, Callable[[float], float]] = {
     "SIN": lambda a: math.sin(math.radians(a)),
@@ -43,8 +40,9 @@ _FUNCTIONS: dict[str, Callable[[float], float]] = {
 def constant(expression: Expression) -> float | None:
     """The value of an expression without variables, or None when there is none.
 
-    FIX and FUP are left out: Fanuc rounds toward and away from zero, LinuxCNC down and up, so their value
-    depends on the control.  Division by zero and roots of negative numbers have no value either.
+    What depends on the control is left out: FIX and FUP (Fanuc rounds toward and away from zero, LinuxCNC
+    down and up), AND, OR and XOR (bits on Fanuc, and of another precedence), MOD of negative values.
+    Division by zero and roots of negative numbers have no value either.
     """
     try:
         value = _value(expression)
@@ -68,7 +66,8 @@ def _value(expression: Expression) -> float | None:
     left, right = _value(expression.left), _value(expression.right)
     if left is None or right is None:
         return None
-    return _OPERATORS[expression.operator](left, right)
+    operator = _OPERATORS.get(expression.operator)
+    return operator(left, right) if operator else None
 
 
 def _call(call: Call) -> float | None:

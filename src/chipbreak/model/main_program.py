@@ -83,14 +83,17 @@ def _bodies(trace: Trace) -> tuple[tuple[tuple[int, int], ...], int]:
     bodies: list[tuple[int, int]] = []
     opened: int | None = None
     last = body.stop
+    begun = False
     for step in trace.events:
         keywords = {control.keyword for control in step.block.controls}
+        is_next = begun and step.block.word("O") is not None and not keywords  # without M30 before it
+        begun = begun or not (step.block.is_empty or step.block.opaque)
         if "O-SUB" in keywords and opened is None:
             opened = step.block.line
         elif "O-ENDSUB" in keywords and opened is not None:
             bodies.append((opened, step.block.line))
             opened = None
-        elif opened is None and step.after.ended and not step.before.ended:
+        elif opened is None and (is_next or (step.after.ended and not step.before.ended)):
             last = step.block.line
             break
     if opened is not None:

@@ -18,6 +18,7 @@ from chipbreak.model.cycle_kinds import kind_by_cycle
 from chipbreak.model.kinds import (
     Kind,
     KindRules,
+    OperationMark,
     directive,
     kind_of_text,
     operation_title,
@@ -130,6 +131,9 @@ class _Scan:
         for comment in block.comments:
             remark = _Remark(block.line, comment.text)
             note, title = tool_text(comment.text), operation_title(comment.text)
+            is_header = block.is_empty and block.sequence is not None and note is None
+            if title is None and is_header and kind_of_text(comment.text, KindRules()):
+                title = OperationMark(True, comment.text.strip())  # "N2 (FIN)"
             ordered = self._directive(block, comment)
             is_title = is_free and title is not None and title.is_start
             if called or ordered or is_title:
@@ -222,8 +226,10 @@ class _Judge:
         if first_cut is not None:
             state = self.trace.step(first_cut).after
             speed_rpm, spindle = _speed_rpm(state), state.spindle
-        title = operation_title(draft.titles[-1].text) if draft.titles else None
-        label = title.label if title else f"T{draft.tool}" if draft.tool is not None else "no tool called"
+        label = f"T{draft.tool}" if draft.tool is not None else "no tool called"
+        if draft.titles:
+            title = operation_title(draft.titles[-1].text)
+            label = title.label if title else draft.titles[-1].text.strip()
         first = draft.first
         return Operation(
             index,

@@ -98,6 +98,9 @@ class _Blocks:
         """Coolant off, tool up, spindle off."""
         if self.before.coolant:
             self.write("M9")
+        # A move in machine coordinates is absolute, and some controls want that said.
+        if self.dialect.retract_is_absolute and self.now.modes.get("distance") == "incremental":
+            self.write(self.dialect.code("distance", "absolute"))
         for text in retract_blocks(self.settings):
             self.write(text)
         if self.before.turns:

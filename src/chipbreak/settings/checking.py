@@ -62,7 +62,12 @@ def checked_value(layer: Layer, section: str, key: str, value: Any) -> Any:
     if meta.get("table"):
         if not isinstance(value, dict):
             raise layer.fail(WRONG_TYPE, full, f"{full} is a table", f"write [{full}] with a line for each")
-        return {k: _checked_value(layer, full, v, (float,), meta) for k, v in value.items()}
+        for tool in value:
+            if not tool.isdecimal():
+                message = f"{full}: {tool!r} is no tool number"
+                raise layer.fail(IMPOSSIBLE, f"{full}.{tool}", message, "one line a tool, such as 4 = ...")
+        inner = typing.get_args(hints[key])[1]
+        return {k: _checked_value(layer, f"{full}.{k}", v, (inner,), meta) for k, v in value.items()}
     kinds = _kinds(hints[key])
     if tuple in kinds:
         items = value if isinstance(value, list) else [value]

@@ -25,6 +25,7 @@ from chipbreak.settings.checking import (
     hint_at,
 )
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS, Axis, Planner, Settings
+from chipbreak.settings.tool_rules import check_macros, check_sisters
 from chipbreak.span import Place
 
 _PROFILES = Path(__file__).parents[1] / "profiles"
@@ -102,6 +103,8 @@ def _build(
         hint = 'planner.model = "trapezoid", or leave it out'
         raise layer.fail(IMPOSSIBLE, "planner.reversal_stop_ms", message, hint)
     _check_modes(layer, sections["planner"], dialect)
+    check_macros(layer, sections["macros"], dialect)
+    check_sisters(layer, sections["checks"])
     return Settings(
         name=profile,
         call_sets=values["calls"],

@@ -22,6 +22,10 @@ def _at_least(default: float | None, limit: float = 0.0) -> Any:
     return field(default=default, metadata={"at_least": limit})
 
 
+def _between(default: float, least: float, below: float) -> Any:
+    return field(default=default, metadata={"at_least": least, "below": below})
+
+
 def _digits(default: int) -> Any:
     return field(default=default, metadata={"at_least": 0, "below": 10})
 
@@ -129,20 +133,74 @@ class Spindle:
 
 @dataclass(frozen=True)
 class Checks:
-    """Tool checks: whether, which calls, which limits."""
+    """Tool checks: whether, which calls, which limits.
+
+    ``strict`` makes an error of a check that is left out.  ``sister`` is the tool that may take another one's
+    place.  ``every`` is how many workpieces one check is for.  Runout, length, diameter, the step of a trace,
+    retries and alarm numbers go into the macros.
+    """
 
     enabled: bool = False
+    strict: bool = False
     calls: str = "builtin"
     w_rough_mm: float = _above(0.05)
     w_finish_mm: float = _above(0.02)
     w_mm: Mapping[str, float] = field(default_factory=dict, metadata={"above": 0.0, "table": True})
+    runout_mm: float = _above(0.005)
+    length_over_mm: float = _above(3.0)
+    diameter_mm: float = _above(0.5)
     trace_height_mm: float = _above(20.0)
+    trace_step_mm: float = _above(0.5)
     last_use: float | str = field(
         default="next-part", metadata={"choices": ("next-part", "none"), "above": 0.0}
     )
     missing: str = _one_of("control", "error", "skip")
     only: tuple[int, ...] = ()
     ignore: tuple[int, ...] = ()
+    sister: Mapping[str, int] = field(
+        default_factory=dict, metadata={"at_least": 1, "below": 100_000_000, "table": True}
+    )
+    every: int = _between(1, 1, 10_000)
+    retries: int = _between(1, 0, 100)
+    alarm_base: int = _between(100, 1, 9_900)
+
+
+@dataclass(frozen=True)
+class Macros:
+    """What the macros must know about the machine and its laser barrier; lengths in mm, feeds in mm/min.
+
+    Positions are in machine coordinates.  ``beam_input`` is the number of the signal variable (#1000 and up)
+    or of LinuxCNC's digital input.  ``master_tool`` 0: the master bar is in the spindle already.  ``orient``
+    stops the spindle at ``{angle}``.  ``turn_sign`` is -1 where the angle counts against M3.  ``clear_mm`` is
+    how far beside and above the beam the tool waits, ``search_mm`` how much shorter than said a tool may be
+    and still be found, ``above_mm`` how far above the lower end, a corner or a point the radius is measured,
+    ``inset_mm`` how far inside the outer edge the length is.  ``store_first`` and ``store_last`` bound the
+    variables of what is stored.
+    """
+
+    beam_x_mm: float | None = None
+    beam_y_mm: float | None = None
+    beam_z_mm: float | None = None
+    safe_z_mm: float | None = None
+    master_length_mm: float | None = _above(None)
+    master_diameter_mm: float | None = _above(None)
+    master_tool: int = _at_least(0)
+    beam_input: int = _at_least(0)
+    entry_feed: float = _above(3000.0)
+    fast_feed: float = _above(600.0)
+    slow_feed: float = _above(12.0)
+    clear_mm: float = _above(2.0)
+    back_mm: float = _above(0.2)
+    search_mm: float = _above(10.0)
+    above_mm: float = _above(0.1)
+    inset_mm: float = _above(0.2)
+    resolution_mm: float = _above(0.001)
+    turn_sign: int = field(default=1, metadata={"values": (1, -1)})
+    store_first: int = _at_least(500, 1)
+    store_last: int = _at_least(999, 1)
+    orient: str = "M19 R{angle}"
+    laser_on: str = ""
+    laser_off: str = ""
 
 
 @dataclass(frozen=True)
@@ -164,6 +222,7 @@ class Settings:
     output: Output
     spindle: Spindle
     checks: Checks
+    macros: Macros
     tools: Tools
     planner: Planner
     axes: Mapping[str, Axis]
@@ -178,6 +237,9 @@ class Settings:
         return self.origins.get(key, "default")
 
 
+# Variables of the macros: 4 of the beam, 11 of locked tools and the count, and one small edge.
+LEAST_STORE = 40
+
 SECTIONS: Mapping[str, type[Any]] = {
     "control": Control,
     "command": Command,
@@ -186,6 +248,7 @@ SECTIONS: Mapping[str, type[Any]] = {
     "planner": Planner,
     "spindle": Spindle,
     "checks": Checks,
+    "macros": Macros,
     "tools": Tools,
     **{f"axes.{axis}": Axis for axis in AXES},
 }

@@ -1,0 +1,24 @@
+"""What a block sets for sure, in the words of a message: modal groups, S, the spindle, coolant, the tool."""
+
+from __future__ import annotations
+
+from chipbreak.model.operations import calls_tool
+from chipbreak.model.steps import Step
+from chipbreak.model.trace import Trace
+
+
+def set_by(step: Step, trace: Trace) -> set[str]:
+    """What a block sets for sure."""
+    found: set[str] = set()
+    dialect = trace.settings.dialect
+    spindle = {3.0: "the spindle", 4.0: "the spindle", 5.0: "the spindle", 19.0: "the spindle"}
+    coolant = {9.0: "coolant"}  # M7 and M8 leave the other one as it was
+    for word in step.block.words:
+        if word.address == "G" and word.number is not None:
+            code = dialect.g_codes.get(round(word.number * 10))
+            found |= {code.group} if code else set()
+        elif word.address == "M" and word.number is not None:
+            found |= {name for name in ((spindle | coolant).get(word.number),) if name}
+        elif word.address == "S":
+            found.add("S")
+    return found | ({"the tool"} if calls_tool(step, dialect.tool_change) else set())

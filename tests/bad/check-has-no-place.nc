@@ -1,0 +1,12 @@
+(EXPECT CHK002 8:1 -p fanuc-mill checks.strict=true)
+T1 M6
+S1000 M3
+G0 X1. Y2.
+G43 Z15. H1
+G41 D1 X5.
+G1 Z-1. F100.
+(FINISH)
+X9.
+G0 Z15.
+G40 X1.
+M30

@@ -1,0 +1,79 @@
+"""Subprograms between checks: followed where they stand in the file, refused where nobody knows them."""
+
+from __future__ import annotations
+
+import pytest
+
+from checks.filtered import Filtered, check, filtered
+
+START = "O1\nG90 G21\nT1 M6\nS1000 M3\nG0 X1. Y2.\nG43 Z15. H1\nG1 Z-1. F100.\nG0 Z15.\n"
+BEHIND = "G0 Z15.\n(FINISH)\nG0 X1. Y2.\nG1 Z-1. F100.\nG0 Z15.\n"
+NEXT_TOOL = "T2 M6\nS500 M3\nG0 X1. Y2.\nG43 Z15. H2\nG1 Z-1. F100.\nG0 Z15.\n"
+
+
+def run(body: str, call: str = "M98 P100", behind: str = BEHIND) -> Filtered:
+    sub = f"O100\n{body}M99\n" if body else ""
+    result = filtered(f"{START}{call}\n{behind}M30\n{sub}".encode())
+    check(result)
+    return result
+
+
+def chip_checks(result: Filtered) -> list[str]:
+    return [title for title in result.titles if title.startswith("CHIP")]
+
+
+@pytest.mark.parametrize("call", ["M98 P100", "M98 P100 L3", "M98 P30100", "G65 P100 A1."])
+def test_one_that_only_moves_is_followed(call: str) -> None:
+    assert len(chip_checks(run("X5. Y5.\nX6.\n", call))) == 2
+
+
+def test_what_it_sets_must_be_said_again() -> None:
+    left_incremental = run("G91\nX5.\n")
+    assert chip_checks(left_incremental) == []
+    (first, _) = (d for d in left_incremental.diagnostics if d.code == "CHK002")
+    assert "line 9 calls a subprogram, which may or may not have set distance" in first.message
+    assert len(chip_checks(run("G91\nX5.\n", behind="G90\n" + BEHIND))) == 2
+    assert len(chip_checks(run("G91\nX5.\nM98 P200\nM99\nO200\nG41 D1\nX1.\nG40\nG90\n"))) == 2
+    branch = "IF [#1 EQ 1] GOTO 5\nG91\nN5 X5.\nG90\nM8\n"
+    assert chip_checks(run(branch)) == []
+    assert len(chip_checks(run(branch, behind="G90 M9\n" + BEHIND))) == 2
+    left_in_a_cut = run("G1 X5. F100.\nX6.\n", behind=BEHIND.removeprefix("G0 "))
+    edit = next(edit for edit in left_in_a_cut.edits if edit.title.startswith("CHIP"))
+    assert left_in_a_cut.trace.program.source.text(edit.first - 1) == "G0 X1. Y2."  # not before its G0
+    assert chip_checks(run("S700\n")) == []
+    assert len(chip_checks(run("S700\n", behind="S900\n" + BEHIND))) == 2
+    assert chip_checks(run("M98 P200\n")) == []
+
+
+@pytest.mark.parametrize(
+    ("body", "call", "why"),
+    [
+        ("", "M98 P100", "line 9 is not in this file"),
+        ("", "G65 P9100 A1.", "line 9 is not in this file"),
+        ("", "M98 P#1", "line 9 is not in this file"),
+        ("? what is this\n", "M98 P100", "nobody knows what it leaves in force"),
+        ("M98 P100\n", "M98 P100", "nobody knows what it leaves in force"),
+        ("T3 M6\nX1.\n", "M98 P100", "line 9 calls tools"),
+    ],
+)
+def test_behind_one_that_nobody_knows_nothing_stands_until_a_tool_is_called(
+    body: str, call: str, why: str
+) -> None:
+    result = run(body, call, BEHIND + NEXT_TOOL)
+    assert chip_checks(result) == ["CHIP CHECK T2 W0.02"]
+    assert "TOOL CHECK T2, TRACE T2" in result.titles
+    refused = [d.message for d in result.diagnostics if d.code == "CHK002"]
+    assert len(refused) == 2
+    assert all(why in message for message in refused)
+
+
+def test_o_words_too() -> None:
+    sub = "o<hole> sub\n{}o<hole> endsub\n"
+    main = START.replace("O1\n", "") + "o<hole> call\n" + BEHIND + "M2\n"
+    followed = filtered((sub.format("G0 X5\n") + main).encode(), "linuxcnc-mill")
+    check(followed)
+    assert len(chip_checks(followed)) == 2
+    for body in ("T2 M6\n", "o<drill> call\n"):
+        refused = filtered((sub.format(body) + main).encode(), "linuxcnc-mill")
+        check(refused)
+        assert chip_checks(refused) == []
