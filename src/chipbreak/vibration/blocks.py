@@ -68,7 +68,11 @@ def moves_of(cut: VibratedCut, settings: Settings, names: LoopNames | None = Non
     # to the one behind it, which may be the plain end with a feed of its own.
     keep = np.append(np.any(np.diff(words.absolute, axis=0) != 0.0, axis=1), True)
     times = time_s[keep]
-    _check_digits(cut, words, stands[~keep])
+    counts = np.zeros(len(times), np.intp)
+    if cut.keeps_feed:
+        # How often the tool stands where knots have become one point: the last of them takes it over.
+        counts = np.add.reduceat(stands.astype(np.intp), np.append(0, np.flatnonzero(keep)[:-1] + 1))
+    _check_digits(cut, words, is_too_fine=bool((counts > 1).any()))
     if len(times) == 1:
         message = f"the cut rounds to nothing at {words.decimals} decimals"
         raise RefusalError("VIB023", message, "a vibrated cut needs a distance to travel")
@@ -77,7 +81,7 @@ def moves_of(cut: VibratedCut, settings: Settings, names: LoopNames | None = Non
     words = replace(words, absolute=words.absolute[keep], points_mm=words.points_mm[keep], loops=loops)
     stand_s = np.empty(0)
     if cut.keeps_feed or cut.end_stand_s > 0.0:
-        stand_s = np.where(stands[keep][1:], dwell_s(cut, settings), 0.0)
+        stand_s = np.where(counts[1:] > 0, dwell_s(cut, settings), 0.0)
         stand_s[-1] = max(stand_s[-1], printed_s(cut.end_stand_s))
     columns = Columns(words, stand_s, names)
     if not cut.keeps_feed:
@@ -89,10 +93,10 @@ def moves_of(cut: VibratedCut, settings: Settings, names: LoopNames | None = Non
     return Expansion(content, ends, times[1:], stand_s, loops if names is not None else None)
 
 
-def _check_digits(cut: VibratedCut, words: Words, lost_stands: NDArray[np.bool_]) -> None:
+def _check_digits(cut: VibratedCut, words: Words, *, is_too_fine: bool) -> None:
     """Refuse a stroke of few steps, and an end that incremental words cannot reach."""
     step_mm = 10.0**-words.decimals * (MM_PER_INCH if cut.chain.before.is_inch else 1.0)
-    if cut.cut.stroke_mm < _LEAST_STEPS * step_mm or lost_stands.any():
+    if cut.cut.stroke_mm < _LEAST_STEPS * step_mm or is_too_fine:
         larger = "take a larger E" if cut.keeps_feed else "give a larger Q or A"
         stroke = f"the stroke of {cut.cut.stroke_mm:.4g} mm"
         message = f"{stroke} has fewer than {_LEAST_STEPS} steps of {step_mm:g} mm"
