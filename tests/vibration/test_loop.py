@@ -15,6 +15,7 @@ from chipbreak.diagnostics import SelfCheckError
 from chipbreak.restore import restore
 from chipbreak.settings import SettingsError
 from chipbreak.source import read
+from chipbreak.vibration.waveform import sample
 from machine_reader import Run, filtered, points, rejected, run_program, times
 
 LOOP = "output.form=loop"
@@ -154,7 +155,7 @@ def test_no_point_leaves_the_exact_motion_by_more_than_promised(cut: tuple[str, 
     assert len(real) == checked.move_count
     # Where the blocks should end in the exact motion, by the time at which they should.
     plan, ends_s = checked.planned.cut, np.append(0.0, checked.planned.expansion.time_s)
-    wanted = plan.path.points(np.interp(ends_s, plan.time_s, plan.distance_mm))
+    wanted = plan.path.points(np.interp(ends_s, *sample(plan.cut)))
     step = np.array([0.0005, 0.001, 0.001])
     away = np.abs(points(real) - wanted) / step
     # An incremental program counts from its start, so its points have the digits of that.
