@@ -80,7 +80,9 @@ def few(factors: Sequence[float], cut: VibratedCut, settings: Settings, move_cou
 def _standing(cut: VibratedCut) -> str:
     """What needs no reversal: at this E half of what is left to the stand is to spare."""
     turns = 1.5 / cut.edges / (1.0 - cut.cut.alpha_share)
-    return f"; WAVE DWELL with E {shown(round(turns, 2))} never turns back and stands instead"
+    has_stroke = cut.chain.requests[0].values.keys() & {"Q", "A"}
+    without = ", without Q and A," if has_stroke else ""
+    return f"; WAVE DWELL with E {shown(round(turns, 2))}{without} never turns back and stands instead"
 
 
 def _slower(cut: VibratedCut, period: Period, settings: Settings) -> VibratedCut:
