@@ -11,8 +11,10 @@ import math
 import re
 from collections.abc import Callable
 from functools import lru_cache
+from operator import and_, or_, xor
 
 from chipbreak.macro_b.faults import ARITHMETIC, UNREADABLE, VARIABLE, fault
+from chipbreak.model.evaluate import FUNCTIONS, OPERATORS
 from chipbreak.syntax.nodes import Call, Expression, Number, Operation, Variable
 
 Value = float | None
@@ -152,40 +154,19 @@ def _number(expression: Expression, read: Read) -> float:
     return evaluate(expression, read) or 0.0
 
 
+_LOGIC_OPERATORS: dict[str, Callable[[int, int], int]] = {"AND": and_, "OR": or_, "XOR": xor}
+
+
 def _operate(operator: str, left: float, right: float) -> float:
-    match operator:
-        case "+":
-            return left + right
-        case "-":
-            return left - right
-        case "*":
-            return left * right
-        case "/" | "MOD" if right == 0.0:
-            raise fault(ARITHMETIC, "division by zero")
-        case "/":
-            return left / right
-        case "MOD":
-            return math.fmod(left, right)
-        case "GT":
-            return float(left > right)
-        case "GE":
-            return float(left >= right)
-        case "LT":
-            return float(left < right)
-        case "LE":
-            return float(left <= right)
-        case "AND":
-            return float(round(left) & round(right))
-        case "OR":
-            return float(round(left) | round(right))
-        case "XOR":
-            return float(round(left) ^ round(right))
-    raise fault(UNREADABLE, f"{operator} is no operator of this control")
-
-
-def round_half(value: float) -> float:
-    """ROUND: to the nearest whole number, halves away from zero."""
-    return math.copysign(math.floor(abs(value) + 0.5), value)
+    if operator in ("/", "MOD") and right == 0.0:
+        raise fault(ARITHMETIC, "division by zero")
+    if operator == "MOD":
+        return math.fmod(left, right)
+    if operator in _LOGIC_OPERATORS:
+        return float(_LOGIC_OPERATORS[operator](round(left), round(right)))
+    if operator not in OPERATORS or operator == "**":
+        raise fault(UNREADABLE, f"{operator} is no operator of this control")
+    return OPERATORS[operator](left, right)
 
 
 def _angle(y: float, x: float) -> float:
@@ -194,20 +175,9 @@ def _angle(y: float, x: float) -> float:
 
 
 _FUNCTIONS: dict[str, Callable[..., float]] = {
-    "SIN": lambda a: math.sin(math.radians(a)),
-    "COS": lambda a: math.cos(math.radians(a)),
-    "TAN": lambda a: math.tan(math.radians(a)),
-    "ASIN": lambda a: math.degrees(math.asin(a)),
-    "ACOS": lambda a: math.degrees(math.acos(a)),
-    "SQRT": math.sqrt,
-    "SQR": math.sqrt,
-    "ABS": abs,
-    "ROUND": round_half,
-    "RND": round_half,
+    **FUNCTIONS,
     "FIX": lambda a: float(math.trunc(a)),
     "FUP": lambda a: math.copysign(math.ceil(abs(a)), a),
-    "LN": math.log,
-    "EXP": math.exp,
     "POW": math.pow,
     "BIN": lambda a: float(int(str(round(a)), 10)) if a < 0 else float(int(f"{round(a):x}", 10)),
     "BCD": lambda a: float(int(str(round(a)), 16)),

@@ -7,7 +7,14 @@ from collections.abc import Callable
 
 from chipbreak.syntax.nodes import Call, Expression, Number, Operation, Variable
 
-_OPERATORS: dict[str, Callable[[float, float], float]] = {
+
+def round_half(value: float) -> float:
+    """ROUND: to the nearest whole number, halves away from zero."""
+    return math.copysign(math.floor(abs(value) + 0.5), value)
+
+
+# What every control works out in the same way; the macro interpreter adds what its control has beside.
+OPERATORS: dict[str, Callable[[float, float], float]] = {
     "+": lambda a, b: a + b,
     "-": lambda a, b: a - b,
     "*": lambda a, b: a * b,
@@ -21,7 +28,7 @@ _OPERATORS: dict[str, Callable[[float, float], float]] = {
     "LT": lambda a, b: float(a < b),
     "LE": lambda a, b: float(a <= b),
 }
-_FUNCTIONS: dict[str, Callable[[float], float]] = {
+FUNCTIONS: dict[str, Callable[[float], float]] = {
     "SIN": lambda a: math.sin(math.radians(a)),
     "COS": lambda a: math.cos(math.radians(a)),
     "TAN": lambda a: math.tan(math.radians(a)),
@@ -30,8 +37,8 @@ _FUNCTIONS: dict[str, Callable[[float], float]] = {
     "SQRT": math.sqrt,
     "SQR": math.sqrt,
     "ABS": abs,
-    "ROUND": lambda a: float(math.floor(abs(a) + 0.5)) * math.copysign(1.0, a),
-    "RND": lambda a: float(math.floor(abs(a) + 0.5)) * math.copysign(1.0, a),
+    "ROUND": round_half,
+    "RND": round_half,
     "LN": math.log,
     "EXP": math.exp,
 }
@@ -66,13 +73,13 @@ def _value(expression: Expression) -> float | None:
     left, right = _value(expression.left), _value(expression.right)
     if left is None or right is None:
         return None
-    operator = _OPERATORS.get(expression.operator)
+    operator = OPERATORS.get(expression.operator)
     return operator(left, right) if operator else None
 
 
 def _call(call: Call) -> float | None:
     arguments = [_value(argument) for argument in call.arguments]
-    function = _FUNCTIONS.get(call.function)
+    function = FUNCTIONS.get(call.function)
     if function is None or len(arguments) != 1 or arguments[0] is None:
         return None
     return function(arguments[0])
