@@ -15,7 +15,7 @@ from chipbreak.source import Source, read
 
 def unrolled(source: Source, found: Sequence[Region], loop: Loop | None) -> tuple[Source, list[Region]]:
     """The program with every loop in its changes written out, and where the changes are then."""
-    if loop is None or source.data.find(_sign(loop)) < 0:
+    if loop is None or not any(_may_hold(source, region, _sign(loop)) for region in found):
         return source, list(found)
     pattern = _pattern(loop, source.line_end)
     pieces: list[bytes] = []
@@ -31,6 +31,10 @@ def unrolled(source: Source, found: Sequence[Region], loop: Loop | None) -> tupl
         line, shift = region.last, shift + more
     pieces.append(source.data[source.starts[line] :])
     return read(b"".join(pieces), source.name), moved
+
+
+def _may_hold(source: Source, region: Region, sign: bytes) -> bool:
+    return source.data.find(sign, int(source.starts[region.body]), int(source.starts[region.last])) >= 0
 
 
 def _sign(loop: Loop) -> bytes:
