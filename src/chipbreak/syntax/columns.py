@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from chipbreak.syntax.parse import Program
 
+_MOST_DECIMALS = 9
 _LETTERS_TO_BLANK = bytes.maketrans(b"ABCDEFGHIJKLMNOPQRSTUVWXYZ", b" " * 26)
 
 
@@ -42,8 +43,38 @@ def read_columns(program: Program, first: int, last: int) -> tuple[str, NDArray[
         return None
     source = program.source
     text = source.data[source.starts[first] : source.starts[last]].translate(_LETTERS_TO_BLANK)
-    numbers = np.fromstring(text.decode("ascii"), np.float64, sep=" ")
     width = len(next(iter(letters)))
+    numbers = _even_numbers(text, last - first, width)
+    if numbers is None:
+        numbers = np.fromstring(text.decode("ascii"), np.float64, sep=" ")
     if len(numbers) != (last - first) * width:  # block numbers stand between
         return None
     return letters.pop(), numbers.reshape(-1, width)
+
+
+def _even_numbers(text: bytes, count: int, width: int) -> NDArray[np.float64] | None:
+    """The numbers of rows that have the same decimals in every row, read as whole numbers without points.
+
+    A whole number below 2 ** 53 through a power of ten is rounded once, as the decimal itself would be.
+    None where the decimals differ.
+    """
+    raw = np.frombuffer(text, np.uint8)
+    points = np.flatnonzero(raw == ord("."))
+    if not count or len(points) != count * width:
+        return None
+    powers = np.empty(width)
+    for column in range(width):
+        behind = points[column::width] + 1
+        first = text[behind[0] : behind[0] + _MOST_DECIMALS]
+        decimals = len(first) - len(first.lstrip(b"0123456789"))
+        # A digit where the last decimal should stand, and none behind it: so many in every row, for what
+        # began in between would have its own point there.
+        at_last, at_end = (raw.take(behind + at, mode="clip") for at in (decimals - 1, decimals))
+        if (at_last <= ord(" ")).any() or (at_end > ord(" ")).any():
+            return None
+        powers[column] = 10.0**decimals
+    whole = np.fromstring(text.translate(None, b".").decode("ascii"), np.int64, sep=" ")
+    if len(whole) != count * width or np.abs(whole).max() >= 2**53:
+        return None
+    numbers: NDArray[np.float64] = (whole.reshape(count, width) / powers).ravel()
+    return numbers

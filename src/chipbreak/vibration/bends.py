@@ -34,15 +34,19 @@ class Blocks:
 def blocks_of(moved_mm: Floats, ahead_mm: Floats, settings: Settings) -> Blocks:
     """Blocks from their moves, (n, 3), and how far each one leads along the path, (n,)."""
     lengths_mm = np.sqrt(np.einsum("ij,ij->i", moved_mm, moved_mm))
+    signed_mm = np.copysign(np.round(lengths_mm, _DIGITS), ahead_mm)
+    if settings.planner.model == "ideal":  # its law asks for neither bends nor acceleration
+        return Blocks(signed_mm, np.zeros(len(signed_mm)), np.full(len(signed_mm), np.inf))
     ways = moved_mm / lengths_mm[:, np.newaxis]
-    bends = np.append(np.abs(np.diff(ways, axis=0)).max(axis=1, initial=0.0), 0.0)
+    turns = np.abs(np.diff(ways, axis=0))
+    bends = np.append(np.maximum(np.maximum(turns[:, 0], turns[:, 1]), turns[:, 2]), 0.0)
     allowed = np.full(len(ways), np.inf)
     with np.errstate(divide="ignore"):
         for name, axis in settings.axes.items():
             if axis.max_acceleration_mm_s2 is not None:
                 share = np.abs(ways[:, AXES.index(name)])
                 np.minimum(allowed, axis.max_acceleration_mm_s2 / share, out=allowed)
-    return Blocks(np.copysign(np.round(lengths_mm, _DIGITS), ahead_mm), bends, allowed)
+    return Blocks(signed_mm, bends, allowed)
 
 
 def bend_strengths(blocks: Blocks, feeds_mm_s: Floats, model: ControlModel) -> Floats:
