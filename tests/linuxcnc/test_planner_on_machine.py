@@ -157,9 +157,8 @@ def test_several_blocks_per_stroke_take_the_predicted_time(path_mode: str) -> No
             + b"G1 Z-1 F300\nM2\n"
             for ways, feed in zip(blocks, feeds, strict=True)
         ]
-        for ways, feed, done in zip(
-            blocks, feeds, machine.run(programs, acceleration_mm_s2=acceleration, lathe=True), strict=True
-        ):
+        runs = machine.run_steadily(programs, acceleration_mm_s2=acceleration, lathe=True)
+        for ways, feed, done in zip(blocks, feeds, runs, strict=True):
             spent = np.array([done.line_times()[2 + i] for i in range(80)])
             expected = predict(ways, feed, model)
             assert spent[8:].sum() == pytest.approx(expected[8:].sum(), rel=0.02)
