@@ -221,3 +221,13 @@ def test_explain_says_nothing_where_the_profile_does_not() -> None:
     text, data = explained()
     assert "moved" not in text
     assert data == {}
+
+
+def test_a_loop_needs_words_for_distances() -> None:
+    """B has none on a lathe of code system A; B and C say G91."""
+    sets = ["output.form=loop", "axes.Z.letter=B"]
+    with pytest.raises(SettingsError, match="no word for distances"):
+        chipbreak.load("fanuc-lathe", sets)
+    settings = chipbreak.load("fanuc-lathe", [*sets, "control.lathe_system=B"])
+    program = b"G97 S1200 M3\nG0 X20. B2.\nG1 B-20. F0.1 N1.5\nM30\n"
+    assert b"WHILE" in chipbreak.rewrite(program, settings).data

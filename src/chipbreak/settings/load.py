@@ -96,8 +96,9 @@ def _build(
         message = f"output.feed_mode {mode!r}: {dialect.title} has no code for it"
         others = [other for other in ("rev", "inverse", "minute") if dialect.can("feed_mode", other)]
         raise layer.fail(IMPOSSIBLE, "output.feed_mode", message, f"one of {', '.join(others)}")
+    words = _axis_words(layer, axes, dialect, checks=sections["checks"].enabled)
     if sections["output"].form == "loop":
-        _check_loop(layer, sections["output"].loop_variable, dialect)
+        _check_loop(layer, sections["output"].loop_variable, dialect, words)
     if sections["planner"].reversal_stop_ms and sections["planner"].model != "trapezoid":
         message = f"planner.reversal_stop_ms has no place in planner.model {sections['planner'].model!r}"
         hint = 'planner.model = "trapezoid", or leave it out'
@@ -110,15 +111,15 @@ def _build(
         call_sets=values["calls"],
         operations=values["operations"],
         axes=axes,
-        axis_words=_axis_words(layer, axes, dialect, checks=sections["checks"].enabled),
+        axis_words=words,
         dialect=dialect,
         origins=origins,
         **sections,
     )
 
 
-def _check_loop(layer: Layer, variable: int, dialect: Dialect) -> None:
-    """Refuse loops where it is not known how, or with a counter that the control does not have."""
+def _check_loop(layer: Layer, variable: int, dialect: Dialect, words: AxisWords) -> None:
+    """Refuse loops where it is not known how, or without a counter or words for distances."""
     if dialect.loop is None:
         message = f"output.form 'loop': how {dialect.title} repeats blocks is not known"
         help_text = 'write form = "expanded", or name the control: fanuc-lathe, linuxcnc-lathe'
@@ -128,6 +129,13 @@ def _check_loop(layer: Layer, variable: int, dialect: Dialect) -> None:
         message = f"output.loop_variable {variable}: {dialect.title} has no such variable"
         known = ", ".join(f"{numbers[0]} to {numbers[-1]}" for numbers in there)
         raise layer.fail(IMPOSSIBLE, "output.loop_variable", message, f"one of {known}")
+    if dialect.can("distance", "incremental"):
+        return
+    for axis, letter in words.letters.items():
+        if words.distance_letter(axis) is None:
+            message = f"output.form 'loop': {letter} of {dialect.title} has no word for distances"
+            help_text = f'write form = "expanded", or give axes.{axis}.letter one that has (X, Y or Z)'
+            raise layer.fail(IMPOSSIBLE, "output.form", message, help_text)
 
 
 def _axis_words(layer: Layer, axes: Mapping[str, Axis], dialect: Dialect, *, checks: bool) -> AxisWords:
