@@ -14,20 +14,21 @@ import click
 from chipbreak.options import (
     DIFFERENT,
     DONE,
-    PROFILE_HELP,
+    PROFILE,
+    READING,
     REJECTED,
-    SET_HELP,
+    REPORTING,
+    SET,
     USAGE,
-    common_options,
+    Asked,
+    asking,
     fail,
-    make_reporter,
-    reporting_options,
     rewrite_program,
     run_filter,
     settings_of,
     verify_program,
 )
-from chipbreak.streams import Reporter, read_input, replace_file, write_json, write_stdout
+from chipbreak.streams import read_input, replace_file, write_json, write_stdout
 from chipbreak.tool_commands import inspect, tools
 
 
@@ -48,29 +49,18 @@ def cli() -> None:
 @click.option("-i", "--in-place", is_flag=True, help="Replace the input file in one step.")
 @click.option("--backup", metavar="SUFFIX", help="With -i: keep the original under its name plus this.")
 @click.option("--check", is_flag=True, help="Write nothing; exit 1 if anything would change.")
-@common_options
+@asking(*READING)
 def filter_command(
-    source: str,
-    output: str | None,
-    in_place: bool,
-    backup: str | None,
-    check: bool,
-    profile: str | None,
-    sets: tuple[str, ...],
-    allow_unbroken: bool,
-    as_json: bool,
-    quiet: bool,
-    color: str,
+    asked: Asked, source: str, output: str | None, in_place: bool, backup: str | None, check: bool
 ) -> None:
     """Filter a program: from stdin or INPUT to stdout, OUT or INPUT itself."""
-    reporter = make_reporter(as_json, quiet, color)
     if in_place and (source == "-" or output):
         raise click.UsageError("-i replaces INPUT itself: name a file, and leave -o out")
     if backup is not None and (not in_place or not backup or "/" in backup):
         raise click.UsageError("--backup goes with -i and takes a suffix such as .bak")
     data = read_input(source)
-    result = run_filter(data, source, profile, sets, allow_unbroken, reporter)
-    reporter.show(result.diagnostics)
+    result = run_filter(data, settings_of(asked, source), source, asked)
+    asked.reporter.show(result.diagnostics)
     if check:
         sys.exit(DIFFERENT if result.changed else DONE)
     target = source if in_place else output
@@ -86,71 +76,45 @@ def filter_command(
 
 @cli.command()
 @click.argument("sources", metavar="INPUT...", nargs=-1, required=True)
-@common_options
-def check(
-    sources: tuple[str, ...],
-    profile: str | None,
-    sets: tuple[str, ...],
-    allow_unbroken: bool,
-    as_json: bool,
-    quiet: bool,
-    color: str,
-) -> None:
+@asking(*READING)
+def check(asked: Asked, sources: tuple[str, ...]) -> None:
     """Say everything that is wrong with programs; write none."""
     from chipbreak.diagnostics import ProgramRejectedError, has_errors
 
-    reporter = make_reporter(as_json, quiet, color)
     failed = False
     for source in sources:
         data = read_input(source)
-        settings = settings_of(profile, sets, source, reporter)
+        settings = settings_of(asked, source)
         try:
-            diagnostics = rewrite_program(data, settings, source, allow_unbroken).diagnostics
+            diagnostics = rewrite_program(data, settings, source, asked).diagnostics
         except ProgramRejectedError as error:
             diagnostics = error.diagnostics
         failed |= has_errors(diagnostics)
-        reporter.show(diagnostics)
+        asked.reporter.show(diagnostics)
     sys.exit(DIFFERENT if failed else DONE)
 
 
 @cli.command()
 @click.argument("source", metavar="INPUT", default="-")
-@common_options
-def explain(
-    source: str,
-    profile: str | None,
-    sets: tuple[str, ...],
-    allow_unbroken: bool,
-    as_json: bool,
-    quiet: bool,
-    color: str,
-) -> None:
+@asking(*READING)
+def explain(asked: Asked, source: str) -> None:
     """Show each vibrated cut, operation and check, with its reasons."""
     from chipbreak.report import explain_json, explain_text
 
-    reporter = make_reporter(as_json, quiet, color)
-    settings = settings_of(profile, sets, source, reporter)
-    result = run_filter(read_input(source), source, profile, sets, allow_unbroken, reporter)
-    if as_json:
+    settings = settings_of(asked, source)
+    result = run_filter(read_input(source), settings, source, asked)
+    if asked.as_json:
         write_json(explain_json(result, settings), indent=2)
         return
-    reporter.show(result.diagnostics)
+    asked.reporter.show(result.diagnostics)
     for line in explain_text(result, settings):
         click.echo(line)
 
 
 @cli.command()
 @click.argument("source", metavar="INPUT", default="-")
-@common_options
-def verify(
-    source: str,
-    profile: str | None,
-    sets: tuple[str, ...],
-    allow_unbroken: bool,
-    as_json: bool,
-    quiet: bool,
-    color: str,
-) -> None:
+@asking(*READING)
+def verify(asked: Asked, source: str) -> None:
     """Judge a filtered program as it stands: end points, times, states and chips.
 
     Exit 0: it does what was promised; 1: a cut does not break its chips; 3 or 4: it is not as it was
@@ -159,16 +123,15 @@ def verify(
     from chipbreak.diagnostics import has_errors
     from chipbreak.report import explain_json, explain_text
 
-    reporter = make_reporter(as_json, quiet, color)
-    settings = settings_of(profile, sets, source, reporter)
-    result = verify_program(read_input(source), settings, source, reporter)
-    if as_json:
+    settings = settings_of(asked, source)
+    result = verify_program(read_input(source), settings, source, asked)
+    if asked.as_json:
         write_json(explain_json(result, settings), indent=2)
     else:
-        reporter.show(result.diagnostics)
+        asked.reporter.show(result.diagnostics)
         for line in explain_text(result, settings):
             click.echo(line)
-    broken = not allow_unbroken and any(not cut.verdict.breaks for cut in result.cuts)
+    broken = not asked.allow_unbroken and any(not cut.verdict.breaks for cut in result.cuts)
     sys.exit(DIFFERENT if broken or has_errors(result.diagnostics) else DONE)
 
 
@@ -176,8 +139,8 @@ def verify(
 @click.argument("a")
 @click.argument("b")
 @click.option("--ignore-comments", is_flag=True, help="Comments do not count.")
-@reporting_options
-def diff(a: str, b: str, ignore_comments: bool, as_json: bool, quiet: bool, color: str) -> None:
+@asking(*REPORTING)
+def diff(asked: Asked, a: str, b: str, ignore_comments: bool) -> None:
     """Compare two programs by what their blocks say.
 
     Block numbers, spacing and number format do not count; a part that chipbreak wrote is one line.  Exit 0:
@@ -187,14 +150,13 @@ def diff(a: str, b: str, ignore_comments: bool, as_json: bool, quiet: bool, colo
     from chipbreak.diff import as_json as hunks_json
     from chipbreak.diff import compare, differs, items_of, unified
 
-    reporter = make_reporter(as_json, quiet, color)
     try:
         sides = [items_of(read_input(name), name, ignore_comments=ignore_comments) for name in (a, b)]
     except ProgramRejectedError as error:
-        reporter.show(error.diagnostics)
+        asked.reporter.show(error.diagnostics)
         sys.exit(USAGE)
     hunks = compare(*sides)
-    if as_json:
+    if asked.as_json:
         write_json(hunks_json(hunks), indent=2)
     else:
         write_stdout([f"{line}\n".encode("latin-1", "replace") for line in unified(hunks, a, b)])
@@ -204,18 +166,17 @@ def diff(a: str, b: str, ignore_comments: bool, as_json: bool, quiet: bool, colo
 @cli.command()
 @click.argument("source", metavar="INPUT", default="-")
 @click.option("-o", "--output", metavar="OUT", help="Write to this file, replaced in one step.")
-@reporting_options
-def restore(source: str, output: str | None, as_json: bool, quiet: bool, color: str) -> None:
+@asking(*REPORTING)
+def restore(asked: Asked, source: str, output: str | None) -> None:
     """Give the original bytes back from a filtered program."""
     from chipbreak.diagnostics import ProgramRejectedError
     from chipbreak.restore import restore as put_back
     from chipbreak.source import read
 
-    reporter = make_reporter(as_json, quiet, color)
     try:
         original = put_back(read(read_input(source), source)).data
     except ProgramRejectedError as error:
-        reporter.show(error.diagnostics)
+        asked.reporter.show(error.diagnostics)
         sys.exit(REJECTED)
     if output is None or output == "-":
         write_stdout([original])
@@ -225,9 +186,8 @@ def restore(source: str, output: str | None, as_json: bool, quiet: bool, color: 
 
 @cli.command()
 @click.option("-o", "--output", metavar="DIR", required=True, help="Write the programs into this folder.")
-@click.option("-p", "--profile", metavar="FILE|NAME", envvar="CHIPBREAK_PROFILE", help=PROFILE_HELP)
-@click.option("--set", "sets", metavar="SECTION.KEY=VALUE", multiple=True, help=SET_HELP)
-def macros(output: str, profile: str | None, sets: tuple[str, ...]) -> None:
+@asking(PROFILE, SET)
+def macros(asked: Asked, output: str) -> None:
     """Write the macro programs that the tool checks call.
 
     What they must know about the laser barrier stands in [macros] of the profile, their limits in [checks].
@@ -236,7 +196,7 @@ def macros(output: str, profile: str | None, sets: tuple[str, ...]) -> None:
     from chipbreak.macros import check_axes, macro_files
     from chipbreak.macros.parameters import MacroSettings
 
-    settings = settings_of(profile, sets, "-", Reporter(as_json=False, quiet=False, colour=False))
+    settings = settings_of(asked, "-")
     try:
         check_axes(settings.axis_words)
         files = macro_files(settings.dialect.name, MacroSettings.of(settings))
@@ -272,13 +232,12 @@ def profile_list() -> None:
 
 @profile.command("show")
 @click.argument("name")
-@click.option("--set", "sets", metavar="SECTION.KEY=VALUE", multiple=True, help=SET_HELP)
-def profile_show(name: str, sets: tuple[str, ...]) -> None:
+@asking(SET)
+def profile_show(asked: Asked, name: str) -> None:
     """Every value of a profile, and where it comes from."""
     from chipbreak.settings.show import show_profile
 
-    reporter = Reporter(as_json=False, quiet=False, colour=False)
-    for line in show_profile(settings_of(name, sets, "-", reporter)):
+    for line in show_profile(settings_of(asked._replace(profile=name), "-")):
         click.echo(line)
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 import click
 
@@ -18,87 +19,88 @@ if TYPE_CHECKING:
     from chipbreak.settings import Settings
 
 DONE, DIFFERENT, USAGE, REJECTED, FAILED = 0, 1, 2, 3, 4
-_Command = TypeVar("_Command", bound=Callable[..., Any])
+_Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 
-PROFILE_HELP = "Machine profile: a shipped name or a TOML file."
-SET_HELP = "Change a value of the profile."
+class Asked(NamedTuple):
+    """What the options that commands share were set to."""
+
+    profile: str | None = None
+    sets: tuple[str, ...] = ()
+    tool_files: tuple[str, ...] = ()
+    strict: bool = False
+    allow_unbroken: bool = False
+    as_json: bool = False
+    quiet: bool = False
+    color: str = "never"
+
+    @property
+    def reporter(self) -> Reporter:
+        """Says what is to be said as the options ask for it."""
+        on_screen = self.color == "auto" and sys.stderr.isatty() and "NO_COLOR" not in os.environ
+        return Reporter(
+            as_json=self.as_json, quiet=self.quiet, colour=self.color == "always" or on_screen
+        )
 
 
-def _keep_tool_files(context: click.Context, _: click.Parameter, names: tuple[str, ...]) -> None:
-    context.meta["chipbreak.tools"] = names
-
-
-# Every command hands it on to settings_of alone, so it travels with the context.
-TOOLS_OPTION = click.option(
+PROFILE = click.option(
+    "-p",
+    "--profile",
+    metavar="FILE|NAME",
+    envvar="CHIPBREAK_PROFILE",
+    help="Machine profile: a shipped name or a TOML file.",
+)
+SET = click.option(
+    "--set", "sets", metavar="SECTION.KEY=VALUE", multiple=True, help="Change a value of the profile."
+)
+TOOLS = click.option(
     "--tools",
+    "tool_files",
     metavar="FILE",
     multiple=True,
-    expose_value=False,
-    callback=_keep_tool_files,
     help="File with tool data; the first that says something wins.",
 )
-
-
-def _keep_strict(context: click.Context, _: click.Parameter, strict: bool) -> None:
-    context.meta["chipbreak.strict"] = strict
-
-
-def common_options(command: _Command) -> _Command:
-    """The options every command that reads programs has."""
-    decorators = [
-        click.option("-p", "--profile", metavar="FILE|NAME", envvar="CHIPBREAK_PROFILE", help=PROFILE_HELP),
-        click.option("--set", "sets", metavar="SECTION.KEY=VALUE", multiple=True, help=SET_HELP),
-        TOOLS_OPTION,
-        click.option(
-            "--strict",
-            is_flag=True,
-            expose_value=False,
-            callback=_keep_strict,
-            help="A tool check that cannot stand where it should is an error.",
-        ),
-        click.option("--allow-unbroken", is_flag=True, help="Let cuts pass that do not break their chips."),
-        *REPORTING,
-    ]
-    for decorate in reversed(decorators):
-        command = decorate(command)
-    return command
-
-
-REPORTING = [
+STRICT = click.option(
+    "--strict", is_flag=True, help="A tool check that cannot stand where it should is an error."
+)
+UNBROKEN = click.option(
+    "--allow-unbroken", is_flag=True, help="Let cuts pass that do not break their chips."
+)
+REPORTING = (
     click.option("--json", "as_json", is_flag=True, help="Diagnostics and reports as JSON."),
     click.option("-q", "--quiet", is_flag=True, help="Only errors on stderr."),
     click.option(
         "--color", type=click.Choice(["auto", "always", "never"]), default="auto", help="Colour on stderr."
     ),
-]
+)
+READING = (PROFILE, SET, TOOLS, STRICT, UNBROKEN, *REPORTING)
 
 
-def reporting_options(command: _Command) -> _Command:
-    """The options of every command that says something."""
-    for decorate in reversed(REPORTING):
-        command = decorate(command)
-    return command
+def asking(*options: _Decorator) -> _Decorator:
+    """Give a command these options, as one :class:`Asked` in front of its own arguments."""
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        @functools.wraps(command)
+        def run(**values: Any) -> Any:
+            shared = {key: values.pop(key) for key in Asked._fields if key in values}
+            return command(Asked(**shared), **values)
+
+        decorated: Callable[..., Any] = run
+        for option in reversed(options):
+            decorated = option(decorated)
+        return decorated
+
+    return decorate
 
 
-def make_reporter(as_json: bool, quiet: bool, color: str) -> Reporter:
-    """A reporter as the options ask for it."""
-    colour = color == "always" or (color == "auto" and sys.stderr.isatty() and "NO_COLOR" not in os.environ)
-    return Reporter(as_json=as_json, quiet=quiet, colour=colour)
-
-
-def settings_of(
-    profile: str | None,
-    sets: Sequence[str],
-    source: str,
-    reporter: Reporter,
-) -> Settings:
+def settings_of(asked: Asked, source: str) -> Settings:
     """The profile by option, environment, or ``chipbreak.toml`` beside the input; exits with 2 if none.
 
     The files of ``--tools`` come before those of the profile.
     """
     from chipbreak.settings import SettingsError, load, profile_names
 
+    profile = asked.profile
     if profile is None:
         beside = (Path() if source == "-" else Path(source).parent) / "chipbreak.toml"
         if not beside.is_file():
@@ -109,16 +111,14 @@ def settings_of(
             )
         profile = str(beside)
     try:
-        settings = load(profile, sets)
+        settings = load(profile, asked.sets)
         _check_rules(settings)
     except SettingsError as error:
-        reporter.show([error.diagnostic])
+        asked.reporter.show([error.diagnostic])
         sys.exit(USAGE)
-    meta = click.get_current_context().meta
-    if meta.get("chipbreak.strict"):
+    if asked.strict:
         settings = replace(settings, checks=replace(settings.checks, strict=True))
-    tool_files = meta.get("chipbreak.tools", ())
-    return _with_tool_files(settings, tool_files) if tool_files else settings
+    return _with_tool_files(settings, asked.tool_files) if asked.tool_files else settings
 
 
 def _check_rules(settings: Settings) -> None:
@@ -146,34 +146,26 @@ def _with_tool_files(settings: Settings, names: Sequence[str]) -> Settings:
     return replace(settings, tools=tools, origins={**settings.origins, "tools.files": "--tools"})
 
 
-def run_filter(
-    data: bytes,
-    source: str,
-    profile: str | None,
-    sets: tuple[str, ...],
-    allow_unbroken: bool,
-    reporter: Reporter,
-) -> Result:
+def run_filter(data: bytes, settings: Settings, source: str, asked: Asked) -> Result:
     """Filter a program; says what is wrong with it and exits with 3 when it is rejected."""
     from chipbreak.diagnostics import ProgramRejectedError
 
-    settings = settings_of(profile, sets, source, reporter)
     try:
-        return rewrite_program(data, settings, source, allow_unbroken)
+        return rewrite_program(data, settings, source, asked)
     except ProgramRejectedError as error:
-        reporter.show(error.diagnostics)
+        asked.reporter.show(error.diagnostics)
         sys.exit(REJECTED)
 
 
-def rewrite_program(data: bytes, settings: Settings, source: str, allow_unbroken: bool) -> Result:
+def rewrite_program(data: bytes, settings: Settings, source: str, asked: Asked) -> Result:
     """Filter a program; exits with 4 when the self-check fails.  Raises ProgramRejectedError."""
     from chipbreak.pipeline import rewrite
 
     name = _shown(source)
-    return _guarded(name, lambda: rewrite(data, settings, name, allow_unbroken=allow_unbroken))
+    return _guarded(name, lambda: rewrite(data, settings, name, allow_unbroken=asked.allow_unbroken))
 
 
-def verify_program(data: bytes, settings: Settings, source: str, reporter: Reporter) -> Result:
+def verify_program(data: bytes, settings: Settings, source: str, asked: Asked) -> Result:
     """Judge a filtered program; exits with 3 or 4 when it is not as it was written."""
     from chipbreak.diagnostics import ProgramRejectedError
     from chipbreak.pipeline import verify_filtered
@@ -182,7 +174,7 @@ def verify_program(data: bytes, settings: Settings, source: str, reporter: Repor
     try:
         return _guarded(name, lambda: verify_filtered(data, settings, name))
     except ProgramRejectedError as error:
-        reporter.show(error.diagnostics)
+        asked.reporter.show(error.diagnostics)
         sys.exit(REJECTED)
 
 

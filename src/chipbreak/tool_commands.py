@@ -11,12 +11,13 @@ import click
 from chipbreak.options import (
     DIFFERENT,
     DONE,
-    PROFILE_HELP,
-    SET_HELP,
-    TOOLS_OPTION,
+    PROFILE,
+    REPORTING,
+    SET,
+    TOOLS,
     USAGE,
-    make_reporter,
-    reporting_options,
+    Asked,
+    asking,
     settings_of,
 )
 from chipbreak.streams import read_input, replace_file, write_json
@@ -39,20 +40,9 @@ if TYPE_CHECKING:
 )
 @click.option("--tool", type=click.IntRange(0), metavar="N", help="Its number, for a limit of its own.")
 @click.option("-o", "--output", metavar="OUT.svg", help="Write a figure.")
-@click.option("-p", "--profile", metavar="FILE|NAME", envvar="CHIPBREAK_PROFILE", help=PROFILE_HELP)
-@click.option("--set", "sets", metavar="SECTION.KEY=VALUE", multiple=True, help=SET_HELP)
-@reporting_options
+@asking(PROFILE, SET, *REPORTING)
 def inspect(
-    before: str,
-    after: str,
-    next_kind: str,
-    tool: int | None,
-    output: str | None,
-    profile: str | None,
-    sets: tuple[str, ...],
-    as_json: bool,
-    quiet: bool,
-    color: str,
+    asked: Asked, before: str, after: str, next_kind: str, tool: int | None, output: str | None
 ) -> None:
     """Compare traced edges BEFORE and AFTER cutting, tooth by tooth.
 
@@ -67,15 +57,14 @@ def inspect(
         raise click.UsageError(
             f"{output}: figures are SVG, which any browser shows and converts; name it .svg"
         )
-    reporter = make_reporter(as_json, quiet, color)
     # The limits have defaults, so no machine is needed to judge an edge.
-    needs_profile = profile is not None or bool(sets)
-    checks = settings_of(profile, sets, before, reporter).checks if needs_profile else Checks()
+    needs_profile = asked.profile is not None or bool(asked.sets)
+    checks = settings_of(asked, before).checks if needs_profile else Checks()
     limit_mm = _limit_mm(checks, next_kind, tool)
     try:
         stored, traced = (read_traces(name, read_bytes(name)) for name in (before, after))
     except ToolFileError as error:
-        reporter.show(error.diagnostics)
+        asked.reporter.show(error.diagnostics)
         sys.exit(USAGE)
     if set(stored) != set(traced):
         odd = ", ".join(str(tooth) for tooth in sorted(set(stored) ^ set(traced)))
@@ -83,7 +72,7 @@ def inspect(
     edges = {tooth: _judged(tooth, stored[tooth], traced[tooth], limit_mm, after) for tooth in stored}
     verdicts = {tooth: verdict for tooth, (verdict, _) in edges.items()}
     title = f"T{tool}, " if tool is not None else ""
-    _say(verdicts, f"{title}next {next_kind}, limit W {limit_mm:g} mm", as_json=as_json)
+    _say(verdicts, f"{title}next {next_kind}, limit W {limit_mm:g} mm", as_json=asked.as_json)
     chipped = [tooth for tooth, verdict in verdicts.items() if verdict.is_chipped]
     if output is not None:
         from chipbreak.tools.edge_figure import edge_figure
@@ -140,18 +129,8 @@ def _say(verdicts: dict[int, EdgeVerdict], heading: str, *, as_json: bool) -> No
 
 @click.command()
 @click.argument("source", metavar="INPUT", default="-")
-@TOOLS_OPTION
-@click.option("-p", "--profile", metavar="FILE|NAME", envvar="CHIPBREAK_PROFILE", help=PROFILE_HELP)
-@click.option("--set", "sets", metavar="SECTION.KEY=VALUE", multiple=True, help=SET_HELP)
-@reporting_options
-def tools(
-    source: str,
-    profile: str | None,
-    sets: tuple[str, ...],
-    as_json: bool,
-    quiet: bool,
-    color: str,
-) -> None:
+@asking(TOOLS, PROFILE, SET, *REPORTING)
+def tools(asked: Asked, source: str) -> None:
     """Show what is known about the tools of a program, who said it, and what a check lacks."""
     from chipbreak.model.trace import interpret
     from chipbreak.restore import restore
@@ -160,18 +139,17 @@ def tools(
     from chipbreak.tools.data import ToolFileError
     from chipbreak.tools.program import table_json, table_text, tool_table
 
-    reporter = make_reporter(as_json, quiet, color)
-    settings = settings_of(profile, sets, source, reporter)
+    settings = settings_of(asked, source)
     name = "<stdin>" if source == "-" else source
     trace = interpret(parse(restore(read(read_input(source), name))), settings)
     try:
         table = tool_table(trace)
     except ToolFileError as error:
-        reporter.show(error.diagnostics)
+        asked.reporter.show(error.diagnostics)
         sys.exit(USAGE)
-    if as_json:
+    if asked.as_json:
         write_json(table_json(table), indent=2)
         return
-    reporter.show(table.diagnostics)
+    asked.reporter.show(table.diagnostics)
     for line in table_text(table):
         click.echo(line)
