@@ -192,5 +192,3 @@ def as_json(hunks: Sequence[Hunk]) -> list[dict[str, Any]]:
         return [{"line": item.line, "text": item.text} for item in items]
 
     return [{"a": side(h.a_items), "b": side(h.b_items)} for h in hunks if h.tag == "change"]
-
-

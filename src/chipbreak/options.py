@@ -38,9 +38,7 @@ class Asked(NamedTuple):
     def reporter(self) -> Reporter:
         """Says what is to be said as the options ask for it."""
         on_screen = self.color == "auto" and sys.stderr.isatty() and "NO_COLOR" not in os.environ
-        return Reporter(
-            as_json=self.as_json, quiet=self.quiet, colour=self.color == "always" or on_screen
-        )
+        return Reporter(as_json=self.as_json, quiet=self.quiet, colour=self.color == "always" or on_screen)
 
 
 PROFILE = click.option(
@@ -63,9 +61,7 @@ TOOLS = click.option(
 STRICT = click.option(
     "--strict", is_flag=True, help="A tool check that cannot stand where it should is an error."
 )
-UNBROKEN = click.option(
-    "--allow-unbroken", is_flag=True, help="Let cuts pass that do not break their chips."
-)
+UNBROKEN = click.option("--allow-unbroken", is_flag=True, help="Let cuts pass that do not break their chips.")
 REPORTING = (
     click.option("--json", "as_json", is_flag=True, help="Diagnostics and reports as JSON."),
     click.option("-q", "--quiet", is_flag=True, help="Only errors on stderr."),

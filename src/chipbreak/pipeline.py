@@ -130,9 +130,7 @@ def _vibration(
         return (), (), diagnostics
     from chipbreak.passes import vibrate
 
-    plan = vibrate.plan(
-        trace, settings, requests, checks_at=checks_at, allow_unbroken=allow_unbroken
-    )
+    plan = vibrate.plan(trace, settings, requests, checks_at=checks_at, allow_unbroken=allow_unbroken)
     return plan.cuts, plan.edits, diagnostics + list(plan.diagnostics)
 
 

@@ -121,9 +121,7 @@ def planned_cut(chain: Chain, trace: Trace, settings: Settings) -> PlannedCut:
     return PlannedCut(cut, made, _expansion(cut, made.content, speed, trace, settings))
 
 
-def _expand(
-    cut: VibratedCut, settings: Settings, names: LoopNames | None, *, advise: bool
-) -> Expansion:
+def _expand(cut: VibratedCut, settings: Settings, names: LoopNames | None, *, advise: bool) -> Expansion:
     try:
         return moves_of(cut, settings, names)
     except RefusalError as error:
@@ -216,9 +214,7 @@ def _smoothed(trace: Trace, chains: Sequence[Chain], settings: Settings) -> Iter
             continue
         message = f"smoothing or look-ahead ({words}) is active and may round the oscillation away"
         help_text = "switch it off before the cut, or give planner.smoothing_off and smoothing_on"
-        yield trace.program.diagnose(
-            chain.first, SMOOTHED, message, help_text, severity=Severity.WARNING
-        )
+        yield trace.program.diagnose(chain.first, SMOOTHED, message, help_text, severity=Severity.WARNING)
 
 
 def _is_same_mode(one: str, other: str) -> bool:
@@ -249,5 +245,3 @@ def _check_motion_mode(trace: Trace, chain: Chain) -> None:
             message = f"line {line} goes on as an arc without saying G2 or G3, but this cut will end in G1"
             raise RefusalError("VIB056", message, f"write the motion code in line {line}")
         return
-
-

@@ -28,6 +28,7 @@ _GEOMETRY: Final = {
 }
 _UNITS: Final = {"millimeters": 1.0, "inches": MM_PER_INCH}
 
+
 def read_tools_zip(name: str, data: bytes) -> list[ToolData]:
     """Tools of a ``.tools`` file.  Raises ToolFileError."""
     errors = Errors(name)

@@ -119,9 +119,7 @@ def _joins(trace: Trace, one: Request, other: Request) -> bool:
     return same_feed and a.speed == b.speed and one.same_wish(other)
 
 
-def refusal_of(
-    request: Request, axis_words: AxisWords
-) -> tuple[RefusalError, tuple[int, int] | None] | None:
+def refusal_of(request: Request, axis_words: AxisWords) -> tuple[RefusalError, tuple[int, int] | None] | None:
     """Why a block must not vibrate, with the place in the block, or None."""
     step = request.step
     move, state = step.move, step.after

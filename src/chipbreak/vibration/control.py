@@ -96,7 +96,7 @@ def _require_accelerations(
         if axis.acceleration_mm_s2 == inf and any(direction[index] for direction in directions):
             key = f"axes.{axis.axis}.max_acceleration_mm_s2"
             message = f"{axis.axis} moves, and the profile does not say how fast it can speed up ({key})"
-            raise RefusalError("VIB035", message, f"give {key}, or planner.model = \"ideal\"")
+            raise RefusalError("VIB035", message, f'give {key}, or planner.model = "ideal"')
 
 
 def _in_path_mode(model: ControlModel, settings: Settings, state: State) -> ControlModel:

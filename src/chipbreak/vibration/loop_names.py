@@ -47,9 +47,7 @@ def free_names(program: Program, settings: Settings) -> LoopNames | None:
         why = f"uses #{counter}" if counter in variables else "uses variables whose number it works out"
         message = f"the program {why}, and loops count in #{counter}"
         other = "" if None in variables else "name another output.loop_variable, or "
-        raise RefusalError(
-            "VIB080", message, f'{other}take output.form "expanded"'
-        )
+        raise RefusalError("VIB080", message, f'{other}take output.form "expanded"')
     free = [label for label in words.labels if label not in labels]
     if not free:
         message = f"the program has loops of its own with every label from {words.labels[0]} on"

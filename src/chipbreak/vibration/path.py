@@ -217,9 +217,7 @@ def _centre_from_radius(start: Floats, end: Floats, leg: Leg) -> Floats:
     return centre
 
 
-def split_at(
-    time_s: Floats, distance_mm: Floats, breakpoints_mm: Floats
-) -> tuple[Floats, Floats]:
+def split_at(time_s: Floats, distance_mm: Floats, breakpoints_mm: Floats) -> tuple[Floats, Floats]:
     """Add a knot wherever the motion crosses a breakpoint, forward or back, at the time it does.
 
     The motion between the knots is linear; shapes (n,) -> (m,) with m >= n.

@@ -149,9 +149,7 @@ def _check_size(cut: Cut) -> None:
         raise RefusalError("VIB021", message, 'take output.segments "stroke", a lower f, or a higher feed')
 
 
-def _active_speed(
-    chain: Chain, state: State, speed: Given, settings: Settings, reasons: list[str]
-) -> Given:
+def _active_speed(chain: Chain, state: State, speed: Given, settings: Settings, reasons: list[str]) -> Given:
     """The modal S as rpm; under constant surface speed, the speed at the start of the cut."""
     if not 0.0 < speed.value < _MOST_RPM:
         message = f"the spindle speed ({speed.origin}) cannot be known, is zero, or is none of a spindle"

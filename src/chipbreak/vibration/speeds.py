@@ -67,9 +67,7 @@ def _programmed(state: State) -> tuple[str, float] | None:
     return state.modes["speed_mode"], state.speed.value
 
 
-def speed_words(
-    now: tuple[str, float] | None, wanted: tuple[str, float], settings: Settings
-) -> str:
+def speed_words(now: tuple[str, float] | None, wanted: tuple[str, float], settings: Settings) -> str:
     """S, and the speed mode where it is another than ``now``: mode and speed."""
     # A speed is on the resolution of the spindle, or the program's own.
     speed = f"S{print_number(wanted[1], 3, point=False)}"

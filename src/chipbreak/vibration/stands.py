@@ -61,9 +61,7 @@ def dwell_s(cut: VibratedCut, settings: Settings) -> float:
     return stand_s
 
 
-def without_stands(
-    time_s: Floats, distance_mm: Floats
-) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+def without_stands(time_s: Floats, distance_mm: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Knots with each stand taken into the knot that it begins at, and where there was one; (n,) each.
 
     The time of such a knot is the end of the stand.
