@@ -232,8 +232,10 @@ def _missed(trace: Trace, checked: CheckedCut, *, advise: bool) -> Diagnostic:
     cut, verdict = checked.planned.cut, checked.verdict
     message = (
         f"the control would take {checked.duration_s:.2f} s for this cut of {cut.cut.duration_s:.2f} s"
-        f" and make N {verdict.per_rev:.3f} of {cut.solution.per_rev:.3f}: it rests at bends of the path"
+        f" and make N {verdict.per_rev:.3f} of {cut.solution.per_rev:.3f}"
     )
+    if len(cut.path.legs) > 1 or cut.path.arcs[0] is not None:
+        message += ": it rests at bends of the path"
     works = ways_out(trace, trace.settings, checked) if advise else ""
     help_text = f"works: {works}" if works else "ask for a lower frequency, or vibrate each block on its own"
     return trace.program.diagnose(cut.chain.first, MISSED, message, help_text)

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.units import S_PER_MIN
-from chipbreak.vibration.piecewise import Rests, highest_minimum, rests_of
+from chipbreak.vibration.piecewise import Rests, highest_minimum, mean_step_s, rests_of
 from chipbreak.vibration.waveform import Waveform, speed_band_rpm
 
 Floats = npt.NDArray[np.float64]
@@ -164,7 +164,7 @@ def _steady_part(
     crest = crest[(motion.time_s[crest] >= start_s) & (motion.time_s[crest] <= end_s)]
     period_s = math.inf
     if crest.size > 1:
-        period_s = float(np.median(np.diff(motion.time_s[crest])))
+        period_s = mean_step_s(motion.time_s[crest])
         speed_mm_s = float(np.ptp(motion.distance_mm[crest[[0, -1]]]) / np.ptp(motion.time_s[crest[[0, -1]]]))
     # After one pass, every pass of full stroke follows one of full stroke; a shorter part is taken whole.
     begin_s = start_s + motion.pass_s
