@@ -230,8 +230,9 @@ def _missed(trace: Trace, checked: CheckedCut, *, advise: bool) -> Diagnostic:
     from chipbreak.unbroken import ways_out
 
     cut, verdict = checked.planned.cut, checked.verdict
+    planned_s = cut.cut.duration_s + cut.end_stand_s
     message = (
-        f"the control would take {checked.duration_s:.2f} s for this cut of {cut.cut.duration_s:.2f} s"
+        f"the control would take {checked.duration_s:.2f} s for this cut of {planned_s:.2f} s"
         f" and make N {verdict.per_rev:.3f} of {cut.solution.per_rev:.3f}"
     )
     if len(cut.path.legs) > 1 or cut.path.arcs[0] is not None:
