@@ -25,6 +25,7 @@ Gaps = tuple[tuple[Floats, Floats], ...]  # pairs of times and g_1 at those time
 
 _TOUCH = 1e-9  # a gap below this share of the feed is a touch, and a touch ends the chip
 _FULL = 0.98  # return strokes of at least this share of the longest belong to the steady part
+_EDGE = 0.01  # a crest that rounding has moved this share of a pass out of the steady part is still in it
 _SAMPLE_UNITS, _SAMPLE_POINTS = 200, 60_000  # vibrations or revolutions worked out in full; corners in them
 _ROUGHNESS_PASSES, _ROUGHNESS_ANGLES = 60, 1025
 
@@ -176,7 +177,7 @@ def _steady_part(
 def _margin(gaps: Gaps, steady: _Steady, crest_s: Floats, pass_s: float) -> float:
     """1 - g / feed, g the least gap of that vibration (crest to crest) which comes least near to air."""
     window_s = np.array([steady.begin_s, steady.end_s])
-    crest_s = crest_s[crest_s >= steady.begin_s]
+    crest_s = crest_s[crest_s >= steady.begin_s - _EDGE * pass_s]
     bounds = crest_s if crest_s.size > 1 else window_s
     least = np.full(bounds.size - 1, np.inf)
     for corner_s, gap_mm in gaps:
