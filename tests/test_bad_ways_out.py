@@ -32,6 +32,7 @@ WAYS: dict[str, list[Way]] = {
     "control-reads-too-few-blocks": [("N1.5", "N1.5 f41.6667")],
     "corner-is-too-slow": [("N1.5", "N1.5 f50")],
     "corner-word": [(" ,R1.", "\nG2 X22. Z-31. R1. F0.05")],
+    "count-becomes-whole-where-s-stays": [("S1250", "S1500"), ("S1250", "S1071")],
     "count-is-a-variable": [("N#1", "N1.5")],
     "count-is-whole-per-edge": [("N2", "N1"), ("N2", "N3")],
     "count-is-whole": [("N2", "N1.5"), ("N2", "N2.5")],

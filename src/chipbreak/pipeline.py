@@ -238,7 +238,7 @@ def _missed(trace: Trace, checked: CheckedCut, *, advise: bool) -> Diagnostic:
     if len(cut.path.legs) > 1 or cut.path.arcs[0] is not None:
         message += ": it rests at bends of the path"
     elif cut.cut.form == "tick":
-        message += ": strokes of several blocks cost it time"
+        message += ": strokes of several blocks do not keep their times"
     works = ways_out(trace, trace.settings, checked) if advise else ""
     help_text = f"works: {works}" if works else "ask for a lower frequency, or vibrate each block on its own"
     return trace.program.diagnose(cut.chain.first, MISSED, message, help_text)

@@ -362,7 +362,7 @@ def test_a_million_knots() -> None:
 
 
 def test_a_crest_on_the_edge_of_a_short_steady_part_is_no_missing_vibration() -> None:
-    """One vibration of full stroke: behind one pass it has just its crest, which rounding puts before that."""
+    """One vibration of full stroke: behind one pass stands just its crest."""
     cut = replace(CUT, length_mm=5.0, period_s=2 * REV_S, stroke_mm=0.12, ramp_in_s=0.0)
     time_s, distance_mm = sample(cut)
     start_s, end_s = 20 * REV_S, 22 * REV_S
