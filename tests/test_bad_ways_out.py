@@ -115,6 +115,8 @@ WAYS: dict[str, list[Way]] = {
     "speed-would-more-than-double": [("N1.5", "N3.5")],
     "speed-would-more-than-halve": [("S20000", "S3750"), ("f31.25", "N1.5 f31.25")],
     "speed-would-print-as-zero": [("N1000000000.5", "N1.5")],
+    "speed-not-known-in-a-loop": [("G0 X30.", "S1000\nG0 X30.")],
+    "start-without-point": [("Z2", "Z2."), 'control.decimal_point="calculator"'],
     "speed-zero": [("S0", "S3000")],
     "spindle-is-off": [("S3000", "S3000 M3")],
     "spindle-was-stopped": [("M5", "M5\nM3"), ("M5\n", "")],

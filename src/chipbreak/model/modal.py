@@ -18,6 +18,8 @@ class Position(NamedTuple):
 
 
 NOWHERE = Position(UNKNOWN, UNKNOWN, UNKNOWN)
+# Why nothing is known at the ends of a loop or a branch.
+LOOPED = "a loop or a branch arrives here"
 
 
 class Setting(NamedTuple):

@@ -17,7 +17,8 @@ from chipbreak.vibration.given import Given, shown
 FAR_RATIO = 1.25  # an f given as a word that far outside the group is more likely a feed
 MOST_TICKS = 1_000_000  # the end of a group without a highest multiple: over an hour per vibration
 WHOLE_WITHIN = 1e-3  # nearer to a whole number, the stroke would have to be hundreds of times the feed
-NEVER_BREAKS, _FUZZ = "VIB005", 1e-9  # two numbers that differ by less were meant to be equal
+TOO_FEW, NEVER_BREAKS = "VIB001", "VIB005"
+_FUZZ = 1e-9  # two numbers that differ by less were meant to be equal
 
 
 @dataclass(frozen=True)
@@ -249,7 +250,7 @@ def _check_given(values: dict[str, Given | None]) -> None:
     if len(given) > 2:
         raise RefusalError("VIB002", f"S, N and f are all given: {told}", "leave one out: N = 60 f / S")
     if len(given) < 2:
-        raise RefusalError("VIB001", f"two of S, N and f are needed, given: {told}", "give one more")
+        raise RefusalError(TOO_FEW, f"two of S, N and f are needed, given: {told}", "give one more")
     for name, value in given.items():
         if not _is_positive(value.value):
             raise RefusalError("VIB003", f"{name} {value} is not a number above zero", f"correct {name}")
