@@ -24,6 +24,10 @@ WAYS: dict[str, list[Way]] = {
     "arc-without-centre": [("F0.05", "R9. F0.05")],
     "axis-accelerates-too-slowly": [("N1.5", "N1.5 f35.7143")],
     "axis-moves-too-slowly": [("N1.5", "N1.5 f10")],
+    "axis-without-declared-acceleration": [
+        "axes.Z.max_acceleration_mm_s2=5000",
+        'planner.model="ideal"',
+    ],
     "axis-without-acceleration": ["axes.Y.max_acceleration_mm_s2=20000", 'planner.model="ideal"'],
     "block-delete": [("/G1", "G1"), ("N1.5", "")],
     "check-has-no-place": [("(.FINISH.)", r"G0 Z15.\nG40 X1.\n\1\nG0 X1. Y2.\nG1 Z-1. F50.")],
@@ -115,6 +119,7 @@ WAYS: dict[str, list[Way]] = {
     "speed-would-more-than-double": [("N1.5", "N3.5")],
     "speed-would-more-than-halve": [("S20000", "S3750"), ("f31.25", "N1.5 f31.25")],
     "speed-would-print-as-zero": [("N1000000000.5", "N1.5")],
+    "speed-not-known-behind-an-unreadable-line": [("G0 X30.", "S1000\nG0 X30.")],
     "speed-not-known-in-a-loop": [("G0 X30.", "S1000\nG0 X30.")],
     "start-without-point": [("Z2", "Z2."), 'control.decimal_point="calculator"'],
     "speed-zero": [("S0", "S3000")],

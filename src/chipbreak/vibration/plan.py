@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.diagnostics import RefusalError
-from chipbreak.model.modal import LOOPED, State
+from chipbreak.model.modal import LOOPED, UNREAD, State
 from chipbreak.model.words import JUMPED
 from chipbreak.settings.sections import Settings
 from chipbreak.units import MM_PER_INCH, MS_PER_S, S_PER_MIN, spindle_speed_rpm
@@ -88,8 +88,9 @@ def plan_cut(chain: Chain, settings: Settings) -> VibratedCut:
             turns = 1.0 / edges / (1.0 - alpha)
             way_out = f"take E {turns:.4g} or more: a dwell stands for a revolution (per edge)"
             raise RefusalError(error.code, error.message, way_out) from None
-        if error.code == TOO_FEW and speed is None and state.unknown_why in (JUMPED, LOOPED):
-            message = f"{error.message}; the active S is not known: {state.unknown_why}"
+        why = state.unknown_why
+        if error.code == TOO_FEW and speed is None and (why in (JUMPED, LOOPED) or why.endswith(UNREAD)):
+            message = f"{error.message}; the active S is not known: {why}"
             raise RefusalError(error.code, message, "give S between there and this cut") from None
         raise
     cut = _cut_of(chain, path.length_mm, solution, settings)
