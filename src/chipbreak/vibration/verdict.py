@@ -208,7 +208,9 @@ def _sampled_part(motion: _Motion, steady: _Steady, passes: int) -> tuple[float,
     low, high = np.searchsorted(motion.time_s, [begin_s, end_s])
     affordable_s = (end_s - begin_s) * _SAMPLE_POINTS / float((high - low + 1) * (passes + 1) ** 2)
     length_s = max(4.0 * unit_s, min(_SAMPLE_UNITS * unit_s, affordable_s))
-    return max(begin_s, end_s - length_s), end_s
+    begin_s = max(begin_s, end_s - length_s)
+    whole = (end_s - begin_s) / steady.period_s + _EDGE  # half of a few is a large share
+    return (end_s - math.floor(whole) * steady.period_s if 1.0 <= whole < 4.0 else begin_s), end_s
 
 
 def _chips(motion: _Motion, part: tuple[float, float], passes: int) -> tuple[float, float, float, float]:
