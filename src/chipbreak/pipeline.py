@@ -138,9 +138,11 @@ def _vibration(
 
 def in_place_order(diagnostics: list[Diagnostic]) -> tuple[Diagnostic, ...]:
     """By line; of many alike warnings the first few stand for all."""
-    # An unreadable line that is an error anyway need not be warned of as well.
-    failed = {d.place.line for d in diagnostics if d.place and d.severity is Severity.ERROR}
-    said = [d for d in diagnostics if not (d.code == UNREADABLE and d.place and d.place.line in failed)]
+    # An unreadable line, or a word, that is an error anyway need not be warned of as well.
+    errors = {d.place for d in diagnostics if d.place and d.severity is Severity.ERROR}
+    lines = {place.line for place in errors}
+    known = {UNREADABLE: lambda d: d.place.line in lines, UNREAD_WORD: lambda d: d.place in errors}
+    said = [d for d in diagnostics if not (d.place and d.code in known and known[d.code](d))]
     ordered = sorted(said, key=lambda d: d.place.line if d.place else 0)
     seen: dict[str, int] = {}
     kept: list[Diagnostic] = []

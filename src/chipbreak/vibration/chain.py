@@ -13,6 +13,7 @@ from chipbreak.model.trace import Trace
 from chipbreak.model.words import JUMPED, length_mm
 from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.syntax.nodes import Word
+from chipbreak.vibration.directive import KEYS
 from chipbreak.vibration.path import Leg
 from chipbreak.vibration.request import Request
 
@@ -193,8 +194,11 @@ def _way_out_of(word: Word) -> str:
         return "write the chamfer or the rounding as a block of its own (G1, G2 or G3)"
     if word.address == "P":
         return "write each turn of the arc as a block of its own"
+    if word.address == "K":
+        return f"take it out; the {KEYS['K']} is given in a comment before the cut, (VIB N1.5 K2)"
     place = "behind" if word.address == "M" else "before"
-    return f"put it into a block of its own {place} this one"
+    stroke = f"; a {KEYS['A']} is given in a comment, (VIB N1.5 A0.1)" if word.address == "A" else ""
+    return f"put it into a block of its own {place} this one{stroke}"
 
 
 def _feed_refusal(state: State) -> tuple[RefusalError, None] | None:
