@@ -163,12 +163,25 @@ def rewrite_program(data: bytes, settings: Settings, source: str, asked: Asked) 
 
 def verify_program(data: bytes, settings: Settings, source: str, asked: Asked) -> Result:
     """Judge a filtered program; exits with 3 or 4 when it is not as it was written."""
-    from chipbreak.diagnostics import ProgramRejectedError
+    from chipbreak.bracket import MARK
+    from chipbreak.diagnostics import ProgramRejectedError, SelfCheckError
     from chipbreak.pipeline import verify_filtered
 
     name = _shown(source)
+
+    def work() -> Result:
+        try:
+            return verify_filtered(data, settings, name)
+        except SelfCheckError as error:  # nobody's fault but the choice of program and profile
+            what = f"this is not what profile {settings.name} makes of it: {error}"
+            way_out = "verify it with the profile and the settings that filtered it, or filter it again"
+            if MARK not in data:
+                way_out = "nothing in it was written by chipbreak: filter it first"
+            click.echo(f"{name}: error SLF003: {what}\n  help: {way_out}", err=True)
+            sys.exit(FAILED)
+
     try:
-        return _guarded(name, lambda: verify_filtered(data, settings, name))
+        return _guarded(name, work)
     except ProgramRejectedError as error:
         asked.reporter.show(error.diagnostics)
         sys.exit(REJECTED)

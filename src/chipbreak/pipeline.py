@@ -136,9 +136,11 @@ def _vibration(
 
 def in_place_order(diagnostics: list[Diagnostic]) -> tuple[Diagnostic, ...]:
     """By line; of many alike warnings the first few stand for all."""
-    # An unreadable line that is an error anyway need not be warned of as well.
-    failed = {d.place.line for d in diagnostics if d.place and d.severity is Severity.ERROR}
-    said = [d for d in diagnostics if not (d.code == UNREADABLE and d.place and d.place.line in failed)]
+    # An unreadable line, or a word, that is an error anyway need not be warned of as well.
+    errors = {d.place for d in diagnostics if d.place and d.severity is Severity.ERROR}
+    lines = {place.line for place in errors}
+    known = {UNREADABLE: lambda d: d.place.line in lines, UNREAD_WORD: lambda d: d.place in errors}
+    said = [d for d in diagnostics if not (d.place and d.code in known and known[d.code](d))]
     ordered = sorted(said, key=lambda d: d.place.line if d.place else 0)
     seen: dict[str, int] = {}
     kept: list[Diagnostic] = []
@@ -228,10 +230,15 @@ def _missed(trace: Trace, checked: CheckedCut, *, advise: bool) -> Diagnostic:
     from chipbreak.unbroken import ways_out
 
     cut, verdict = checked.planned.cut, checked.verdict
+    planned_s = cut.cut.duration_s + cut.end_stand_s
     message = (
-        f"the control would take {checked.duration_s:.2f} s for this cut of {cut.cut.duration_s:.2f} s"
-        f" and make N {verdict.per_rev:.3f} of {cut.solution.per_rev:.3f}: it rests at bends of the path"
+        f"the control would take {checked.duration_s:.2f} s for this cut of {planned_s:.2f} s"
+        f" and make N {verdict.per_rev:.3f} of {cut.solution.per_rev:.3f}"
     )
+    if len(cut.path.legs) > 1 or cut.path.arcs[0] is not None:
+        message += ": it rests at bends of the path"
+    elif cut.cut.form == "tick":
+        message += ": strokes of several blocks do not keep their times"
     works = ways_out(trace, trace.settings, checked) if advise else ""
     help_text = f"works: {works}" if works else "ask for a lower frequency, or vibrate each block on its own"
     return trace.program.diagnose(cut.chain.first, MISSED, message, help_text)

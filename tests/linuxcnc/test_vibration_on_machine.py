@@ -179,3 +179,14 @@ def test_an_arc_is_one_block_per_stroke() -> None:
     result = Job(ARC, 1250, "N1.5", 20000).filtered()
     (cut,) = result.cuts
     assert cut.move_count <= 2 * cut.planned.cut.cut.vibrations + 2
+
+
+@pytest.mark.linuxcnc("machine")
+def test_a_period_between_two_servo_periods_is_kept_on_average() -> None:
+    periods = {16.5: (TURNING, 2424, 20000), 18.5: (TURNING, 2162, 20000)}
+    periods |= {40.5: (FACING, 988, 10000), 40.25: (TAPER, 988, 20000)}
+    jobs = [
+        Job(shape, speed, "N1.5", acceleration, (f"command.periods_ms=[{period}]",))
+        for period, (shape, speed, acceleration) in periods.items()
+    ]
+    assert what_went_wrong(jobs) == []

@@ -124,3 +124,30 @@ def test_a_feed_is_reached_only_over_a_long_enough_block() -> None:
     for length_mm, reaches in ((edge_mm * 1.01, True), (edge_mm * 0.99, False)):
         (time_s,) = predict([length_mm], feed, model)
         assert (time_s == pytest.approx(length_mm / feed + feed / acceleration, rel=1e-9)) == reaches
+
+
+@pytest.mark.parametrize("period_ms", [16.5, 18.5, 20.25])
+def test_a_period_of_no_whole_servo_periods_is_kept_on_average(period_ms: float) -> None:
+    """Its vibrations are of one servo period more and one less; none of them has the N of the cut."""
+    program = "G7 G95 G97 S1818 M3\nG0 X40. Z2.\nG1 Z-20. F0.05 N1.5\nM2\n"
+    sets = ("axes.Z.max_acceleration_mm_s2=20000", f"command.periods_ms=[{period_ms}]")
+    cut = cut_of(*sets, program=program, profile="linuxcnc-lathe")
+    assert cut.verdict.per_rev == pytest.approx(1.5, rel=0.001)
+    assert not cut.misses_plan
+
+
+def test_crests_moved_by_rounding_do_not_move_the_count() -> None:
+    """Return ticks of less than an increment are merged: most crests lie some ticks away from the plan."""
+    program = "G20 G95 G90 G97 S900 M3\nG0 X0.9293 Y0. Z0.1\nG1 X0.7327 F0.00197 E2\nM30\n"
+    sets = ("output.segments=tick", "spindle.resolution_rpm=0.1", "output.feed_mode=inverse")
+    cut = cut_of(*sets, "checks.enabled=false", program=program, profile="haas-mill")
+    assert cut.verdict.per_rev == pytest.approx(0.5, rel=0.002)
+
+
+def test_a_short_cut_is_not_refused_for_rounded_crests() -> None:
+    """Of four crests, one moved by a tick is more than 1 %; but the blocks take their times."""
+    program = "G20 G94 G90 G97 S1250 M3\nG0 X1.2109 Z0.0787\nG1 X1.0509 F4.92126 E2\nM5\nM30\n"
+    sets = ("vibration.waveform=sine", "vibration.end=dwell", "control.lathe_system=B")
+    cut = cut_of(*sets, "planner.model=ideal", program=program)
+    assert cut.verdict.per_rev == pytest.approx(0.5, rel=0.02)
+    assert not cut.misses_plan

@@ -157,3 +157,10 @@ def test_words_out_of_range(words: str) -> None:
 )
 def test_directive_values_out_of_range(item: str) -> None:
     assert rejected(f"{HEAD}(VIB {item})\nG1 Z-30. F0.05\nM30\n") == [("VIB017", 3, 1)]
+
+
+def test_a_word_that_is_an_error_is_not_said_to_pass() -> None:
+    program = b"G97 S1250 M3\nG0 X30. Z2.\nG1 Z-30. F0.1 N1.5 K2\nM30\n"
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        chipbreak.rewrite(program, chipbreak.load("generic-lathe"))
+    assert [d.code for d in caught.value.diagnostics] == ["VIB048"]

@@ -361,6 +361,28 @@ def test_a_million_knots() -> None:
     assert got.margin == pytest.approx(1.2, abs=1e-6)
 
 
+def test_a_crest_on_the_edge_of_a_short_steady_part_is_no_missing_vibration() -> None:
+    """One vibration of full stroke: behind one pass stands just its crest."""
+    cut = replace(CUT, length_mm=5.0, period_s=2 * REV_S, stroke_mm=0.12, ramp_in_s=0.0)
+    time_s, distance_mm = sample(cut)
+    start_s, end_s = 20 * REV_S, 22 * REV_S
+    for moved_s in (-1e-5, 0.0, 1e-5):
+        got = judged(time_s, distance_mm, steady_s=(start_s + moved_s, end_s + 1e-4))
+        assert got.breaks
+        assert got.margin == pytest.approx(1.2, abs=0.01)
+
+
+@pytest.mark.parametrize("vibrations", [1.9, 2.0, 2.3, 3.5])
+def test_few_vibrations_are_counted_whole(vibrations: float) -> None:
+    """Half a vibration more than a whole number may bring a chip more, and is no chip more per revolution."""
+    period_s = 2.0 * REV_S
+    time_s, distance_mm = steady_wave("triangle", 0.5, 1.92, 0.8)
+    start_s = 10.0 * period_s
+    got = judged(time_s, distance_mm, steady_s=(start_s, start_s + vibrations * period_s))
+    assert got.chips_per_rev == pytest.approx(0.5, rel=1e-3)
+    assert got.cut_share == pytest.approx(2.0 / 3.0, abs=1e-3)
+
+
 def test_a_steady_part_shorter_than_a_revolution_is_still_judged() -> None:
     cut = replace(CUT, length_mm=0.3, ramp_in_s=0.0)
     got = judged(*sample(cut), steady_s=full_window(cut))

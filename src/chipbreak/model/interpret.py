@@ -12,7 +12,7 @@ import math
 from chipbreak.diagnostics import RefusalError
 from chipbreak.dialects.base import ONCE
 from chipbreak.model.flow import Flow
-from chipbreak.model.modal import Position, Setting, State
+from chipbreak.model.modal import LOOPED, UNREAD, Position, Setting, State
 from chipbreak.model.motion import move_of
 from chipbreak.model.peripheral import peripheral_of
 from chipbreak.model.requests import vibration_words
@@ -88,7 +88,7 @@ class Interpreter:
         if block.line in self.flow.targets:
             state = state.forgotten(JUMPED)
         if block.opaque:
-            return Step(block, state, state.forgotten(f"line {block.line + 1} cannot be read"))
+            return Step(block, state, state.forgotten(f"line {block.line + 1} {UNREAD}"))
         if block.is_empty:
             step = Step(block, state, state)
             return self._with_peripheral(step) if block.comments else step
@@ -252,7 +252,7 @@ class Interpreter:
         for control in block.controls:
             if control.keyword in ("WHILE", "DO", "END") or control.keyword.startswith("O-"):
                 called = control.keyword == "O-CALL"
-                why = "a subprogram moves the tool" if called else "a loop or a branch arrives here"
+                why = "a subprogram moves the tool" if called else LOOPED
                 state = state.lost(why) if called else state.forgotten(why)
         for word in block.words:
             if word.address == "M" and word.number in _CALLS:

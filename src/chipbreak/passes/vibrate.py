@@ -26,8 +26,9 @@ from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.vibration.advice import with_advice
 from chipbreak.vibration.blocks import Expansion, moves_of
-from chipbreak.vibration.chain import Chain, chains_of
+from chipbreak.vibration.chain import Chain, chains_of, legs_of
 from chipbreak.vibration.loop_names import LoopNames, free_names
+from chipbreak.vibration.path import BAD_ARC, path_of
 from chipbreak.vibration.plan import VibratedCut, plan_cut
 from chipbreak.vibration.request import Request
 from chipbreak.vibration.speeds import SpeedChange, speed_changes, speed_words
@@ -135,9 +136,21 @@ def _by_line(diagnostic: Diagnostic) -> int:
 
 
 def _at_chain(trace: Trace, chain: Chain, error: RefusalError) -> Diagnostic:
-    step = chain.requests[0].step
+    step = chain.requests[_at_fault(chain, error)].step
     at = (step.vibration[0].start, step.vibration[-1].end) if step.vibration else None
-    return trace.program.diagnose(chain.first, error.code, error.message, error.help, at=at)
+    return trace.program.diagnose(step.block.line, error.code, error.message, error.help, at=at)
+
+
+def _at_fault(chain: Chain, error: RefusalError) -> int:
+    """Which block of a chain: the arc that cannot be, of anything else the first."""
+    if error.code == BAD_ARC:
+        for index, leg in enumerate(legs_of(chain)):
+            try:
+                path_of([leg])
+            except RefusalError as alone:
+                if alone.code == BAD_ARC:
+                    return index
+    return 0
 
 
 def _expansion(

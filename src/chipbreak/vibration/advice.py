@@ -20,6 +20,7 @@ LIMITS = ("VIB030", "VIB031", "VIB032")
 _STEP = 0.93  # from one frequency tried to the next
 _LARGE_STEP = 0.6  # where each try takes seconds
 _TRIES = 80
+_LEAST_SHARE = 0.05  # no cut is made at a twentieth of its speed
 _MOST_SLOW_MOVES = 2000
 _FEW_CORNERS = 8
 
@@ -43,6 +44,8 @@ def with_advice(
     moves_left = _MOST_SLOW_MOVES if is_slow else MOST_MOVES
     for _ in range(_TRIES):
         frequency_hz *= _LARGE_STEP if is_slow else _STEP
+        if frequency_hz < _LEAST_SHARE * cut.solution.frequency_hz:
+            break
         period = group.nearest(frequency_hz)
         if period.frequency_hz in tried or not _runs(cut, period, model):
             continue
@@ -59,8 +62,19 @@ def with_advice(
             f"N {shown(round(cut.solution.per_rev, 4))} with the same feed works at"
             f" f {shown(period.frequency_hz)} Hz, S {slower.solution.speed_rpm:.0f}"
         )
-        return RefusalError(error.code, error.message, f"{error.help}; {works}{_standing(cut)}")
-    return RefusalError(error.code, error.message, f"{error.help}{_standing(cut)}")
+        return RefusalError(error.code, error.message, f"{_first_help(error, cut)}; {works}{_standing(cut)}")
+    return RefusalError(error.code, error.message, f"{_first_help(error, cut)}{_standing(cut)}")
+
+
+def _first_help(error: RefusalError, cut: VibratedCut) -> str:
+    """The help of a refusal, but of too many blocks that which is left with the form of this cut."""
+    if error.code != "VIB032":
+        return error.help
+    if cut.cut.waveform == "sine":  # a block per base period at any frequency
+        return "take WAVE TRIANGLE, which is one block per stroke"
+    if cut.cut.form == "tick":
+        return 'take output.segments = "stroke"'
+    return "ask for a lower frequency"
 
 
 def is_slow_to_plan(cut: VibratedCut, settings: Settings) -> bool:

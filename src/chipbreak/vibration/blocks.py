@@ -100,7 +100,12 @@ def _check_digits(cut: VibratedCut, words: Words, *, is_too_fine: bool) -> None:
         larger = "take a larger E" if cut.keeps_feed else "give a larger Q or A"
         stroke = f"the stroke of {cut.cut.stroke_mm:.4g} mm"
         message = f"{stroke} has fewer than {_LEAST_STEPS} steps of {step_mm:g} mm"
-        raise RefusalError("VIB059", message, f"raise output.decimals, or {larger}")
+        help_text, feed = f"raise output.decimals, or {larger}", cut.chain.before.feed
+        if feed is not None and cut.chain.before.modes["feed_mode"] == "minute":
+            # The likeliest cause on a control that starts in G94: a feed per revolution, read per minute.
+            message += f"; the feed F{feed.text} is per minute: {cut.cut.feed_mm_rev:.3g} mm per revolution"
+            help_text = f"command feed per revolution (G95, G99), {help_text}"
+        raise RefusalError("VIB059", message, help_text)
     if words.incremental and np.abs(words.points_mm[-1] - cut.path.legs[-1].end).max() > _SAME_MM:
         message = f"this cut is incremental, and its end lies between two steps of {words.decimals} decimals"
         raise RefusalError("VIB058", message, f"write {words.decimals} decimals, or absolute positions")

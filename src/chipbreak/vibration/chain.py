@@ -10,9 +10,10 @@ from chipbreak.diagnostics import Diagnostic, RefusalError
 from chipbreak.model.modal import NOWHERE, State
 from chipbreak.model.steps import Move, Step
 from chipbreak.model.trace import Trace
-from chipbreak.model.words import JUMPED
+from chipbreak.model.words import JUMPED, length_mm
 from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.syntax.nodes import Word
+from chipbreak.vibration.directive import KEYS
 from chipbreak.vibration.path import Leg
 from chipbreak.vibration.request import Request
 
@@ -29,6 +30,7 @@ _AT_REST = {
     "modal_macro": ("off", "VIB042", "a modal macro call (G66) is active", "G67"),
 }
 SPEED_MODES = (("G", 96.0), ("G", 97.0))
+_WRITE_THE_POINT = 'write the point, or set control.decimal_point to "calculator" or "increment"'
 _SPEAKS_BEFORE = frozenset({3, 4, 7, 8})  # M codes that act before the block moves
 
 
@@ -95,7 +97,7 @@ def chains_of(trace: Trace, requests: Sequence[Request]) -> tuple[list[Chain], l
     diagnostics: list[Diagnostic] = []
     groups: list[list[Request]] = []
     for request in requests:
-        refusal = refusal_of(request, trace.settings.axis_words)
+        refusal = refusal_of(request, trace)
         if refusal is not None:
             error, at = refusal
             line = request.step.block.line
@@ -119,9 +121,9 @@ def _joins(trace: Trace, one: Request, other: Request) -> bool:
     return same_feed and a.speed == b.speed and one.same_wish(other)
 
 
-def refusal_of(request: Request, axis_words: AxisWords) -> tuple[RefusalError, tuple[int, int] | None] | None:
+def refusal_of(request: Request, trace: Trace) -> tuple[RefusalError, tuple[int, int] | None] | None:
     """Why a block must not vibrate, with the place in the block, or None."""
-    step = request.step
+    step, axis_words = request.step, trace.settings.axis_words
     move, state = step.move, step.after
     at = (step.vibration[0].start, step.vibration[-1].end) if step.vibration else None
     if step.in_contour:
@@ -140,7 +142,7 @@ def refusal_of(request: Request, axis_words: AxisWords) -> tuple[RefusalError, t
     if not state.turns:
         message = "the spindle is not turning (no M3 or M4 before this block)"
         return RefusalError("VIB046", message, "start the spindle before the cut"), at
-    return _words_refusal(step, axis_words) or _position_refusal(step, move) or _feed_refusal(state)
+    return _words_refusal(step, axis_words) or _position_refusal(trace, step, move) or _feed_refusal(state)
 
 
 def _without(request: Request) -> str:
@@ -190,8 +192,11 @@ def _way_out_of(word: Word) -> str:
         return "write the chamfer or the rounding as a block of its own (G1, G2 or G3)"
     if word.address == "P":
         return "write each turn of the arc as a block of its own"
+    if word.address == "K":
+        return f"take it out; the {KEYS['K']} is given in a comment before the cut, (VIB N1.5 K2)"
     place = "behind" if word.address == "M" else "before"
-    return f"put it into a block of its own {place} this one"
+    stroke = f"; a {KEYS['A']} is given in a comment, (VIB N1.5 A0.1)" if word.address == "A" else ""
+    return f"put it into a block of its own {place} this one{stroke}"
 
 
 def _feed_refusal(state: State) -> tuple[RefusalError, None] | None:
@@ -208,23 +213,39 @@ def _feed_refusal(state: State) -> tuple[RefusalError, None] | None:
     return None
 
 
-def _position_refusal(step: Step, move: Move) -> tuple[RefusalError, None] | None:
+def _position_refusal(trace: Trace, step: Step, move: Move) -> tuple[RefusalError, None] | None:
     wanted = set(move.axes)
     if move.kind in ("cw", "ccw"):
         wanted |= set(move.plane)
     for axis in sorted(wanted):
         at = AXES.index(axis)
         if math.isnan(move.start[at]):
-            message = f"where {axis} stands before this cut cannot be known: {step.before.unknown_why}"
+            pointless = _without_point(trace, step, axis)
+            why = f"{pointless} has no decimal point" if pointless else step.before.unknown_why
+            message = f"where {axis} stands before this cut cannot be known: {why}"
             help_text = f"move {axis} to an absolute position with G0 before the cut"
             if step.before.unknown_why == JUMPED:
                 help_text += ", and let the jump arrive there"
+            elif pointless:
+                help_text = _WRITE_THE_POINT
             return RefusalError("VIB051", message, help_text), None
         if math.isnan(move.end[at]):
             message = f"where {axis} ends cannot be known: its number has no decimal point"
-            help_text = 'write the point, or set control.decimal_point to "calculator" or "increment"'
-            return RefusalError("VIB052", message, help_text), None
+            return RefusalError("VIB052", message, _WRITE_THE_POINT), None
     return None
+
+
+def _without_point(trace: Trace, step: Step, axis: str) -> str:
+    """The word, with its line, that took an axis to an unknown place for want of a point; or nothing."""
+    letter = trace.settings.axis_words.letters[axis]
+    for line in range(step.block.line - 1, -1, -1):
+        word = trace.program.block(line).word(letter)
+        if word is not None:
+            is_last = trace.before(line).unknown_why == step.before.unknown_why
+            is_unknown = math.isnan(length_mm(word, trace.before(line), trace.settings.control))
+            was = is_last and is_unknown and word.number is not None
+            return f"{letter}{word.value_text} in line {line + 1}" if was else ""
+    return ""
 
 
 def legs_of(chain: Chain) -> list[Leg]:

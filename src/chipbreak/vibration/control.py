@@ -70,7 +70,7 @@ def control_model(settings: Settings, path: Path, state: State) -> ControlModel:
     """The control and its axes along a path: the limits of the direction that is limited most.
 
     ``state`` is that before the cut; its path mode counts where the profile switches to none.  Errors: VIB035
-    when the law needs an acceleration that the profile does not have.
+    when a law that speeds up and brakes needs an acceleration that the profile does not have.
     """
     planner = settings.planner
     model = ControlModel(
@@ -83,7 +83,7 @@ def control_model(settings: Settings, path: Path, state: State) -> ControlModel:
     model = _in_path_mode(model, settings, state)
     axes = [_limits(name, axis) for name, axis in settings.axes.items()]
     directions = _directions(path)
-    if model.law == "linuxcnc":
+    if model.law != "ideal":
         _require_accelerations(axes, directions)
     models = [model.along(direction, axes) for direction in directions]
     return min(models, key=lambda m: (m.acceleration_mm_s2, m.velocity_mm_s))

@@ -73,7 +73,7 @@ def read_directive(text: str, line_number: int) -> Directive | None:
 
 def _unreadable(found: str, key: str) -> RefusalError:
     if found in KEYS:
-        needed = "TRIANGLE or SINE" if found == "WAVE" else f"a number: {KEYS[found]}"
+        needed = KEYS["WAVE"] if found == "WAVE" else f"a number: {KEYS[found]}"
         return RefusalError("VIB014", f"{found} has no value that can be read", f"{found} needs {needed}")
     near = nearest(key or found, KEYS)
     hint = f"did you mean {near}? " if near and near != key else ""

@@ -24,6 +24,7 @@ PLANE_AXES = {"XY": (0, 1), "ZX": (2, 0), "YZ": (1, 2)}
 # posts write them, with room for inch programs.
 _RADIUS_TOLERANCE_MM = 0.02
 _NO_LENGTH_MM = 1e-9
+BAD_ARC = "VIB022"
 
 
 class Leg(NamedTuple):
@@ -186,7 +187,7 @@ def _arc_of(leg: Leg) -> _Arc:
     radius, end_radius = math.dist(start, centre), math.dist(end, centre)
     if radius == 0.0 or abs(radius - end_radius) > _RADIUS_TOLERANCE_MM:
         message = f"the arc starts {radius:.4f} mm and ends {end_radius:.4f} mm from its centre"
-        raise RefusalError("VIB022", message, "check I, J, K or R of the block")
+        raise RefusalError(BAD_ARC, message, "check I, J, K or R of the block")
     first = math.atan2(start[1] - centre[1], start[0] - centre[0])
     sweep = math.atan2(end[1] - centre[1], end[0] - centre[0]) - first
     full = 2.0 * math.pi
@@ -206,10 +207,10 @@ def _centre_from_radius(start: Floats, end: Floats, leg: Leg) -> Floats:
     radius = abs(leg.radius_mm)
     if math.isnan(radius):
         message = "the arc has neither centre nor radius"
-        raise RefusalError("VIB022", message, "give I, J, K or R on the block")
+        raise RefusalError(BAD_ARC, message, "give I, J, K or R on the block")
     if length == 0.0 or radius < length / 2.0 - _RADIUS_TOLERANCE_MM:
         message = f"no arc of radius {leg.radius_mm:g} mm joins points {length:.4f} mm apart"
-        raise RefusalError("VIB022", message, "give I, J, K or a fitting R on the block")
+        raise RefusalError(BAD_ARC, message, "give I, J, K or a fitting R on the block")
     height = math.sqrt(max(0.0, radius * radius - length * length / 4.0))
     side = leg.turn * math.copysign(1.0, leg.radius_mm)
     normal = np.array([-chord[1], chord[0]]) / length

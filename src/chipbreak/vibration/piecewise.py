@@ -1,4 +1,4 @@
-"""Motions that are straight between knots: where they stand, and the height below several of them."""
+"""Motions straight between knots: where they stand, how often they turn, the height below several."""
 
 from __future__ import annotations
 
@@ -30,6 +30,17 @@ def rests_of(time_s: Floats, distance_mm: Floats, still_mm: float) -> Rests:
     gaps = np.flatnonzero(np.diff(moving) > 1)
     begin, end = moving[gaps] + 1, moving[gaps + 1]
     return Rests(begin, time_s[end] - time_s[begin])
+
+
+def mean_step_s(crest_s: Floats) -> float:
+    """The time from crest to crest on average, (n,) with n > 1.
+
+    Rounded points move single crests by some base periods, and a control that counts whole servo periods
+    makes vibrations of one more and one less: the commonest step is not the mean.  A step of two vibrations,
+    one of them swallowed by the control, counts as two, and a wrinkle of rounding as none.
+    """
+    steps_s = np.diff(crest_s)
+    return float(steps_s.sum() / np.rint(steps_s / np.median(steps_s)).sum())
 
 
 def highest_minimum(left: Floats, right: Floats) -> float:

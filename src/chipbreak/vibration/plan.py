@@ -11,14 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.diagnostics import RefusalError
-from chipbreak.model.modal import State
+from chipbreak.model.modal import LOOPED, UNREAD, State
+from chipbreak.model.words import JUMPED
 from chipbreak.settings.sections import Settings
 from chipbreak.units import MM_PER_INCH, MS_PER_S, S_PER_MIN, spindle_speed_rpm
 from chipbreak.vibration.chain import Chain, legs_of
 from chipbreak.vibration.given import Given
 from chipbreak.vibration.path import Path, path_of
 from chipbreak.vibration.request import solver_inputs
-from chipbreak.vibration.solve import NEVER_BREAKS, CommandGroup, Solution, SolverRules, solve
+from chipbreak.vibration.solve import NEVER_BREAKS, TOO_FEW, CommandGroup, Solution, SolverRules, solve
 from chipbreak.vibration.waveform import Cut, Waveform, forward_ticks, least_stroke_mm, sample
 
 _MOST_RPM = 1e7
@@ -87,6 +88,10 @@ def plan_cut(chain: Chain, settings: Settings) -> VibratedCut:
             turns = 1.0 / edges / (1.0 - alpha)
             way_out = f"take E {turns:.4g} or more: a dwell stands for a revolution (per edge)"
             raise RefusalError(error.code, error.message, way_out) from None
+        why = state.unknown_why
+        if error.code == TOO_FEW and speed is None and (why in (JUMPED, LOOPED) or why.endswith(UNREAD)):
+            message = f"{error.message}; the active S is not known: {why}"
+            raise RefusalError(error.code, message, "give S between there and this cut") from None
         raise
     cut = _cut_of(chain, path.length_mm, solution, settings)
     if cut.waveform != "sine" and not math.isclose(cut.alpha_share, alpha, abs_tol=1e-9):

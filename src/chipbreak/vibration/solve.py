@@ -17,7 +17,8 @@ from chipbreak.vibration.given import Given, shown
 FAR_RATIO = 1.25  # an f given as a word that far outside the group is more likely a feed
 MOST_TICKS = 1_000_000  # the end of a group without a highest multiple: over an hour per vibration
 WHOLE_WITHIN = 1e-3  # nearer to a whole number, the stroke would have to be hundreds of times the feed
-NEVER_BREAKS, _FUZZ = "VIB005", 1e-9  # two numbers that differ by less were meant to be equal
+TOO_FEW, NEVER_BREAKS = "VIB001", "VIB005"
+_FUZZ = 1e-9  # two numbers that differ by less were meant to be equal
 
 
 @dataclass(frozen=True)
@@ -179,7 +180,7 @@ def solve(
         wanted = _count(speed, period, rules, reasons)
     speed_rpm = _speed(speed, wanted, period, rules, reasons)
     reached = _ratio(period, speed_rpm)
-    _check_breaks(reached, rules, f"S {shown(speed_rpm)}, f {shown(period.frequency_hz)}")
+    _check_breaks(reached, rules, f"S {shown(speed_rpm)}, f {shown(period.frequency_hz)}", period)
     _check_speed(speed_rpm, wanted, group, rules)
     if speed is not None and speed_rpm > 2.0 * speed.value:  # a surprise that can throw the part
         raise RefusalError("VIB008", f"S {speed} would become {shown(speed_rpm)} rpm", "give a larger N")
@@ -249,18 +250,23 @@ def _check_given(values: dict[str, Given | None]) -> None:
     if len(given) > 2:
         raise RefusalError("VIB002", f"S, N and f are all given: {told}", "leave one out: N = 60 f / S")
     if len(given) < 2:
-        raise RefusalError("VIB001", f"two of S, N and f are needed, given: {told}", "give one more")
+        raise RefusalError(TOO_FEW, f"two of S, N and f are needed, given: {told}", "give one more")
     for name, value in given.items():
         if not _is_positive(value.value):
             raise RefusalError("VIB003", f"{name} {value} is not a number above zero", f"correct {name}")
 
 
-def _check_breaks(per_rev: float, rules: SolverRules, origin: str) -> None:
+def _check_breaks(per_rev: float, rules: SolverRules, origin: str, period: Period | None = None) -> None:
+    """Refuse a whole number.  Where S makes it, at ``period``, another N asked for would not help."""
     if never_breaks(per_rev, rules.edges):
         whole = round(per_rev / rules.edges)
-        good = dict.fromkeys(shown(rules.edges * (n + rules.phase)) for n in (max(whole - 1, 0), whole))
+        counts = dict.fromkeys(rules.edges * (n + rules.phase) for n in (max(whole - 1, 0), whole))
+        good = [shown(count) for count in counts]
         what = f"N {shown(per_rev)} ({origin})" + (f" / {rules.edges} edges" if rules.edges > 1 else "")
         way_out = f"N {' or '.join(good)} breaks best"
+        if period is not None:
+            speeds = [shown(math.floor(_ratio(period, count))) for count in counts]
+            way_out += f": give S {' or '.join(speeds)}"
         raise RefusalError(NEVER_BREAKS, f"{what} is a whole number, so no chip ever breaks", way_out)
 
 

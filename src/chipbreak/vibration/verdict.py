@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.units import S_PER_MIN
-from chipbreak.vibration.piecewise import Rests, highest_minimum, rests_of
+from chipbreak.vibration.piecewise import Rests, highest_minimum, mean_step_s, rests_of
 from chipbreak.vibration.waveform import Waveform, speed_band_rpm
 
 Floats = npt.NDArray[np.float64]
@@ -25,6 +25,7 @@ Gaps = tuple[tuple[Floats, Floats], ...]  # pairs of times and g_1 at those time
 
 _TOUCH = 1e-9  # a gap below this share of the feed is a touch, and a touch ends the chip
 _FULL = 0.98  # return strokes of at least this share of the longest belong to the steady part
+_EDGE = 0.01  # a crest that rounding has moved this share of a pass out of the steady part is still in it
 _SAMPLE_UNITS, _SAMPLE_POINTS = 200, 60_000  # vibrations or revolutions worked out in full; corners in them
 _ROUGHNESS_PASSES, _ROUGHNESS_ANGLES = 60, 1025
 
@@ -164,7 +165,7 @@ def _steady_part(
     crest = crest[(motion.time_s[crest] >= start_s) & (motion.time_s[crest] <= end_s)]
     period_s = math.inf
     if crest.size > 1:
-        period_s = float(np.median(np.diff(motion.time_s[crest])))
+        period_s = mean_step_s(motion.time_s[crest])
         speed_mm_s = float(np.ptp(motion.distance_mm[crest[[0, -1]]]) / np.ptp(motion.time_s[crest[[0, -1]]]))
     # After one pass, every pass of full stroke follows one of full stroke; a shorter part is taken whole.
     begin_s = start_s + motion.pass_s
@@ -176,7 +177,7 @@ def _steady_part(
 def _margin(gaps: Gaps, steady: _Steady, crest_s: Floats, pass_s: float) -> float:
     """1 - g / feed, g the least gap of that vibration (crest to crest) which comes least near to air."""
     window_s = np.array([steady.begin_s, steady.end_s])
-    crest_s = crest_s[crest_s >= steady.begin_s]
+    crest_s = crest_s[crest_s >= steady.begin_s - _EDGE * pass_s]
     bounds = crest_s if crest_s.size > 1 else window_s
     least = np.full(bounds.size - 1, np.inf)
     for corner_s, gap_mm in gaps:
@@ -207,7 +208,9 @@ def _sampled_part(motion: _Motion, steady: _Steady, passes: int) -> tuple[float,
     low, high = np.searchsorted(motion.time_s, [begin_s, end_s])
     affordable_s = (end_s - begin_s) * _SAMPLE_POINTS / float((high - low + 1) * (passes + 1) ** 2)
     length_s = max(4.0 * unit_s, min(_SAMPLE_UNITS * unit_s, affordable_s))
-    return max(begin_s, end_s - length_s), end_s
+    begin_s = max(begin_s, end_s - length_s)
+    whole = (end_s - begin_s) / steady.period_s + _EDGE  # half of a few is a large share
+    return (end_s - math.floor(whole) * steady.period_s if 1.0 <= whole < 4.0 else begin_s), end_s
 
 
 def _chips(motion: _Motion, part: tuple[float, float], passes: int) -> tuple[float, float, float, float]:

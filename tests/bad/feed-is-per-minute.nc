@@ -1,0 +1,5 @@
+(EXPECT VIB059 4:15 -p linuxcnc-lathe)
+G7 G97 S500 M3
+G0 X30. Z2.
+G1 Z-12. F0.1 N0.5
+M2

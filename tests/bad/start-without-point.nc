@@ -1,0 +1,5 @@
+(EXPECT VIB051 4:1 -p fanuc-lathe)
+G99 G97 S1000 M3
+G0 X30. Z2
+G1 Z-10. F0.1 N1.5
+M30
