@@ -38,6 +38,16 @@ def test_the_spindle_may_settle_wherever_its_speed_is_changed() -> None:
     assert lines[-2:] == ["S3000", "M30"]
 
 
+@pytest.mark.parametrize(
+    ("profile", "letter"), [("haas-mill", "P"), ("fanuc-mill", "X"), ("linuxcnc-mill", "P")]
+)
+def test_a_dwell_has_the_letter_of_its_control(profile: str, letter: str) -> None:
+    program = "G90 G97 G95 G21 S3000 M3\nG0 X0. Y0. Z2.\nG1 Z-30. F0.05 N1.5\nM30\n"
+    sets = ("spindle.settle_s=2", "vibration.end=dwell", "checks.enabled=false", "planner.model=ideal")
+    dwells = [line for line in filtered(program, profile, *sets).split("\n") if line.startswith("G4 ")]
+    assert dwells == [f"G4 {letter}2.", f"G4 {letter}0.024"]
+
+
 # --- one change where one will do -------------------------------------------------------------------------
 
 

@@ -91,6 +91,8 @@ def _build(
         names = sorted({d.name for d in DIALECTS})
         message = f"control.dialect {control.dialect!r} is not known"
         raise layer.fail(IMPOSSIBLE, "control.dialect", message, f"one of {', '.join(names)}") from None
+    if control.dwell_word:
+        dialect = dialect._replace(dwell_word=control.dwell_word)
     mode = sections["output"].feed_mode
     if not dialect.can("feed_mode", mode):
         message = f"output.feed_mode {mode!r}: {dialect.title} has no code for it"

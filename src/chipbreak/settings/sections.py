@@ -40,6 +40,7 @@ class Control:
     decimal_point: str = _one_of("required", "calculator", "increment")
     x_diameter: bool = False
     max_line_chars: int = _at_least(80, 60)
+    dwell_word: str = _one_of("", "X", "U", "P")
 
 
 @dataclass(frozen=True)
