@@ -31,6 +31,7 @@ dialects
 syntax
 syntax.numbers
 syntax.nodes
+syntax.variables
 syntax.grammar
 syntax.build
 syntax.shapes
@@ -143,6 +144,7 @@ checks.calls
 checks.known
 checks.borders
 checks.limits
+checks.clashes
 checks.plan
 
 passes

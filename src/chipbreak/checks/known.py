@@ -12,8 +12,9 @@ from chipbreak.tools.needs import not_given
 
 NO_BORDER, NO_SPEED, NO_SHAPE = "CHK002", "CHK003", "CHK004"
 NOT_LOOKED_AT, WHICH_TOOL, LEFT_TO_CONTROL = "CHK005", "CHK006", "CHK007"
+SHARED_VARIABLE = "CHK009"
 # A check that is left out; a strict profile makes an error of it.
-_LEFT_OUT = (NO_BORDER, NO_SPEED, NO_SHAPE, WHICH_TOOL)
+_LEFT_OUT = (NO_BORDER, NO_SPEED, NO_SHAPE, WHICH_TOOL, SHARED_VARIABLE)
 
 
 class Known:

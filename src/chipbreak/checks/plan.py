@@ -16,8 +16,16 @@ from typing import NamedTuple
 
 from chipbreak.checks.borders import Border, BorderFinder, NoBorder, Range
 from chipbreak.checks.calls import CallSet, CallValues, Event, calls_of
+from chipbreak.checks.clashes import clash_of
 from chipbreak.checks.ground import Ground
-from chipbreak.checks.known import NO_BORDER, NO_SHAPE, NOT_LOOKED_AT, WHICH_TOOL, Known
+from chipbreak.checks.known import (
+    NO_BORDER,
+    NO_SHAPE,
+    NOT_LOOKED_AT,
+    SHARED_VARIABLE,
+    WHICH_TOOL,
+    Known,
+)
 from chipbreak.checks.limits import Limit, limit_before
 from chipbreak.diagnostics import Diagnostic
 from chipbreak.model.kinds import Kind
@@ -52,6 +60,11 @@ def plan_checks(
     """
     planner = _Planner(operations, trace, main, settings, tools)
     planner.run()
+    clash = clash_of(trace.program, settings) if planner.planned else None
+    if clash is not None:
+        known = Known(trace.program, settings.checks, planner.calls, tools)
+        known.say(clash.line, SHARED_VARIABLE, clash.message, clash.help)
+        return [], known.diagnostics
     return planner.planned, planner.known.diagnostics
 
 
