@@ -220,9 +220,23 @@ def test_no_safe_border() -> None:
 
 
 def test_no_speed_at_the_first_cut() -> None:
+    """TRACE takes the speed of TOOL CHECK, and the tool data that came with it: alone it would only alarm."""
     result = run(visit(1, "ADAPTIVE1", "FINISH", speed=""))
-    assert only_code(result, "CHK003").endswith("TOOL CHECK T1; the spindle speed of this cut is not known")
-    assert result.titles[:2] == ["CALIBRATE", "TRACE T1"]
+    assert result.codes == ["CHK003", "CHK003", "CHK004"]
+    said = [d.message for d in result.diagnostics]
+    assert said[0].endswith("TOOL CHECK T1; the spindle speed of this cut is not known")
+    assert said[1].endswith("TRACE T1; the spindle speed of this cut is not known")
+    assert result.titles == []
+    later = run(visit(1, "ADAPTIVE1", speed=""), visit(1, "FINISH"))
+    assert later.titles[:2] == ["CALIBRATE", "TOOL CHECK T1, TRACE T1"]
+
+
+def test_a_trace_that_counts_on_no_speed_stands_alone() -> None:
+    calls = 'calls.mine={trace="G65 P8500 T{tool}", chip_check="G65 P8501 T{tool}"}'
+    options = (calls, "checks.calls=mine")
+    result = run(visit(1, "ADAPTIVE1", "FINISH", speed=""), options=options)
+    assert result.titles[0] == "TRACE T1"
+    assert result.codes == []
 
 
 def test_no_shape_to_compare_with() -> None:
