@@ -202,6 +202,42 @@ def only_code(result: Filtered, code: str) -> str:
     return f"{found.place.line}: {found.message}"
 
 
+OTHER_TOOL = "{skip}T2 M6\n{skip}S900 M3\n"
+WORK = "G0 X1. Y2.\nG43 Z15. H1\nG1 Z-1. F100.\nX9.\nG0 Z15.\n"
+
+
+@pytest.mark.parametrize(("skip", "limit"), [("", 0.05), ("/", 0.02)])
+def test_where_block_delete_leaves_the_other_tool_in_the_magazine_this_one_goes_on(
+    skip: str, limit: float
+) -> None:
+    """/T2 M6: with the switch on T1 finishes, and a chip that is no harm to roughing marks the part."""
+    call = OTHER_TOOL.format(skip=skip)
+    result = run(visit(1, "ROUGH").replace("M5\n", ""), call, f"(FINISH)\n{WORK}")
+    assert limits(result)[0] == f"CHIP CHECK T1 W{limit:g}"
+    reason = next(edit.reason for edit in result.edits if edit.title.startswith("CHIP CHECK T1"))
+    assert ("if block delete (/) leaves out the call of T2" in reason) == (skip == "/")
+
+
+def test_its_own_limit_goes_with_the_tool_that_may_go_on() -> None:
+    own = ("checks.w_mm.1=0.03", "checks.w_mm.2=0.01")
+    call = OTHER_TOOL.format(skip="/")
+    result = run(visit(1, "ROUGH").replace("M5\n", ""), call, f"(FINISH)\n{WORK}", options=own)
+    assert limits(result)[0] == "CHIP CHECK T1 W0.03"
+
+
+@pytest.mark.parametrize(("skip", "limit"), [("", 0.05), ("/", 0.02)])
+def test_an_operation_that_may_be_left_out_does_not_decide_alone(skip: str, limit: float) -> None:
+    optional = "".join(f"{skip}{line}\n" for line in WORK.splitlines())
+    result = run(visit(1, "ROUGH"), f"T1 M6\nS1000 M3\n(ROUGH 2)\n{optional}(FINISH)\n{WORK}")
+    assert limits(result)[0] == f"CHIP CHECK T1 W{limit:g}"
+
+
+@pytest.mark.parametrize(("jump", "limit"), [("", 0.05), ("/GOTO 100\n", 0.02)])
+def test_an_operation_that_a_jump_may_pass_by_does_not_decide_alone(jump: str, limit: float) -> None:
+    result = run(visit(1, "ROUGH"), f"{jump}T1 M6\nS1000 M3\n(ROUGH 2)\n{WORK}N100 (FINISH)\n{WORK}")
+    assert limits(result)[0] == f"CHIP CHECK T1 W{limit:g}"
+
+
 def test_no_tool_call() -> None:
     result = run("S1000 M3\nG0 Z5.\nG1 X5. F100.\n")
     assert result.edits == []

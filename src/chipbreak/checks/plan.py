@@ -11,7 +11,7 @@ the program: wear adds up, and a new reference at every call would hide it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import groupby, pairwise
+from itertools import groupby
 from typing import NamedTuple
 
 from chipbreak.checks.borders import Border, BorderFinder, NoBorder, Range
@@ -26,9 +26,8 @@ from chipbreak.checks.known import (
     WHICH_TOOL,
     Known,
 )
-from chipbreak.checks.limits import Limit, limit_before
+from chipbreak.checks.limits import Uses, limit_before
 from chipbreak.diagnostics import Diagnostic
-from chipbreak.model.kinds import Kind
 from chipbreak.model.main_program import MainProgram
 from chipbreak.model.operations import Operation
 from chipbreak.model.trace import Trace
@@ -104,11 +103,7 @@ class _Planner:
         self.finder = BorderFinder(trace, Ground(trace, self.main), calls_end_offset=self.calls.ends_offset)
         # How many workpieces a check is for; the control counts them where the beam is measured.
         self.every = self.checks.every
-        self.cutting = [op for op in operations if op.cuts and op.kind is not Kind.PROBE]
-        self.uses: dict[int | None, list[Operation]] = {}
-        for operation in self.cutting:
-            self.uses.setdefault(operation.tool, []).append(operation)
-        self.next_use = {one.index: other for uses in self.uses.values() for one, other in pairwise(uses)}
+        self.uses = Uses(operations, trace)
         self.call_lines: list[int | None] = []  # of each operation: where its tool was called
         for operation in operations:
             before = self.call_lines[-1] if self.call_lines else None
@@ -123,7 +118,7 @@ class _Planner:
         """Plan visit by visit: what a tool does between its call and the next one."""
         self._say_what_is_left_out()
         is_calibrated = False
-        for call, group in groupby(self.cutting, lambda op: self.call_lines[op.index]):
+        for call, group in groupby(self.uses.cutting, lambda op: self.call_lines[op.index]):
             visit = list(group)
             tool = visit[0].tool
             if tool is None or call is None or not self._is_wanted(tool):
@@ -157,19 +152,19 @@ class _Planner:
                 where = self.trace.program.source.place(prepared).line
                 help_text += f": T in line {where} prepares a tool, and M6 would bring it into the spindle"
             self.known.say(self.main.first, NO_TOOL_CALL, message, help_text)
-        elif None in self.uses:
+        elif None in self.uses.of_tool:
             message = "this operation cuts with a tool whose number cannot be known; it is not checked"
-            line = self.uses[None][0].first_cut or 0
+            line = self.uses.of_tool[None][0].first_cut or 0
             self.known.say(line, WHICH_TOOL, message, "call the tool with its number before it cuts")
-        elif not self.cutting:
+        elif not self.uses.cutting:
             self.known.say(
                 self.main.first, NOT_LOOKED_AT, "no tool that is called here cuts, so none is checked"
             )
-        for tool in self.uses:
+        for tool in self.uses.of_tool:
             sister = self._sister(tool) if tool is not None else 0
-            if sister and sister in self.uses:
+            if sister and sister in self.uses.of_tool:
                 message = f"T{sister} is the sister of T{tool}, and this program cuts with it as well"
-                line = self.uses[sister][0].first_cut or 0
+                line = self.uses.of_tool[sister][0].first_cut or 0
                 self.known.say(
                     line, SISTER_IS_CALLED, message, "keep a sister for the tool whose place it takes"
                 )
@@ -221,7 +216,7 @@ class _Planner:
 
     def _check_chips(self, operation: Operation, tool: int) -> None:
         """CHIP CHECK at the end of an operation, with the limit of what the tool does next."""
-        limit = self._limit(operation, tool) if self.calls.has(Event.CHIP_CHECK) else None
+        limit = self.uses.limit_behind(operation, self.settings) if self.calls.has(Event.CHIP_CHECK) else None
         if limit is None:
             return
         assert operation.last_cut is not None
@@ -246,18 +241,6 @@ class _Planner:
             return
         where = Range(operation.last_cut + 1, operation.last_line, self._last_place_behind(operation))
         self._place(where, _Wish(Event.CHIP_CHECK, values, limit.reason))
-
-    def _limit(self, operation: Operation, tool: int) -> Limit | None:
-        if operation.index in self.next_use:
-            return limit_before(self.next_use[operation.index], self.settings, f"T{tool} is used next for")
-        policy = self.checks.last_use
-        if policy == "none":
-            return None
-        if policy == "next-part":
-            when = f"last use of T{tool}; the next workpiece starts with"
-            return limit_before(self.uses[tool][0], self.settings, when)
-        assert isinstance(policy, float)
-        return Limit(policy, f"last use of T{tool}: checks.last_use gives W {policy:g} mm", Kind.UNKNOWN)
 
     def _last_place_behind(self, operation: Operation) -> int:
         """The line of the next tool call or the next cut."""
