@@ -110,3 +110,17 @@ def test_brackets_hold_nothing_but_insertions() -> None:
     found = regions(read(result.output))
     assert [region.original for region in found] == [b""] * len(result.edits)
     assert b"\r\n" in result.output and result.output.count(b"\n") == result.output.count(b"\r\n")
+
+
+@pytest.mark.parametrize("code", ["G54.1", "G154"])
+def test_a_place_in_another_work_offset_is_not_gone_back_to(code: str) -> None:
+    """Y0 of the first offset is somewhere else in the second: there the check would have come down."""
+    program = (
+        f"G21 G90 {code} P1\nT1 M6\nS3000 M3\nG0 X0. Y0.\nG43 H1 Z20.\n(ROUGH)\n"
+        f"G98 G81 X10. Y0. Z-5. R2. F100.\n(FINISH)\n{code} P2\nG80 G0 X5.\nZ20.\n"
+        "G1 Z-1. F100.\nG0 Z20.\nM30\n"
+    )
+    result = filtered(program.encode())
+    check(result)
+    assert result.titles == ["CALIBRATE", "TOOL CHECK T1, TRACE T1", "CHIP CHECK T1 W0.05"]
+    assert result.codes == ["CHK002"]

@@ -145,6 +145,8 @@ FANUC_MILL = Dialect(
         interpolation={"G13.1": "off", "G12.1": "on"},
         path={"G61": "exact-stop", "G62": "corner", "G63": "tapping", "G64": "blend"},
         modal_macro={"G67": "off", "G66 G66.1": "on"},
+        # The further offsets of Haas: G154 P1 to P99, of which G110 to G129 are older names.
+        work_offset={"G154": "G154"} | {f"G{n}": f"G{n}" for n in range(110, 130) if n not in (112, 113)},
         look_ahead={"G5 G5.1 G5.3": "switched", "G8": "switched"},
         once={
             "G92 G92.1": "set-position",
