@@ -245,6 +245,9 @@ def test_no_tool_call() -> None:
     (waiting,) = run("T3\nS1000 M3\nG0 Z5.\nG1 X5. F100.\n").diagnostics
     assert waiting.code == "CHK001"
     assert "T in line 5 prepares a tool" in waiting.help
+    inside = f"{HEAD}M98 P2000\nS1000 M3\nG0 Z5.\nG1 X5. F100.\n{END}O2000\nT1 M6\nM99\n"
+    (elsewhere,) = [d for d in filtered(inside.encode()).diagnostics if d.code == "CHK001"]
+    assert elsewhere.help.endswith("the call in line 13 is not in the main program")
 
 
 def test_no_safe_border() -> None:
@@ -298,3 +301,37 @@ def test_a_tool_without_a_number() -> None:
     result = run("S1000 M3\nG0 X1. Y1.\nG0 Z1.\nG1 Z-1. F100.\nG0 Z50.\n", visit(1, "FACE1"))
     assert only_code(result, "CHK006").startswith("8: this operation cuts with a tool whose number")
     assert any(title.startswith("CHIP CHECK T1") for title in result.titles)
+
+
+def test_a_code_that_nobody_knows_may_have_switched_anything_until_a_tool_is_called() -> None:
+    """G254, Haas: from here on the machine works out the work offset from where the table stands."""
+    odd = visit(1, "ROUGH", "FINISH").replace("(FINISH)", "G254\n(FINISH)")
+    result = run(odd, visit(2, "ROUGH", "FINISH"))
+    assert "TOOL CHECK T2, TRACE T2" in result.titles
+    assert [title for title in result.titles if "T1" in title] == [
+        "TOOL CHECK T1, TRACE T1",
+        "CHIP CHECK T1 W0.02",  # the one before the code
+    ]
+    assert result.codes == ["CHK002"]
+    message = result.diagnostics[0].message
+    assert message.endswith("before it says G254, which this profile does not know")
+    assert result.diagnostics[0].help.startswith("call the tool again behind it")
+    assert run(odd.replace("G254\n", "G187 P3 E0.1\nG103 P1\n")).codes == []
+
+
+def test_coolant_through_the_spindle_must_be_off() -> None:
+    work = visit(1, "ROUGH", "FINISH").replace("S1000 M3\n", "S1000 M3\nM88\n")
+    result = run(work, visit(2, "FINISH"))
+    assert result.codes == ["CHK002", "CHK002"]
+    assert "coolant through the spindle (M88, line 7) is on" in result.diagnostics[0].message
+    assert "TOOL CHECK T2, TRACE T2" in result.titles
+    off = run(work.replace("(FINISH)", "M89\n(FINISH)"), visit(2, "FINISH"))
+    assert off.codes == []
+    assert "CHIP CHECK T1 W0.02" in off.titles
+
+
+def test_behind_a_subprogram_it_is_the_call_that_is_in_the_way() -> None:
+    called = "(ROUGH)\nG0 X1. Y2.\nG43 Z15. H1\nM98 P1000\n(FINISH)\nM98 P1000\nG0 Z15.\n"
+    data = f"{HEAD}T1 M6\nS1000 M3\n{called}{END}O1000\nG1 Z-1. F100.\nG0 Z15.\nM99\n"
+    result = filtered(data.encode())
+    assert "because a subprogram or a macro was called last" in only_code(result, "CHK002")

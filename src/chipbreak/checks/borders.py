@@ -41,10 +41,11 @@ class Border(NamedTuple):
 
 
 class NoBorder(NamedTuple):
-    """Why there is none: what is wrong at the obvious line."""
+    """Why there is none: what is wrong at the obvious line, and what would help."""
 
     line: int
     why: str
+    help: str = "make a place for it: G0 to a known position, G40, G80, the spindle with S"
 
 
 class Range(NamedTuple):
@@ -62,7 +63,8 @@ class Range(NamedTuple):
 class _Spot(NamedTuple):
     """A line, the state before it, and what brought the tool there.
 
-    ``mover``   "nothing" yet, "rapid", "home" (or the machine's own tool change), or "cut" for all else
+    ``mover``   "nothing" yet, "rapid", "home" (or the machine's own tool change), "call" of
+                a subprogram or a macro, or "cut" for all else
     ``homed``   axes that the program sent to a fixed place where our own retract does not take them
     ``z_is_home``  the last move of Z was a reference return, which ends the length offset as ours does
     ``z_is_shifted``  the length offset changed after the last move of Z: its number says nothing now
@@ -143,7 +145,7 @@ class BorderFinder:
         elif "home" in step.once or ("machine" in step.once and state.modes["motion"] == "rapid"):
             mover, homed = "home", homed | (named - self._reproducible(step))
         elif calls_subprogram(step) or "macro-call" in step.once or "service" in step.once:
-            mover = "cut"
+            mover = "call"
         elif step.move is not None:
             # A canned cycle ends with its own way out.
             rapid = step.move.kind == "rapid" or (state.modes["motion"] == "cycle" and not step.once)
@@ -162,6 +164,8 @@ class BorderFinder:
     def _judge(self, spot: _Spot) -> Border | NoBorder:
         state = spot.state
         why = self.ground.why_not(spot.line, state) or self._why_not(spot)
+        if why and why == self.ground.unreadable(spot.line):
+            return NoBorder(spot.line, why, "call the tool again behind it: from there on all is known")
         if why:
             return NoBorder(spot.line, why)
         is_on = state.modes.get("length_offset", "off") != "off"
@@ -203,6 +207,8 @@ class BorderFinder:
         motion = spot.state.modes["motion"]
         if motion not in ("rapid", "none", "line", "cw", "ccw"):
             return "a cycle is still on"
+        if spot.mover == "call":
+            return "a subprogram or a macro was called last, and no rapid stands between"
         if spot.mover == "cut":
             return "the last move was a cut, not a rapid"
         if motion in ("cw", "ccw") or (motion == "line" and spot.mover != "home"):

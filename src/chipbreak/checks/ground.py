@@ -1,11 +1,12 @@
 """Where in a program nothing may be inserted, whatever the modal state says.
 
-Loops, branches and jumps (nobody knows how often the place is passed), lines that could not be read, blocks
-with block delete whose effect still lasts, and look-ahead control.
+Loops, branches and jumps (nobody knows how often the place is passed), lines that could not be read, codes
+that nobody knows, blocks with block delete whose effect still lasts, and look-ahead control.
 """
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from collections.abc import Iterator
 
@@ -16,7 +17,7 @@ from chipbreak.model.modal import State
 from chipbreak.model.operations import calls_tool
 from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace
-from chipbreak.model.words import codes_of
+from chipbreak.model.words import codes_of, plain_value
 
 # Modal groups that must be at rest, and what the user knows them as.
 _AT_REST = {
@@ -30,6 +31,8 @@ _AT_REST = {
     "mirror": "mirror image (G51.1) is on",
     "modal_macro": "a modal macro call (G66) is on",
 }
+# Coolant through the spindle: M9 does not end it, and this profile has no code that is sure to do so.
+_THROUGH_ON, _THROUGH_OFF = 88.0, 89.0
 _OPENERS = {"O-IF": "O-ENDIF", "O-REPEAT": "O-ENDREPEAT", "O-DO": "O-WHILE", "DO": "END"}
 
 
@@ -46,6 +49,7 @@ class Ground:
         self._opaque = sorted(self._unknown)
         self._calls = [step.block.line for step in trace.events if calls_tool(step, tool_change)]
         self._doubts = list(_doubts(trace, subprograms))
+        self._through = list(_through(trace))
 
     def why_not(self, line: int, state: State) -> str:
         """Why nothing may be inserted before a line, or "" when its place and modes allow it."""
@@ -57,10 +61,13 @@ class Ground:
             return "a jump (GOTO) may pass it by, or come back to it"
         if self.trace.flow.in_contour(line):
             return "it stands inside the shape of a cycle"
-        return self._unreadable(line) or self._doubted(line) or self._not_at_rest(line, state)
+        return self.unreadable(line) or self._doubted(line) or self._not_at_rest(line, state)
 
-    def _unreadable(self, line: int) -> str:
-        """A tool call ends what an unreadable line or a call may have switched, as far as it matters here."""
+    def unreadable(self, line: int) -> str:
+        """What nobody knows the effect of, "" where all is known.
+
+        A tool call ends what an unreadable line or a call may have switched, as far as it matters here.
+        """
         at = bisect_right(self._calls, line - 1) - 1
         since = self._calls[at] if at >= 0 else self.main.first
         passed = bisect_right(self._opaque, line - 1) - 1
@@ -87,6 +94,10 @@ class Ground:
         for group, what in _AT_REST.items():
             if state.modes.get(group, "off") != "off":
                 return what
+        at = bisect_right(self._through, (line - 1, 1 << 62)) - 1
+        if at >= 0 and self._through[at][1]:
+            line = self._user_line(self._through[at][0])
+            return f"coolant through the spindle (M88, line {line}) is on: no M89 behind it"
         if state.modes.get("path") == "tapping":
             return "tapping mode (G63) is on"
         if state.modes.get("look_ahead") and not self._looks_no_further(line):
@@ -134,14 +145,43 @@ def _jumps(trace: Trace) -> tuple[int, int] | None:
 def _unknown(trace: Trace, subprograms: Subprograms) -> Iterator[tuple[int, str]]:
     """(line, why) wherever nobody knows what was left in force."""
     for step in trace.events:
+        unknown_code = _unknown_code(step, trace)
         if step.block.opaque:
             yield step.block.line, "line {line} before it cannot be read"
+        elif unknown_code:
+            yield (
+                step.block.line,
+                f"line {{line}} before it says {unknown_code}, which this profile does not know",
+            )
         elif subprograms.changes(step) is None:
             what = "calls tools" if subprograms.call_tools(step) else "is not in this file"
             yield (
                 step.block.line,
                 f"what is called in line {{line}} {what}; nobody knows what it leaves in force",
             )
+
+
+def _unknown_code(step: Step, trace: Trace) -> str:
+    """A G code that may have switched anything, "" where there is none."""
+    for word in step.block.words:
+        if word.address == "G":
+            value = plain_value(word)
+            if math.isnan(value) or round(value * 10) not in trace.settings.dialect.g_codes:
+                return step.block.text[word.start : word.end]
+    return ""
+
+
+def _through(trace: Trace) -> Iterator[tuple[int, int]]:
+    """(line, whether coolant runs through the spindle behind it), wherever that is said."""
+    dialect = trace.settings.dialect
+    if dialect.is_lathe or dialect.tool_change != "M6":
+        return
+    for step in trace.events:
+        codes = {word.number for word in step.block.words if word.address == "M"}
+        if _THROUGH_ON in codes:
+            yield step.block.line, 1
+        elif _THROUGH_OFF in codes or calls_tool(step, dialect.tool_change):
+            yield step.block.line, 0
 
 
 def _doubts(trace: Trace, subprograms: Subprograms) -> Iterator[tuple[int, dict[str, int]]]:

@@ -29,7 +29,7 @@ from chipbreak.checks.known import (
 from chipbreak.checks.limits import Uses, limit_before
 from chipbreak.diagnostics import Diagnostic
 from chipbreak.model.main_program import MainProgram
-from chipbreak.model.operations import Operation
+from chipbreak.model.operations import Operation, calls_tool
 from chipbreak.model.trace import Trace
 from chipbreak.settings.sections import Settings
 from chipbreak.tools.merge import ToolTable
@@ -146,11 +146,7 @@ class _Planner:
         called = any(op.call_line is not None for op in self.operations)
         if not called:
             message = "no tool is called in the main program, so there is nothing to check"
-            help_text = "a check needs the tool's number from its call"
-            prepared = next((step.block.line for step in self.trace.events if step.block.word("T")), None)
-            if prepared is not None and self.trace.settings.dialect.tool_change == "M6":
-                where = self.trace.program.source.place(prepared).line
-                help_text += f": T in line {where} prepares a tool, and M6 would bring it into the spindle"
+            help_text = f"a check needs the tool's number from its call{self._where_tools_are()}"
             self.known.say(self.main.first, NO_TOOL_CALL, message, help_text)
         elif None in self.uses.of_tool:
             message = "this operation cuts with a tool whose number cannot be known; it is not checked"
@@ -171,6 +167,19 @@ class _Planner:
         if self.main.behind is not None:
             message = "another program or a subprogram starts behind the end; its tools are not checked"
             self.known.say(self.main.behind, NOT_LOOKED_AT, message)
+
+    def _where_tools_are(self) -> str:
+        """Of a program that calls no tool: a call in a subprogram, or a T without its M6."""
+        events, tool_change = self.trace.events, self.settings.dialect.tool_change
+        place = self.trace.program.source.place
+        inside = next((step.block.line for step in events if calls_tool(step, tool_change)), None)
+        if inside is not None:
+            return f", and the call in line {place(inside).line} is not in the main program"
+        calls = (step for step in events if step.block.word("T") and "macro-call" not in step.once)
+        prepared = next((step.block.line for step in calls), None)
+        if prepared is None or tool_change != "M6":
+            return ""
+        return f": T in line {place(prepared).line} prepares a tool, and M6 would bring it into the spindle"
 
     def _calibrate(self, call: int) -> None:
         """Straight before the first tool call: behind it the master bar would have to change places."""
@@ -256,8 +265,7 @@ class _Planner:
         if isinstance(found, NoBorder):
             titles = ", ".join(wish.title for wish in wishes)
             message = f"left out: {titles}; nothing can be inserted here, because {found.why}"
-            help_text = "make a place for it: G0 to a known position, G40, G80, the spindle with S"
-            self.known.say(found.line, NO_BORDER, message, help_text)
+            self.known.say(found.line, NO_BORDER, message, found.help)
             return False
         for wish in wishes:
             blocks = self.calls.text(wish.event, wish.values, is_inch=found.state.is_inch)

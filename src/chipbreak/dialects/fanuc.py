@@ -136,6 +136,7 @@ FANUC_MILL = Dialect(
         distance={"G90": "absolute", "G91": "incremental"},
         feed_mode={"G93": "inverse", "G94": "minute", "G95": "rev"},
         return_level={"G98": "initial", "G99": "r-plane"},
+        arc_distance={"G90.1": "absolute", "G91.1": "incremental"},
         speed_mode={"G96": "surface", "G97": "rpm"},
         length_offset={"G49 G49.1": "off", "G43 G43.1 G43.4 G43.5 G44": "on"},
         rotation={"G69": "off", "G68 G68.2 G68.3": "on"},
@@ -153,6 +154,7 @@ FANUC_MILL = Dialect(
             "G22 G23 G25 G26 G27 G29 G37 G45 G46 G47 G48": "service",
             "G53.1": "tilt",
             "G7 G12 G13": "service",
+            "G103 G187": "tuning",  # Haas: how far it looks ahead, how smoothly it runs
         },
     ),
     initial=MappingProxyType(

@@ -51,7 +51,7 @@ _LOSES = {
     "thread-cycle": "a threading cycle moves the tool",
 }
 # Codes whose block gives its other words a meaning of their own: no axis motion, no vibration words.
-_READS_ALL = frozenset(_LOSES) - {"machine", "skip"} | {"dwell"}
+_READS_ALL = frozenset(_LOSES) - {"machine", "skip"} | {"dwell", "tuning"}
 _COORDINATE_GROUPS = ("work_offset", "rotation", "polar", "scaling", "mirror", "interpolation")
 _CENTRE_GROUPS = ("rotation", "scaling", "mirror")  # the axis words of their codes are a centre, no move
 _LOSES_NAMED_AXES = ("home", "machine", "skip")
