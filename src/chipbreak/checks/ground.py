@@ -50,6 +50,7 @@ class Ground:
         self._calls = [step.block.line for step in trace.events if calls_tool(step, tool_change)]
         self._doubts = list(_doubts(trace, subprograms))
         self._through = list(_through(trace))
+        self._turned = list(_turned(trace))
 
     def why_not(self, line: int, state: State) -> str:
         """Why nothing may be inserted before a line, or "" when its place and modes allow it."""
@@ -94,10 +95,12 @@ class Ground:
         for group, what in _AT_REST.items():
             if state.modes.get(group, "off") != "off":
                 return what
-        at = bisect_right(self._through, (line - 1, 1 << 62)) - 1
-        if at >= 0 and self._through[at][1]:
-            line = self._user_line(self._through[at][0])
-            return f"coolant through the spindle (M88, line {line}) is on: no M89 behind it"
+        turned, through = _last(self._turned, line), _last(self._through, line)
+        if turned is not None:
+            return f"the coordinate system is rotated (G10 with R, line {self._user_line(turned)})"
+        if through is not None:
+            where = self._user_line(through)
+            return f"coolant through the spindle (M88, line {where}) is on: no M89 behind it"
         if state.modes.get("path") == "tapping":
             return "tapping mode (G63) is on"
         if state.modes.get("look_ahead") and not self._looks_no_further(line):
@@ -114,6 +117,12 @@ class Ground:
 
     def _user_line(self, line: int) -> int:
         return self.trace.program.source.place(line).line
+
+
+def _last(switches: list[tuple[int, int]], line: int) -> int | None:
+    """The line before a line that switched something on, None where it is off."""
+    at = bisect_right(switches, (line - 1, 1 << 62)) - 1
+    return switches[at][0] if at >= 0 and switches[at][1] else None
 
 
 def _nests(trace: Trace) -> Iterator[tuple[int, int]]:
@@ -182,6 +191,16 @@ def _through(trace: Trace) -> Iterator[tuple[int, int]]:
             yield step.block.line, 1
         elif _THROUGH_OFF in codes or calls_tool(step, dialect.tool_change):
             yield step.block.line, 0
+
+
+def _turned(trace: Trace) -> Iterator[tuple[int, int]]:
+    """(line, whether LinuxCNC's ``G10 L2 P1 R45`` turns a work offset), wherever that is said."""
+    if not trace.settings.dialect.name.startswith("linuxcnc"):
+        return
+    for step in trace.events:
+        angle, kind = step.block.word("R"), step.block.word("L")
+        if "data-setting" in step.once and angle and kind and plain_value(kind) in (2.0, 20.0):
+            yield step.block.line, int(plain_value(angle) != 0.0)
 
 
 def _doubts(trace: Trace, subprograms: Subprograms) -> Iterator[tuple[int, dict[str, int]]]:
