@@ -1,4 +1,4 @@
-"""What the macros must not leave behind: another preselected tool, or the data of another tool."""
+"""What the macros must not leave behind (another preselected tool, the data of another tool), or run into."""
 
 from __future__ import annotations
 
@@ -62,6 +62,15 @@ def test_behind_a_chip_check_the_length_of_another_tool_does_not_count(stand: St
     assert stand.run(f"{data[1]}\n{CHECK.format(tool=1)}") == ""
 
 
+@pytest.mark.parametrize("pulled_mm", [0.5, 2.5, 8.0])
+def test_a_tool_that_the_cut_has_pulled_out_does_not_cross_the_beam(stand: Stand, pulled_mm: float) -> None:
+    """``run`` asserts that nothing but a skip move breaks it; on LinuxCNC such a move aborts the program."""
+    stand.calibrate()
+    assert stand.run(f"T1 M6\n{STRAIGHT.data(1)}\n{CHECK.format(tool=1)}\n{TRACE.format(tool=1)}") == ""
+    stand.change(STRAIGHT.real(length_mm=STRAIGHT.length_mm + 1.0 + pulled_mm))
+    assert stand.run("G65 P9813 T1 W0.02 Z4.") == ""
+
+
 @pytest.mark.linuxcnc("machine")
 def test_all_of_it_on_the_simulated_linuxcnc(tmp_path: Path) -> None:
     start = "M68 E0 Q0\no<cb_calibrate> call\nM68 E0 Q1\n"
@@ -75,18 +84,20 @@ def test_all_of_it_on_the_simulated_linuxcnc(tmp_path: Path) -> None:
         f"M68 E0 Q1\n{check[2]}\nM2\n",
         f"{start}{data[1]}\n{check[1]}\n{trace[1]}\n{data[2]}\n{check[2]}\n"
         f"o<cb_chip_check> call [1] [0.02]\n(debug, fine)\n{check[1]}\nM2\n",
+        f"{start}{data[1]}\n{check[1]}\n{trace[1]}\nM68 E0 Q2\no<cb_chip_check> call [1] [0.02]\nM2\n",
     ]
     expected = [
         [],
         ["100 TOOL 2 CALL LACKS A VALUE"],
         ["100 TOOL 2 CALL LACKS A VALUE"],
         ["100 TOOL 1 CALL LACKS A VALUE"],
+        [],
     ]
     assert SETTINGS.master_tool == BAR_NUMBER
     runs = laser.run_until(
         lambda runs: alarms(runs) == expected,
         ["\n".join(["", piece]).encode() for piece in pieces],
-        tools=[BAR, STRAIGHT.real()],
+        tools=[BAR, STRAIGHT.real(), STRAIGHT.real(length_mm=STRAIGHT.length_mm + 4.5)],
         beam=BEAM,
         subroutines=subroutines(replace(LC_SETTINGS, master_tool=3), tmp_path),
     )
