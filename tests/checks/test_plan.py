@@ -335,3 +335,11 @@ def test_behind_a_subprogram_it_is_the_call_that_is_in_the_way() -> None:
     data = f"{HEAD}T1 M6\nS1000 M3\n{called}{END}O1000\nG1 Z-1. F100.\nG0 Z15.\nM99\n"
     result = filtered(data.encode())
     assert "because a subprogram or a macro was called last" in only_code(result, "CHK002")
+
+
+def test_under_constant_surface_speed_s_of_a_check_would_be_no_speed_of_the_spindle() -> None:
+    g96 = visit(1, "ROUGH", "FINISH").replace("(FINISH)", "G96 S120\n(FINISH)")
+    result = run(visit(1, "ROUGH"), g96.replace("M5\n", "G97 S900\nM5\n"))
+    assert result.codes == []
+    result = run(visit(1, "ROUGH"), g96)
+    assert "constant surface speed (G96) is on" in only_code(result, "CHK002")

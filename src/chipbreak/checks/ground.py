@@ -95,6 +95,8 @@ class Ground:
         for group, what in _AT_REST.items():
             if state.modes.get(group, "off") != "off":
                 return what
+        if state.modes.get("speed_mode") == "surface" and self.trace.settings.dialect.name == "fanuc-mill":
+            return "constant surface speed (G96) is on: S of a check would be a speed of the edge"
         turned, through = _last(self._turned, line), _last(self._through, line)
         if turned is not None:
             return f"the coordinate system is rotated (G10 with R, line {self._user_line(turned)})"

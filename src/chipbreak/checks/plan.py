@@ -188,7 +188,7 @@ class _Planner:
         ends = [last + 1 for _, last in self.main.bodies if last < call]
         ends += [op.last_cut + 1 for op in self.operations if op.last_cut is not None and op.last_cut < call]
         first = max([self.main.first, *ends])
-        where = Range(first, call, call, at_start=first == self.main.first)
+        where = Range(first, call, call, at_start=not self.main.has_work(self.main.first, call))
         reason = "the beam is measured once a workpiece, before the first tool is called"
         if self.every > 1:
             reason += f"; the control counts, and checks every {self.every} workpieces"
