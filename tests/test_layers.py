@@ -135,6 +135,7 @@ checks
 checks.edges
 checks.effects
 checks.subprograms
+checks.doubts
 checks.ground
 checks.reliance
 checks.clearance

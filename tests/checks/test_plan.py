@@ -343,3 +343,57 @@ def test_under_constant_surface_speed_s_of_a_check_would_be_no_speed_of_the_spin
     assert result.codes == []
     result = run(visit(1, "ROUGH"), g96)
     assert "constant surface speed (G96) is on" in only_code(result, "CHK002")
+
+
+def maybe(before: str, inside: str, behind: str) -> str:
+    """A rough operation, something that may be left out, and a finish of the same tool."""
+    head = "G21 G90 G17\nT1 M6\nS1000 M3\nG0 X1. Y2.\nG43 Z15. H1\n(ROUGH)\nG1 Z-1. F100.\nG0 Z15.\n"
+    again = "G0 X1. Y2.\nS1000\n(FINISH)\nG0 X3. Y4.\nG0 Z5.\nG1 Z-1. F100.\nG0 Z15.\nM30\n"
+    return f"{head}{before}\n{inside}\n{behind}\nG1 X5. F100.\nG0 Z15.\n{again}"
+
+
+@pytest.mark.parametrize(
+    ("profile", "before", "behind"),
+    [
+        ("fanuc-mill", "IF [#1 EQ 0] GOTO 50", "N50"),
+        ("fanuc-mill", "WHILE [#1 LT 3] DO1", "END1"),
+        ("linuxcnc-mill", "o10 if [#1 EQ 0]", "o10 endif"),
+        ("linuxcnc-mill", "o10 repeat [#1]", "o10 endrepeat"),
+        ("linuxcnc-mill", "o10 while [#1 LT 3]", "o10 endwhile"),
+        ("linuxcnc-mill", "o10 if [#1 EQ 0]", "o10 else\nG4 P1\no10 endif"),
+    ],
+)
+@pytest.mark.parametrize(
+    ("inside", "what"), [("M8", "coolant"), ("M4", "the spindle"), ("G91", "distance"), ("G20", "units")]
+)
+def test_what_a_part_sets_that_may_be_left_out_is_not_put_back(
+    profile: str, before: str, behind: str, inside: str, what: str
+) -> None:
+    """M3 before a branch with M4 in it: behind the check the spindle would turn the wrong way."""
+    result = filtered(maybe(before, inside, behind).encode(), profile)
+    check(result)
+    assert "CHIP CHECK T1 W0.05" not in result.titles  # behind the finish
+    assert f"may or may not have set {what}" in "".join(d.message for d in result.diagnostics)
+
+
+@pytest.mark.parametrize(
+    ("profile", "before", "inside", "behind"),
+    [
+        ("fanuc-mill", "WHILE [#1 LT 3] DO1", "G91\nG1 X1.\nG90\nG0", "END1"),
+        ("fanuc-mill", "N50", "M8", "IF [#1 EQ 0] GOTO 50"),
+        ("linuxcnc-mill", "o10 repeat [3]", "M8", "o10 endrepeat"),
+        ("linuxcnc-mill", "o10 do", "M8", "o10 while [#1 LT 3]"),
+        ("linuxcnc-mill", "o10 if [#1 EQ 0]", "G91\nG1 X1.\nG90\nG0", "o10 endif"),
+    ],
+)
+def test_a_part_that_always_runs_or_leaves_all_as_it_was_is_in_nobodys_way(
+    profile: str, before: str, inside: str, behind: str
+) -> None:
+    result = filtered(maybe(before, inside, behind).encode(), profile)
+    check(result)
+    assert "CHIP CHECK T1 W0.05" in result.titles
+
+
+@pytest.mark.parametrize("opened", ["o10 if [#1 EQ 0]", "o10 while [#1 EQ 0]", "o10 do", "o10 repeat [2]"])
+def test_a_part_that_is_never_closed_is_no_trouble(opened: str) -> None:
+    check(filtered(maybe(opened, "M8", "G91").encode(), "linuxcnc-mill"))
