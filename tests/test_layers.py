@@ -31,6 +31,7 @@ dialects
 syntax
 syntax.numbers
 syntax.nodes
+syntax.variables
 syntax.grammar
 syntax.build
 syntax.shapes
@@ -134,6 +135,7 @@ checks
 checks.edges
 checks.effects
 checks.subprograms
+checks.doubts
 checks.ground
 checks.reliance
 checks.clearance
@@ -143,6 +145,7 @@ checks.calls
 checks.known
 checks.borders
 checks.limits
+checks.clashes
 checks.plan
 
 passes

@@ -100,7 +100,8 @@ def test_real_mill_programs_get_checks(corpus: list[Path]) -> None:
     without = [result for result in found if not result.edits]
     calls_none = [result for result in without if "CHK001" in result.codes]
     assert len(calls_none) >= 0.7 * len(without)
-    assert all("CHK002" in result.codes for result in without if result not in calls_none)
+    # No place, or no speed that is known: either is said.
+    assert all({"CHK002", "CHK003"} & set(r.codes) for r in without if r not in calls_none)
 
 
 def test_brackets_hold_nothing_but_insertions() -> None:
@@ -109,3 +110,47 @@ def test_brackets_hold_nothing_but_insertions() -> None:
     found = regions(read(result.output))
     assert [region.original for region in found] == [b""] * len(result.edits)
     assert b"\r\n" in result.output and result.output.count(b"\n") == result.output.count(b"\r\n")
+
+
+@pytest.mark.parametrize("code", ["G54.1", "G154"])
+def test_a_place_in_another_work_offset_is_not_gone_back_to(code: str) -> None:
+    """Y0 of the first offset is somewhere else in the second: there the check would have come down."""
+    program = (
+        f"G21 G90 {code} P1\nT1 M6\nS3000 M3\nG0 X0. Y0.\nG43 H1 Z20.\n(ROUGH)\n"
+        f"G98 G81 X10. Y0. Z-5. R2. F100.\n(FINISH)\n{code} P2\nG80 G0 X5.\nZ20.\n"
+        "G1 Z-1. F100.\nG0 Z20.\nM30\n"
+    )
+    result = filtered(program.encode())
+    check(result)
+    assert result.titles == ["CALIBRATE", "TOOL CHECK T1, TRACE T1", "CHIP CHECK T1 W0.05"]
+    assert result.codes == ["CHK002"]
+
+
+@pytest.mark.parametrize(
+    ("lead_out", "is_known"), [("G40", False), ("G1 G40 X0.", True), ("G40\nG0 Y1.", True)]
+)
+def test_where_compensation_ended_without_a_move_the_tool_stands_beside_its_numbers(
+    lead_out: str, is_known: bool
+) -> None:
+    program = (
+        "G21 G90 G17 G54\nT1 M6\nS3000 M3\nG0 X0. Y0.\nG43 H1 Z20.\n(ROUGH)\n"
+        f"G1 Z-1. F100.\nG41 D1 X9.\nY9.\n{lead_out}\nG0 Z20.\n(FINISH)\nG0 Z5.\nG1 Z-1.\nG0 Z20.\nM30\n"
+    )
+    result = filtered(program.encode())
+    check(result)
+    assert ("CHIP CHECK T1 W0.02" in result.titles) == is_known
+    assert ("CHK002" in result.codes) != is_known
+
+
+@pytest.mark.parametrize(("angle", "is_safe"), [("45", False), ("0", True)])
+def test_no_check_stands_in_a_work_offset_that_linuxcnc_has_turned(angle: str, is_safe: bool) -> None:
+    program = (
+        "G21 G90 G17\nT1 M6\nS3000 M3\nG0 X0 Y0\nG43 H1 Z20\n(ROUGH)\nG1 Z-1 F100\n"
+        "G83 X1 Z-2 R3 Q1\n(FINISH)\n"
+        f"G10 L2 P1 R{angle}\nG80\nG0 X0 Y0\nG0 Z5\nG1 Z-1\nG0 Z20\nM2\n"
+    )
+    result = filtered(program.encode(), "linuxcnc-mill")
+    check(result)
+    assert ("CHIP CHECK T1 W0.02" in result.titles) == is_safe
+    turned = [d for d in result.diagnostics if "rotated (G10 with R, line 10)" in d.message]
+    assert bool(turned) != is_safe

@@ -202,6 +202,42 @@ def only_code(result: Filtered, code: str) -> str:
     return f"{found.place.line}: {found.message}"
 
 
+OTHER_TOOL = "{skip}T2 M6\n{skip}S900 M3\n"
+WORK = "G0 X1. Y2.\nG43 Z15. H1\nG1 Z-1. F100.\nX9.\nG0 Z15.\n"
+
+
+@pytest.mark.parametrize(("skip", "limit"), [("", 0.05), ("/", 0.02)])
+def test_where_block_delete_leaves_the_other_tool_in_the_magazine_this_one_goes_on(
+    skip: str, limit: float
+) -> None:
+    """/T2 M6: with the switch on T1 finishes, and a chip that is no harm to roughing marks the part."""
+    call = OTHER_TOOL.format(skip=skip)
+    result = run(visit(1, "ROUGH").replace("M5\n", ""), call, f"(FINISH)\n{WORK}")
+    assert limits(result)[0] == f"CHIP CHECK T1 W{limit:g}"
+    reason = next(edit.reason for edit in result.edits if edit.title.startswith("CHIP CHECK T1"))
+    assert ("if block delete (/) leaves out the call of T2" in reason) == (skip == "/")
+
+
+def test_its_own_limit_goes_with_the_tool_that_may_go_on() -> None:
+    own = ("checks.w_mm.1=0.03", "checks.w_mm.2=0.01")
+    call = OTHER_TOOL.format(skip="/")
+    result = run(visit(1, "ROUGH").replace("M5\n", ""), call, f"(FINISH)\n{WORK}", options=own)
+    assert limits(result)[0] == "CHIP CHECK T1 W0.03"
+
+
+@pytest.mark.parametrize(("skip", "limit"), [("", 0.05), ("/", 0.02)])
+def test_an_operation_that_may_be_left_out_does_not_decide_alone(skip: str, limit: float) -> None:
+    optional = "".join(f"{skip}{line}\n" for line in WORK.splitlines())
+    result = run(visit(1, "ROUGH"), f"T1 M6\nS1000 M3\n(ROUGH 2)\n{optional}(FINISH)\n{WORK}")
+    assert limits(result)[0] == f"CHIP CHECK T1 W{limit:g}"
+
+
+@pytest.mark.parametrize(("jump", "limit"), [("", 0.05), ("/GOTO 100\n", 0.02)])
+def test_an_operation_that_a_jump_may_pass_by_does_not_decide_alone(jump: str, limit: float) -> None:
+    result = run(visit(1, "ROUGH"), f"{jump}T1 M6\nS1000 M3\n(ROUGH 2)\n{WORK}N100 (FINISH)\n{WORK}")
+    assert limits(result)[0] == f"CHIP CHECK T1 W{limit:g}"
+
+
 def test_no_tool_call() -> None:
     result = run("S1000 M3\nG0 Z5.\nG1 X5. F100.\n")
     assert result.edits == []
@@ -209,6 +245,9 @@ def test_no_tool_call() -> None:
     (waiting,) = run("T3\nS1000 M3\nG0 Z5.\nG1 X5. F100.\n").diagnostics
     assert waiting.code == "CHK001"
     assert "T in line 5 prepares a tool" in waiting.help
+    inside = f"{HEAD}M98 P2000\nS1000 M3\nG0 Z5.\nG1 X5. F100.\n{END}O2000\nT1 M6\nM99\n"
+    (elsewhere,) = [d for d in filtered(inside.encode()).diagnostics if d.code == "CHK001"]
+    assert elsewhere.help.endswith("the call in line 13 is not in the main program")
 
 
 def test_no_safe_border() -> None:
@@ -220,9 +259,23 @@ def test_no_safe_border() -> None:
 
 
 def test_no_speed_at_the_first_cut() -> None:
+    """TRACE takes the speed of TOOL CHECK, and the tool data that came with it: alone it would only alarm."""
     result = run(visit(1, "ADAPTIVE1", "FINISH", speed=""))
-    assert only_code(result, "CHK003").endswith("TOOL CHECK T1; the spindle speed of this cut is not known")
-    assert result.titles[:2] == ["CALIBRATE", "TRACE T1"]
+    assert result.codes == ["CHK003", "CHK003", "CHK004"]
+    said = [d.message for d in result.diagnostics]
+    assert said[0].endswith("TOOL CHECK T1; the spindle speed of this cut is not known")
+    assert said[1].endswith("TRACE T1; the spindle speed of this cut is not known")
+    assert result.titles == []
+    later = run(visit(1, "ADAPTIVE1", speed=""), visit(1, "FINISH"))
+    assert later.titles[:2] == ["CALIBRATE", "TOOL CHECK T1, TRACE T1"]
+
+
+def test_a_trace_that_counts_on_no_speed_stands_alone() -> None:
+    calls = 'calls.mine={trace="G65 P8500 T{tool}", chip_check="G65 P8501 T{tool}"}'
+    options = (calls, "checks.calls=mine")
+    result = run(visit(1, "ADAPTIVE1", "FINISH", speed=""), options=options)
+    assert result.titles[0] == "TRACE T1"
+    assert result.codes == []
 
 
 def test_no_shape_to_compare_with() -> None:
@@ -248,3 +301,99 @@ def test_a_tool_without_a_number() -> None:
     result = run("S1000 M3\nG0 X1. Y1.\nG0 Z1.\nG1 Z-1. F100.\nG0 Z50.\n", visit(1, "FACE1"))
     assert only_code(result, "CHK006").startswith("8: this operation cuts with a tool whose number")
     assert any(title.startswith("CHIP CHECK T1") for title in result.titles)
+
+
+def test_a_code_that_nobody_knows_may_have_switched_anything_until_a_tool_is_called() -> None:
+    """G254, Haas: from here on the machine works out the work offset from where the table stands."""
+    odd = visit(1, "ROUGH", "FINISH").replace("(FINISH)", "G254\n(FINISH)")
+    result = run(odd, visit(2, "ROUGH", "FINISH"))
+    assert "TOOL CHECK T2, TRACE T2" in result.titles
+    assert [title for title in result.titles if "T1" in title] == [
+        "TOOL CHECK T1, TRACE T1",
+        "CHIP CHECK T1 W0.02",  # the one before the code
+    ]
+    assert result.codes == ["CHK002"]
+    message = result.diagnostics[0].message
+    assert message.endswith("before it says G254, which this profile does not know")
+    assert result.diagnostics[0].help.startswith("call the tool again behind it")
+    assert run(odd.replace("G254\n", "G187 P3 E0.1\nG103 P1\n")).codes == []
+
+
+def test_coolant_through_the_spindle_must_be_off() -> None:
+    work = visit(1, "ROUGH", "FINISH").replace("S1000 M3\n", "S1000 M3\nM88\n")
+    result = run(work, visit(2, "FINISH"))
+    assert result.codes == ["CHK002", "CHK002"]
+    assert "coolant through the spindle (M88, line 7) is on" in result.diagnostics[0].message
+    assert "TOOL CHECK T2, TRACE T2" in result.titles
+    off = run(work.replace("(FINISH)", "M89\n(FINISH)"), visit(2, "FINISH"))
+    assert off.codes == []
+    assert "CHIP CHECK T1 W0.02" in off.titles
+
+
+def test_behind_a_subprogram_it_is_the_call_that_is_in_the_way() -> None:
+    called = "(ROUGH)\nG0 X1. Y2.\nG43 Z15. H1\nM98 P1000\n(FINISH)\nM98 P1000\nG0 Z15.\n"
+    data = f"{HEAD}T1 M6\nS1000 M3\n{called}{END}O1000\nG1 Z-1. F100.\nG0 Z15.\nM99\n"
+    result = filtered(data.encode())
+    assert "because a subprogram or a macro was called last" in only_code(result, "CHK002")
+
+
+def test_under_constant_surface_speed_s_of_a_check_would_be_no_speed_of_the_spindle() -> None:
+    g96 = visit(1, "ROUGH", "FINISH").replace("(FINISH)", "G96 S120\n(FINISH)")
+    result = run(visit(1, "ROUGH"), g96.replace("M5\n", "G97 S900\nM5\n"))
+    assert result.codes == []
+    result = run(visit(1, "ROUGH"), g96)
+    assert "constant surface speed (G96) is on" in only_code(result, "CHK002")
+
+
+def maybe(before: str, inside: str, behind: str) -> str:
+    """A rough operation, something that may be left out, and a finish of the same tool."""
+    head = "G21 G90 G17\nT1 M6\nS1000 M3\nG0 X1. Y2.\nG43 Z15. H1\n(ROUGH)\nG1 Z-1. F100.\nG0 Z15.\n"
+    again = "G0 X1. Y2.\nS1000\n(FINISH)\nG0 X3. Y4.\nG0 Z5.\nG1 Z-1. F100.\nG0 Z15.\nM30\n"
+    return f"{head}{before}\n{inside}\n{behind}\nG1 X5. F100.\nG0 Z15.\n{again}"
+
+
+@pytest.mark.parametrize(
+    ("profile", "before", "behind"),
+    [
+        ("fanuc-mill", "IF [#1 EQ 0] GOTO 50", "N50"),
+        ("fanuc-mill", "WHILE [#1 LT 3] DO1", "END1"),
+        ("linuxcnc-mill", "o10 if [#1 EQ 0]", "o10 endif"),
+        ("linuxcnc-mill", "o10 repeat [#1]", "o10 endrepeat"),
+        ("linuxcnc-mill", "o10 while [#1 LT 3]", "o10 endwhile"),
+        ("linuxcnc-mill", "o10 if [#1 EQ 0]", "o10 else\nG4 P1\no10 endif"),
+    ],
+)
+@pytest.mark.parametrize(
+    ("inside", "what"), [("M8", "coolant"), ("M4", "the spindle"), ("G91", "distance"), ("G20", "units")]
+)
+def test_what_a_part_sets_that_may_be_left_out_is_not_put_back(
+    profile: str, before: str, behind: str, inside: str, what: str
+) -> None:
+    """M3 before a branch with M4 in it: behind the check the spindle would turn the wrong way."""
+    result = filtered(maybe(before, inside, behind).encode(), profile)
+    check(result)
+    assert "CHIP CHECK T1 W0.05" not in result.titles  # behind the finish
+    assert f"may or may not have set {what}" in "".join(d.message for d in result.diagnostics)
+
+
+@pytest.mark.parametrize(
+    ("profile", "before", "inside", "behind"),
+    [
+        ("fanuc-mill", "WHILE [#1 LT 3] DO1", "G91\nG1 X1.\nG90\nG0", "END1"),
+        ("fanuc-mill", "N50", "M8", "IF [#1 EQ 0] GOTO 50"),
+        ("linuxcnc-mill", "o10 repeat [3]", "M8", "o10 endrepeat"),
+        ("linuxcnc-mill", "o10 do", "M8", "o10 while [#1 LT 3]"),
+        ("linuxcnc-mill", "o10 if [#1 EQ 0]", "G91\nG1 X1.\nG90\nG0", "o10 endif"),
+    ],
+)
+def test_a_part_that_always_runs_or_leaves_all_as_it_was_is_in_nobodys_way(
+    profile: str, before: str, inside: str, behind: str
+) -> None:
+    result = filtered(maybe(before, inside, behind).encode(), profile)
+    check(result)
+    assert "CHIP CHECK T1 W0.05" in result.titles
+
+
+@pytest.mark.parametrize("opened", ["o10 if [#1 EQ 0]", "o10 while [#1 EQ 0]", "o10 do", "o10 repeat [2]"])
+def test_a_part_that_is_never_closed_is_no_trouble(opened: str) -> None:
+    check(filtered(maybe(opened, "M8", "G91").encode(), "linuxcnc-mill"))

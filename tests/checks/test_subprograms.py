@@ -77,3 +77,16 @@ def test_o_words_too() -> None:
         refused = filtered((sub.format(body) + main).encode(), "linuxcnc-mill")
         check(refused)
         assert chip_checks(refused) == []
+
+
+def test_what_a_body_in_front_of_the_program_says_counts_where_it_is_called_only() -> None:
+    """LinuxCNC reads over ``o<mill> sub`` to its endsub: neither its G91 nor its M8 is in force behind it."""
+    body = "o<mill> sub\nG91\nM8\nG1 Z-1 F100\nG0 Z10\no<mill> endsub\n"
+    cut = "G0 Z10\nG1 Z-2 F100\nG0 Z10\n"
+    main = f"T1 M6\nS1000 M3\nG0 X0 Y0\n(ROUGH)\n{cut}(FINISH)\n{cut}M2\n"
+    result = filtered((body + main).encode(), "linuxcnc-mill")
+    check(result)
+    assert result.codes == []
+    assert result.titles[:2] == ["CALIBRATE", "TOOL CHECK T1, TRACE T1"]
+    written = [text for edit in result.edits for text in edit.content]
+    assert not {"G91", "M8", "M9"} & set(written)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import resources
 from pathlib import Path
 
 import click.testing
@@ -130,3 +131,13 @@ def test_no_line_is_longer_than_a_screen_and_every_line_is_read() -> None:
         assert max(map(len, lines)) <= 80, name
         assert lines[0] == lines[-1] == "%"
         assert not any(";" in line for line in lines), name  # the end of a block, even in a comment
+
+
+def test_then_stands_before_macro_statements_only() -> None:
+    """Many controls stop at ``IF [..] THEN F#148``: what follows THEN is an assignment."""
+    folder = resources.files("chipbreak") / "macros" / "fanuc"
+    files = [file for file in folder.iterdir() if file.name.endswith(".nc")]
+    lines = [line for file in files for line in file.read_text("ascii").splitlines()]
+    behind = [line.partition(" THEN ")[2] for line in lines if line.startswith("IF") and " THEN " in line]
+    assert behind
+    assert [text for text in behind if not text.startswith("#")] == []

@@ -228,6 +228,8 @@ TOOLS = {
     "T0101 - GROOVING TOOL": (None, None, None, None, None, "grooving tool"),
     "Tool Number : 4": (4, None, None, None, None, None),
     "DIA: 10": (None, 10.0, None, None, None, None),
+    "TOOL TYPE : BALLNOSED": (None, None, None, None, None, "ball end mill"),
+    "TOOL TYPE : TIP RADIUSED": (None, None, None, None, None, "bull nose end mill"),
     "TIP RADIUS: 1.5": (None, None, None, 1.5, None, None),
     "TC: 6MM Chamfer Mill": (None, 6.0, "mm", None, None, "chamfer mill"),
     '1-1/2" SHELL MILL': (None, 1.5, "in", None, None, "face mill"),

@@ -41,10 +41,11 @@ class Border(NamedTuple):
 
 
 class NoBorder(NamedTuple):
-    """Why there is none: what is wrong at the obvious line."""
+    """Why there is none: what is wrong at the obvious line, and what would help."""
 
     line: int
     why: str
+    help: str = "make a place for it: G0 to a known position, G40, G80, the spindle with S"
 
 
 class Range(NamedTuple):
@@ -62,10 +63,12 @@ class Range(NamedTuple):
 class _Spot(NamedTuple):
     """A line, the state before it, and what brought the tool there.
 
-    ``mover``   "nothing" yet, "rapid", "home" (or the machine's own tool change), or "cut" for all else
+    ``mover``   "nothing" yet, "rapid", "home" (or the machine's own tool change), "call" of
+                a subprogram or a macro, or "cut" for all else
     ``homed``   axes that the program sent to a fixed place where our own retract does not take them
     ``z_is_home``  the last move of Z was a reference return, which ends the length offset as ours does
     ``z_is_shifted``  the length offset changed after the last move of Z: its number says nothing now
+    ``is_displaced``  X and Y stand beside their numbers: G40 has ended cutter compensation without a move
     ``spindle_is_open``  M3 was active at a tool change; some machines stop the spindle there, some do not
     """
 
@@ -75,6 +78,7 @@ class _Spot(NamedTuple):
     homed: frozenset[str] = frozenset()
     z_is_home: bool = False
     z_is_shifted: bool = False
+    is_displaced: bool = False
     spindle_is_open: bool = False
 
 
@@ -112,7 +116,8 @@ class BorderFinder:
         last = min(where.last, where.obvious + REACH, self._end())
         if last < start:
             return []
-        spot = _Spot(start, self.trace.before(start), "nothing" if where.at_start else "cut")
+        before, mover = self.trace.before(start), "nothing" if where.at_start else "cut"
+        spot = _Spot(start, before, mover, is_displaced=_compensates(before))
         spots = [spot]
         for step in self.trace.steps(start, last):
             spot = self._behind(spot, step)
@@ -143,14 +148,16 @@ class BorderFinder:
         elif "home" in step.once or ("machine" in step.once and state.modes["motion"] == "rapid"):
             mover, homed = "home", homed | (named - self._reproducible(step))
         elif calls_subprogram(step) or "macro-call" in step.once or "service" in step.once:
-            mover = "cut"
+            mover = "call"
         elif step.move is not None:
             # A canned cycle ends with its own way out.
             rapid = step.move.kind == "rapid" or (state.modes["motion"] == "cycle" and not step.once)
             mover, homed = ("rapid" if rapid else "cut"), homed - named
             z_is_home = z_is_home and "Z" not in named
         z_is_home = z_is_home or ("home" in step.once and "Z" in named)
-        return _Spot(line, state, mover, homed, z_is_home, z_is_shifted, is_open)
+        in_plane = step.move is not None and bool(set("XY") & set(step.move.axes))
+        is_displaced = _compensates(state) or (spot.is_displaced and not in_plane and mover != "home")
+        return _Spot(line, state, mover, homed, z_is_home, z_is_shifted, is_displaced, is_open)
 
     def _reproducible(self, step: Step) -> set[str]:
         """Axes that our own retract takes to the same place: G28, or G53 to zero."""
@@ -162,6 +169,8 @@ class BorderFinder:
     def _judge(self, spot: _Spot) -> Border | NoBorder:
         state = spot.state
         why = self.ground.why_not(spot.line, state) or self._why_not(spot)
+        if why and why == self.ground.unreadable(spot.line):
+            return NoBorder(spot.line, why, "call the tool again behind it: from there on all is known")
         if why:
             return NoBorder(spot.line, why)
         is_on = state.modes.get("length_offset", "off") != "off"
@@ -186,6 +195,9 @@ class BorderFinder:
         if lost:
             why = f"the next blocks rely on where {lost[0]} stands, which nobody knows: {state.unknown_why}"
             return NoBorder(spot.line, why)
+        if spot.is_displaced and not self.dialect.is_lathe and axes & set("XY"):
+            why = "the next blocks rely on where X and Y stand, and G40 has ended compensation without a move"
+            return NoBorder(spot.line, why, "move X or Y in the block of G40 or behind it, in rapid")
         if "Z" in axes and spot.z_is_shifted:
             why = "the next blocks rely on where Z stands, and the length offset changed since it moved"
             return NoBorder(spot.line, why)
@@ -203,6 +215,8 @@ class BorderFinder:
         motion = spot.state.modes["motion"]
         if motion not in ("rapid", "none", "line", "cw", "ccw"):
             return "a cycle is still on"
+        if spot.mover == "call":
+            return "a subprogram or a macro was called last, and no rapid stands between"
         if spot.mover == "cut":
             return "the last move was a cut, not a rapid"
         if motion in ("cw", "ccw") or (motion == "line" and spot.mover != "home"):
@@ -234,6 +248,10 @@ class BorderFinder:
                 is_plain = codes[-1] in (430, 440)
                 return f"G{codes[-1] // 10} H{number}" if is_plain and number else None
         return None
+
+
+def _compensates(state: State) -> bool:
+    return state.modes.get("compensation", "off") != "off"
 
 
 def retract_blocks(settings: Settings) -> Iterable[str]:

@@ -115,14 +115,14 @@ class CallSet(NamedTuple):
         """True when a call uses a field."""
         return any(field in _fields(block) for block in self.blocks.get(event, ()))
 
-    def lacking(self, event: Event, values: CallValues) -> list[str]:
-        """The fields about the tool that a call uses and that have no value.
+    def counts_on(self, event: Event) -> tuple[Event, ...]:
+        """The events whose values a call needs: a TRACE counts on what the TOOL CHECK before it said."""
+        return (Event.TOOL_CHECK, event) if event is Event.TRACE else (event,)
 
-        A TRACE stands straight behind a TOOL CHECK and counts on what that one said about the tool.
-        """
+    def lacking(self, event: Event, values: CallValues) -> list[str]:
+        """The fields about the tool that a call uses and that have no value."""
         known = values.fields(is_inch=False)
-        events = (Event.TOOL_CHECK, event) if event is Event.TRACE else (event,)
-        blocks = [block for one in events for block in self.blocks.get(one, ())]
+        blocks = [block for one in self.counts_on(event) for block in self.blocks.get(one, ())]
         used = [field for block in blocks for field in _fields(block)]
         return [field for field in dict.fromkeys(used) if field in DATA_FIELDS and field not in known]
 

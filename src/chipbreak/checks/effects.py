@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from chipbreak.dialects.base import ONCE
+from chipbreak.model.modal import State
 from chipbreak.model.operations import calls_tool
 from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace
+
+_PARTS = {"the spindle": "spindle", "coolant": "coolant", "the tool": "tool"}
 
 
 def set_by(step: Step, trace: Trace) -> set[str]:
@@ -16,9 +20,19 @@ def set_by(step: Step, trace: Trace) -> set[str]:
     for word in step.block.words:
         if word.address == "G" and word.number is not None:
             code = dialect.g_codes.get(round(word.number * 10))
-            found |= {code.group} if code else set()
+            found |= {code.group} if code and code.group != ONCE else set()
         elif word.address == "M" and word.number is not None:
             found |= {name for name in ((spindle | coolant).get(word.number),) if name}
         elif word.address == "S":
             found.add("S")
     return found | ({"the tool"} if calls_tool(step, dialect.tool_change) else set())
+
+
+def differing(one: State, other: State) -> frozenset[str]:
+    """What is set otherwise in two states."""
+    groups = {
+        group for group in {**one.modes, **other.modes} if one.modes.get(group) != other.modes.get(group)
+    }
+    parts = {what for what, name in _PARTS.items() if getattr(one, name) != getattr(other, name)}
+    speeds = [state.speed and (state.speed.text, state.speed.value) for state in (one, other)]
+    return frozenset(groups | parts | ({"S"} if speeds[0] != speeds[1] else set()))

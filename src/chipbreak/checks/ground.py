@@ -1,22 +1,23 @@
 """Where in a program nothing may be inserted, whatever the modal state says.
 
-Loops, branches and jumps (nobody knows how often the place is passed), lines that could not be read, blocks
-with block delete whose effect still lasts, and look-ahead control.
+Loops, branches and jumps (nobody knows how often the place is passed), lines that could not be read, codes
+that nobody knows, blocks with block delete whose effect still lasts, and look-ahead control.
 """
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from collections.abc import Iterator
 
-from chipbreak.checks.effects import set_by
+from chipbreak.checks.doubts import doubts_of, jumps_of, nests_of, optional_parts
 from chipbreak.checks.subprograms import Subprograms
 from chipbreak.model.main_program import MainProgram
 from chipbreak.model.modal import State
 from chipbreak.model.operations import calls_tool
 from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace
-from chipbreak.model.words import codes_of
+from chipbreak.model.words import codes_of, plain_value
 
 # Modal groups that must be at rest, and what the user knows them as.
 _AT_REST = {
@@ -30,7 +31,8 @@ _AT_REST = {
     "mirror": "mirror image (G51.1) is on",
     "modal_macro": "a modal macro call (G66) is on",
 }
-_OPENERS = {"O-IF": "O-ENDIF", "O-REPEAT": "O-ENDREPEAT", "O-DO": "O-WHILE", "DO": "END"}
+# Coolant through the spindle: M9 does not end it, and this profile has no code that is sure to do so.
+_THROUGH_ON, _THROUGH_OFF = 88.0, 89.0
 
 
 class Ground:
@@ -39,28 +41,33 @@ class Ground:
     def __init__(self, trace: Trace, main: MainProgram) -> None:
         self.trace, self.main = trace, main
         tool_change = trace.settings.dialect.tool_change
-        self._nests = list(_nests(trace))
-        self._jumps = _jumps(trace)
+        self._nests = list(nests_of(trace))
+        self._jumps = jumps_of(trace)
         subprograms = Subprograms(trace)
         self._unknown = dict(_unknown(trace, subprograms))
         self._opaque = sorted(self._unknown)
         self._calls = [step.block.line for step in trace.events if calls_tool(step, tool_change)]
-        self._doubts = list(_doubts(trace, subprograms))
+        self._doubts = list(doubts_of(trace, subprograms, optional_parts(trace, self._nests, self._jumps)))
+        self._through = list(_through(trace))
+        self._turned = list(_turned(trace))
 
     def why_not(self, line: int, state: State) -> str:
         """Why nothing may be inserted before a line, or "" when its place and modes allow it."""
         if state.ended or not (self.main.has(line) or line == self.main.last):
             return "it stands in a subprogram or behind the end of the program"
-        if any(first < line <= last for first, last in self._nests):
+        if any(nest.first < line <= nest.last for nest in self._nests):
             return "it stands in a loop or a branch"
         if self._jumps and self._jumps[0] < line <= self._jumps[1]:
             return "a jump (GOTO) may pass it by, or come back to it"
         if self.trace.flow.in_contour(line):
             return "it stands inside the shape of a cycle"
-        return self._unreadable(line) or self._doubted(line) or self._not_at_rest(line, state)
+        return self.unreadable(line) or self._doubted(line) or self._not_at_rest(line, state)
 
-    def _unreadable(self, line: int) -> str:
-        """A tool call ends what an unreadable line or a call may have switched, as far as it matters here."""
+    def unreadable(self, line: int) -> str:
+        """What nobody knows the effect of, "" where all is known.
+
+        A tool call ends what an unreadable line or a call may have switched, as far as it matters here.
+        """
         at = bisect_right(self._calls, line - 1) - 1
         since = self._calls[at] if at >= 0 else self.main.first
         passed = bisect_right(self._opaque, line - 1) - 1
@@ -73,10 +80,16 @@ class Ground:
         at = bisect_right(self._doubts, line - 1, key=lambda doubt: doubt[0]) - 1
         for what, doubt in self._doubts[at][1].items() if at >= 0 else ():
             if what != "motion" or not self._moves_between(self._doubts[at][0], line):
-                is_skipped = bool(self.trace.program.block(doubt).skip)
-                who = "with block delete (/)" if is_skipped else "calls a subprogram, which"
-                return f"line {self._user_line(doubt)} {who} may or may not have set {what}"
+                return f"line {self._user_line(doubt)} {self._who(doubt)} may or may not have set {what}"
         return ""
+
+    def _who(self, line: int) -> str:
+        block = self.trace.program.block(line)
+        if block.skip:
+            return "with block delete (/)"
+        if (self._jumps and line == self._jumps[1]) or any(line == nest.last for nest in self._nests):
+            return "ends a loop, a branch or a jump, which"
+        return "calls a subprogram, which"
 
     def _moves_between(self, first: int, last: int) -> bool:
         program = self.trace.program
@@ -87,6 +100,14 @@ class Ground:
         for group, what in _AT_REST.items():
             if state.modes.get(group, "off") != "off":
                 return what
+        if state.modes.get("speed_mode") == "surface" and self.trace.settings.dialect.name == "fanuc-mill":
+            return "constant surface speed (G96) is on: S of a check would be a speed of the edge"
+        turned, through = _last(self._turned, line), _last(self._through, line)
+        if turned is not None:
+            return f"the coordinate system is rotated (G10 with R, line {self._user_line(turned)})"
+        if through is not None:
+            where = self._user_line(through)
+            return f"coolant through the spindle (M88, line {where}) is on: no M89 behind it"
         if state.modes.get("path") == "tapping":
             return "tapping mode (G63) is on"
         if state.modes.get("look_ahead") and not self._looks_no_further(line):
@@ -105,37 +126,23 @@ class Ground:
         return self.trace.program.source.place(line).line
 
 
-def _nests(trace: Trace) -> Iterator[tuple[int, int]]:
-    """[first, last] lines of loops and branches; one that is never closed runs to the end."""
-    opened: list[tuple[str, str, int]] = []
-    for step in trace.events:
-        for control in step.block.controls:
-            keyword, label, line = control.keyword, control.label, step.block.line
-            closes = bool(opened) and opened[-1][0] == keyword and opened[-1][1] in ("", label)
-            if closes:
-                yield opened.pop()[2], line
-            elif keyword in _OPENERS:
-                opened.append((_OPENERS[keyword], label if keyword == "O-DO" else "", line))
-            elif keyword == "O-WHILE":
-                opened.append(("O-ENDWHILE", "", line))
-    for _, _, line in opened:
-        yield line, trace.program.source.body.stop
-
-
-def _jumps(trace: Trace) -> tuple[int, int] | None:
-    """From the first to the last line that a jump leaves or reaches."""
-    lines = [s.block.line for s in trace.events if any(c.keyword == "GOTO" for c in s.block.controls)]
-    if not lines:
-        return None
-    lines += trace.flow.targets
-    return min(lines), max(lines)
+def _last(switches: list[tuple[int, int]], line: int) -> int | None:
+    """The line before a line that switched something on, None where it is off."""
+    at = bisect_right(switches, (line - 1, 1 << 62)) - 1
+    return switches[at][0] if at >= 0 and switches[at][1] else None
 
 
 def _unknown(trace: Trace, subprograms: Subprograms) -> Iterator[tuple[int, str]]:
     """(line, why) wherever nobody knows what was left in force."""
     for step in trace.events:
+        unknown_code = _unknown_code(step, trace)
         if step.block.opaque:
             yield step.block.line, "line {line} before it cannot be read"
+        elif unknown_code:
+            yield (
+                step.block.line,
+                f"line {{line}} before it says {unknown_code}, which this profile does not know",
+            )
         elif subprograms.changes(step) is None:
             what = "calls tools" if subprograms.call_tools(step) else "is not in this file"
             yield (
@@ -144,26 +151,34 @@ def _unknown(trace: Trace, subprograms: Subprograms) -> Iterator[tuple[int, str]
             )
 
 
-def _doubts(trace: Trace, subprograms: Subprograms) -> Iterator[tuple[int, dict[str, int]]]:
-    """(line, what block delete or a subprogram left open there -> the line that did), wherever it changes."""
-    open_now: dict[str, int] = {}
+def _unknown_code(step: Step, trace: Trace) -> str:
+    """A G code that may have switched anything, "" where there is none."""
+    for word in step.block.words:
+        if word.address == "G":
+            value = plain_value(word)
+            if math.isnan(value) or round(value * 10) not in trace.settings.dialect.g_codes:
+                return step.block.text[word.start : word.end]
+    return ""
+
+
+def _through(trace: Trace) -> Iterator[tuple[int, int]]:
+    """(line, whether coolant runs through the spindle behind it), wherever that is said."""
+    dialect = trace.settings.dialect
+    if dialect.is_lathe or dialect.tool_change != "M6":
+        return
     for step in trace.events:
-        changed = _changed(step) | (subprograms.changes(step) or frozenset())
-        before = dict(open_now)
-        if step.block.skip or subprograms.changes(step):
-            open_now |= dict.fromkeys(changed, step.block.line)
-        elif open_now:
-            for what in set_by(step, trace):
-                open_now.pop(what, None)
-        if open_now != before:
-            yield step.block.line, dict(open_now)
+        codes = {word.number for word in step.block.words if word.address == "M"}
+        if _THROUGH_ON in codes:
+            yield step.block.line, 1
+        elif _THROUGH_OFF in codes or calls_tool(step, dialect.tool_change):
+            yield step.block.line, 0
 
 
-def _changed(step: Step) -> set[str]:
-    """What a block changed that an insertion has to know."""
-    one, other = step.before, step.after
-    if not step.block.skip:
-        return set()
-    changed = {group for group in other.modes if one.modes.get(group) != other.modes[group]}
-    parts = {"the spindle": "spindle", "coolant": "coolant", "S": "speed", "the tool": "tool"}
-    return changed | {what for what, name in parts.items() if getattr(one, name) != getattr(other, name)}
+def _turned(trace: Trace) -> Iterator[tuple[int, int]]:
+    """(line, whether LinuxCNC's ``G10 L2 P1 R45`` turns a work offset), wherever that is said."""
+    if not trace.settings.dialect.name.startswith("linuxcnc"):
+        return
+    for step in trace.events:
+        angle, kind = step.block.word("R"), step.block.word("L")
+        if "data-setting" in step.once and angle and kind and plain_value(kind) in (2.0, 20.0):
+            yield step.block.line, int(plain_value(angle) != 0.0)

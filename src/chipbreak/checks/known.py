@@ -12,8 +12,9 @@ from chipbreak.tools.needs import not_given
 
 NO_BORDER, NO_SPEED, NO_SHAPE = "CHK002", "CHK003", "CHK004"
 NOT_LOOKED_AT, WHICH_TOOL, LEFT_TO_CONTROL = "CHK005", "CHK006", "CHK007"
+SHARED_VARIABLE = "CHK009"
 # A check that is left out; a strict profile makes an error of it.
-_LEFT_OUT = (NO_BORDER, NO_SPEED, NO_SHAPE, WHICH_TOOL)
+_LEFT_OUT = (NO_BORDER, NO_SPEED, NO_SHAPE, WHICH_TOOL, SHARED_VARIABLE)
 
 
 class Known:
@@ -28,9 +29,11 @@ class Known:
         """True when the set has such a call, and all it says about the tool and its speed is known."""
         if not self.calls.has(event):
             return False
-        if values.speed_rpm is None and self.calls.needs(event, "speed_rpm"):
+        needs_speed = any(self.calls.needs(one, "speed_rpm") for one in self.calls.counts_on(event))
+        if values.speed_rpm is None and needs_speed:
             message = f"left out: {event.title} T{values.tool}; the spindle speed of this cut is not known"
-            self.say(first_cut, NO_SPEED, message, "give S and M3 or M4 before the cut")
+            help_text = "give S and M3 or M4 before the cut, behind any block that a jump or a loop reaches"
+            self.say(first_cut, NO_SPEED, message, help_text)
             return False
         lacking = self.calls.lacking(event, values)
         left_to_control = self.checks.missing == "control" and self.calls.text(event, values, is_inch=False)

@@ -1,11 +1,18 @@
-"""W, the limit of an edge check: it depends on what the tool does next."""
+"""W, the limit of an edge check: it depends on what the tool does next.
+
+Block delete (/) and jumps may leave out the next operation, or the call of another tool, so there may be
+several that come next; the one that asks most of the edge decides.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from chipbreak.model.kinds import Kind
 from chipbreak.model.operations import Operation
+from chipbreak.model.trace import Trace
 from chipbreak.settings.sections import Settings
 
 
@@ -31,3 +38,77 @@ def limit_before(operation: Operation, settings: Settings, when: str) -> Limit:
         return Limit(checks.w_finish_mm, f"{what}: W {checks.w_finish_mm:g} mm", kind)
     stricter_mm = min(checks.w_rough_mm, checks.w_finish_mm)
     return Limit(stricter_mm, f"{what}: neither rough nor finish, so the stricter W {stricter_mm:g} mm", kind)
+
+
+class Uses:
+    """What the tools of a program do one after the other."""
+
+    def __init__(self, operations: Sequence[Operation], trace: Trace) -> None:
+        self._operations, self._program = operations, trace.program
+        self._jumps = [
+            s.block.line for s in trace.events if any(c.keyword == "GOTO" for c in s.block.controls)
+        ]
+        self.cutting = [op for op in operations if op.cuts and op.kind is not Kind.PROBE]
+        self.of_tool: dict[int | None, list[Operation]] = {}
+        for operation in self.cutting:
+            self.of_tool.setdefault(operation.tool, []).append(operation)
+
+    def limit_behind(self, operation: Operation, settings: Settings) -> Limit | None:
+        """W of the check behind an operation, None where the profile wants none."""
+        tool = operation.tool
+        limits = [limit_before(one, settings, when) for one, when in self._next(operation)]
+        if not limits or self._may_be_last(operation):
+            last = self._limit_of_last_use(tool, settings)
+            limits += [last] if last else []
+        return min(limits, key=lambda limit: limit.w_mm, default=None)
+
+    def _next(self, operation: Operation) -> Iterator[tuple[Operation, str]]:
+        """What the tool may do next, and how to say so."""
+        assert operation.last_cut is not None
+        tool, left_in = operation.tool, ""
+        is_left_in = True
+        last = self.of_tool[tool][-1].index
+        for later in self._operations[operation.index + 1 :]:
+            if later.index > last and not is_left_in:
+                return
+            calls = later.call_line is not None
+            if calls and later.tool != tool:
+                is_left_in = is_left_in and self._may_be_left_out(later.call_line)
+                left_in = f", if block delete (/) leaves out the call of T{later.tool}"
+            if later.first_cut is None or later.kind is Kind.PROBE:
+                continue
+            if later.tool == tool:
+                yield later, f"T{tool} is used next for"
+                if not self._may_be_passed_by(operation.last_cut, later):
+                    return
+            elif is_left_in:
+                yield replace(later, tool=tool), f"T{tool} may be used next{left_in}, for"
+                is_left_in = self._may_be_passed_by(operation.last_cut, later)
+
+    def _may_be_last(self, operation: Operation) -> bool:
+        """True when nothing behind an operation is sure to be cut with its tool."""
+        assert operation.last_cut is not None
+        for later in reversed(self.of_tool[operation.tool]):
+            if later.index <= operation.index:
+                break
+            if not self._may_be_passed_by(operation.last_cut, later):
+                return False
+        return True
+
+    def _may_be_left_out(self, line: int | None) -> bool:
+        return line is not None and bool(self._program.block(line).skip)
+
+    def _may_be_passed_by(self, last_cut: int, later: Operation) -> bool:
+        """True when block delete or a jump behind a cut may leave out an operation, or give it to another."""
+        jumps = any(last_cut < line < (later.first_cut or 0) for line in self._jumps)
+        return jumps or self._may_be_left_out(later.first_cut) or self._may_be_left_out(later.call_line)
+
+    def _limit_of_last_use(self, tool: int | None, settings: Settings) -> Limit | None:
+        policy = settings.checks.last_use
+        if policy == "none":
+            return None
+        if policy == "next-part":
+            when = f"last use of T{tool}; the next workpiece starts with"
+            return limit_before(self.of_tool[tool][0], settings, when)
+        assert isinstance(policy, float)
+        return Limit(policy, f"last use of T{tool}: checks.last_use gives W {policy:g} mm", Kind.UNKNOWN)

@@ -11,18 +11,25 @@ the program: wear adds up, and a new reference at every call would hide it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import groupby, pairwise
+from itertools import groupby
 from typing import NamedTuple
 
 from chipbreak.checks.borders import Border, BorderFinder, NoBorder, Range
 from chipbreak.checks.calls import CallSet, CallValues, Event, calls_of
+from chipbreak.checks.clashes import clash_of
 from chipbreak.checks.ground import Ground
-from chipbreak.checks.known import NO_BORDER, NO_SHAPE, NOT_LOOKED_AT, WHICH_TOOL, Known
-from chipbreak.checks.limits import Limit, limit_before
+from chipbreak.checks.known import (
+    NO_BORDER,
+    NO_SHAPE,
+    NOT_LOOKED_AT,
+    SHARED_VARIABLE,
+    WHICH_TOOL,
+    Known,
+)
+from chipbreak.checks.limits import Uses, limit_before
 from chipbreak.diagnostics import Diagnostic
-from chipbreak.model.kinds import Kind
 from chipbreak.model.main_program import MainProgram
-from chipbreak.model.operations import Operation
+from chipbreak.model.operations import Operation, calls_tool
 from chipbreak.model.trace import Trace
 from chipbreak.settings.sections import Settings
 from chipbreak.tools.merge import ToolTable
@@ -52,6 +59,11 @@ def plan_checks(
     """
     planner = _Planner(operations, trace, main, settings, tools)
     planner.run()
+    clash = clash_of(trace.program, settings) if planner.planned else None
+    if clash is not None:
+        known = Known(trace.program, settings.checks, planner.calls, tools)
+        known.say(clash.line, SHARED_VARIABLE, clash.message, clash.help)
+        return [], known.diagnostics
     return planner.planned, planner.known.diagnostics
 
 
@@ -91,11 +103,7 @@ class _Planner:
         self.finder = BorderFinder(trace, Ground(trace, self.main), calls_end_offset=self.calls.ends_offset)
         # How many workpieces a check is for; the control counts them where the beam is measured.
         self.every = self.checks.every
-        self.cutting = [op for op in operations if op.cuts and op.kind is not Kind.PROBE]
-        self.uses: dict[int | None, list[Operation]] = {}
-        for operation in self.cutting:
-            self.uses.setdefault(operation.tool, []).append(operation)
-        self.next_use = {one.index: other for uses in self.uses.values() for one, other in pairwise(uses)}
+        self.uses = Uses(operations, trace)
         self.call_lines: list[int | None] = []  # of each operation: where its tool was called
         for operation in operations:
             before = self.call_lines[-1] if self.call_lines else None
@@ -110,7 +118,7 @@ class _Planner:
         """Plan visit by visit: what a tool does between its call and the next one."""
         self._say_what_is_left_out()
         is_calibrated = False
-        for call, group in groupby(self.cutting, lambda op: self.call_lines[op.index]):
+        for call, group in groupby(self.uses.cutting, lambda op: self.call_lines[op.index]):
             visit = list(group)
             tool = visit[0].tool
             if tool is None or call is None or not self._is_wanted(tool):
@@ -138,31 +146,40 @@ class _Planner:
         called = any(op.call_line is not None for op in self.operations)
         if not called:
             message = "no tool is called in the main program, so there is nothing to check"
-            help_text = "a check needs the tool's number from its call"
-            prepared = next((step.block.line for step in self.trace.events if step.block.word("T")), None)
-            if prepared is not None and self.trace.settings.dialect.tool_change == "M6":
-                where = self.trace.program.source.place(prepared).line
-                help_text += f": T in line {where} prepares a tool, and M6 would bring it into the spindle"
+            help_text = f"a check needs the tool's number from its call{self._where_tools_are()}"
             self.known.say(self.main.first, NO_TOOL_CALL, message, help_text)
-        elif None in self.uses:
+        elif None in self.uses.of_tool:
             message = "this operation cuts with a tool whose number cannot be known; it is not checked"
-            line = self.uses[None][0].first_cut or 0
+            line = self.uses.of_tool[None][0].first_cut or 0
             self.known.say(line, WHICH_TOOL, message, "call the tool with its number before it cuts")
-        elif not self.cutting:
+        elif not self.uses.cutting:
             self.known.say(
                 self.main.first, NOT_LOOKED_AT, "no tool that is called here cuts, so none is checked"
             )
-        for tool in self.uses:
+        for tool in self.uses.of_tool:
             sister = self._sister(tool) if tool is not None else 0
-            if sister and sister in self.uses:
+            if sister and sister in self.uses.of_tool:
                 message = f"T{sister} is the sister of T{tool}, and this program cuts with it as well"
-                line = self.uses[sister][0].first_cut or 0
+                line = self.uses.of_tool[sister][0].first_cut or 0
                 self.known.say(
                     line, SISTER_IS_CALLED, message, "keep a sister for the tool whose place it takes"
                 )
         if self.main.behind is not None:
             message = "another program or a subprogram starts behind the end; its tools are not checked"
             self.known.say(self.main.behind, NOT_LOOKED_AT, message)
+
+    def _where_tools_are(self) -> str:
+        """Of a program that calls no tool: a call in a subprogram, or a T without its M6."""
+        events, tool_change = self.trace.events, self.settings.dialect.tool_change
+        place = self.trace.program.source.place
+        inside = next((step.block.line for step in events if calls_tool(step, tool_change)), None)
+        if inside is not None:
+            return f", and the call in line {place(inside).line} is not in the main program"
+        calls = (step for step in events if step.block.word("T") and "macro-call" not in step.once)
+        prepared = next((step.block.line for step in calls), None)
+        if prepared is None or tool_change != "M6":
+            return ""
+        return f": T in line {place(prepared).line} prepares a tool, and M6 would bring it into the spindle"
 
     def _calibrate(self, call: int) -> None:
         """Straight before the first tool call: behind it the master bar would have to change places."""
@@ -171,7 +188,7 @@ class _Planner:
         ends = [last + 1 for _, last in self.main.bodies if last < call]
         ends += [op.last_cut + 1 for op in self.operations if op.last_cut is not None and op.last_cut < call]
         first = max([self.main.first, *ends])
-        where = Range(first, call, call, at_start=first == self.main.first)
+        where = Range(first, call, call, at_start=not self.main.has_work(self.main.first, call))
         reason = "the beam is measured once a workpiece, before the first tool is called"
         if self.every > 1:
             reason += f"; the control counts, and checks every {self.every} workpieces"
@@ -208,7 +225,7 @@ class _Planner:
 
     def _check_chips(self, operation: Operation, tool: int) -> None:
         """CHIP CHECK at the end of an operation, with the limit of what the tool does next."""
-        limit = self._limit(operation, tool) if self.calls.has(Event.CHIP_CHECK) else None
+        limit = self.uses.limit_behind(operation, self.settings) if self.calls.has(Event.CHIP_CHECK) else None
         if limit is None:
             return
         assert operation.last_cut is not None
@@ -234,18 +251,6 @@ class _Planner:
         where = Range(operation.last_cut + 1, operation.last_line, self._last_place_behind(operation))
         self._place(where, _Wish(Event.CHIP_CHECK, values, limit.reason))
 
-    def _limit(self, operation: Operation, tool: int) -> Limit | None:
-        if operation.index in self.next_use:
-            return limit_before(self.next_use[operation.index], self.settings, f"T{tool} is used next for")
-        policy = self.checks.last_use
-        if policy == "none":
-            return None
-        if policy == "next-part":
-            when = f"last use of T{tool}; the next workpiece starts with"
-            return limit_before(self.uses[tool][0], self.settings, when)
-        assert isinstance(policy, float)
-        return Limit(policy, f"last use of T{tool}: checks.last_use gives W {policy:g} mm", Kind.UNKNOWN)
-
     def _last_place_behind(self, operation: Operation) -> int:
         """The line of the next tool call or the next cut."""
         for later in self.operations[operation.index + 1 :]:
@@ -260,8 +265,7 @@ class _Planner:
         if isinstance(found, NoBorder):
             titles = ", ".join(wish.title for wish in wishes)
             message = f"left out: {titles}; nothing can be inserted here, because {found.why}"
-            help_text = "make a place for it: G0 to a known position, G40, G80, the spindle with S"
-            self.known.say(found.line, NO_BORDER, message, help_text)
+            self.known.say(found.line, NO_BORDER, message, found.help)
             return False
         for wish in wishes:
             blocks = self.calls.text(wish.event, wish.values, is_inch=found.state.is_inch)

@@ -23,7 +23,7 @@ from chipbreak.settings.sections import Settings
 
 # Who has not come to a decision after this many blocks relies on everything.
 HORIZON = 400
-_HARMLESS = frozenset({"dwell", "exact-stop", "data-setting", "data-setting-end", "shift"})
+_HARMLESS = frozenset({"dwell", "exact-stop", "tuning", "data-setting", "data-setting-end", "shift"})
 # Where these are on, a word of one axis moves another.
 _BENT = ("rotation", "polar", "interpolation", "cylinder", "mirror", "scaling", "modal_macro")
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from chipbreak.checks.effects import set_by
+from chipbreak.checks.effects import differing, set_by
 from chipbreak.model.flow import Flow
 from chipbreak.model.interpret import Interpreter
 from chipbreak.model.main_program import calls_subprogram
@@ -23,7 +23,6 @@ _ONE_PROGRAM = 10_000  # P51234 calls O1234 five times
 # Longer ones are whole programs: nobody waits for them to be followed at each call.
 _LONGEST = 5_000
 _Key = str | int
-_PARTS = {"the spindle": "spindle", "coolant": "coolant", "the tool": "tool"}
 
 
 class _Return(NamedTuple):
@@ -48,7 +47,7 @@ class Subprograms:
         line = step.block.line
         if line not in self._seen:
             end = self._behind(step, ())
-            self._seen[line] = end and _differing(step.after, end.state) | end.perhaps
+            self._seen[line] = end and differing(step.after, end.state) | end.perhaps
         return self._seen[line]
 
     def call_tools(self, step: Step) -> bool:
@@ -99,18 +98,9 @@ class Subprograms:
                 return None
             branches = any(control.keyword != "O-CALL" for control in step.block.controls)
             is_straight = is_straight and not branches and not step.block.skip
-            perhaps |= set_by(step, self.trace) | _differing(state, step.after) | end.perhaps
+            perhaps |= set_by(step, self.trace) | differing(state, step.after) | end.perhaps
             state = end.state
         return _Return(state, frozenset() if is_straight else frozenset(perhaps))
-
-
-def _differing(one: State, other: State) -> frozenset[str]:
-    groups = {
-        group for group in {**one.modes, **other.modes} if one.modes.get(group) != other.modes.get(group)
-    }
-    parts = {what for what, name in _PARTS.items() if getattr(one, name) != getattr(other, name)}
-    speeds = [state.speed and (state.speed.text, state.speed.value) for state in (one, other)]
-    return frozenset(groups | parts | ({"S"} if speeds[0] != speeds[1] else set()))
 
 
 def _called(step: Step) -> Iterator[_Key]:

@@ -76,14 +76,16 @@ class Dialect(NamedTuple):
         """The G code that sets a modal group, such as ``G95`` for feed_mode, rev.
 
         Of several it is the one nearest in number to ``like``, codes (times ten) of the same program: one
-        that says G98 wants G99 and not G95.  Raises KeyError where the control has none.
+        that says G98 wants G99 and not G95.  Words behind the code stand in the value (``G54.1 P3``).  Raises
+        KeyError where the control has none.
         """
+        value, *words = value.split(" ")
         numbers = [number for number, code in self.g_codes.items() if code == (group, value)]
         if not numbers:
             raise KeyError(f"{group} {value}")
         number = min(numbers, key=lambda n: min((abs(n - other) for other in like), default=0))
         whole, tenth = divmod(number, 10)
-        return f"G{whole}.{tenth}" if tenth else f"G{whole}"
+        return " ".join([f"G{whole}.{tenth}" if tenth else f"G{whole}", *words])
 
     def can(self, group: str, value: str) -> bool:
         """True when the control has a code for this."""

@@ -136,6 +136,7 @@ FANUC_MILL = Dialect(
         distance={"G90": "absolute", "G91": "incremental"},
         feed_mode={"G93": "inverse", "G94": "minute", "G95": "rev"},
         return_level={"G98": "initial", "G99": "r-plane"},
+        arc_distance={"G90.1": "absolute", "G91.1": "incremental"},
         speed_mode={"G96": "surface", "G97": "rpm"},
         length_offset={"G49 G49.1": "off", "G43 G43.1 G43.4 G43.5 G44": "on"},
         rotation={"G69": "off", "G68 G68.2 G68.3": "on"},
@@ -145,12 +146,15 @@ FANUC_MILL = Dialect(
         interpolation={"G13.1": "off", "G12.1": "on"},
         path={"G61": "exact-stop", "G62": "corner", "G63": "tapping", "G64": "blend"},
         modal_macro={"G67": "off", "G66 G66.1": "on"},
+        # The further offsets of Haas: G154 P1 to P99, of which G110 to G129 are older names.
+        work_offset={"G154": "G154"} | {f"G{n}": f"G{n}" for n in range(110, 130) if n not in (112, 113)},
         look_ahead={"G5 G5.1 G5.3": "switched", "G8": "switched"},
         once={
             "G92 G92.1": "set-position",
             "G22 G23 G25 G26 G27 G29 G37 G45 G46 G47 G48": "service",
             "G53.1": "tilt",
             "G7 G12 G13": "service",
+            "G103 G187": "tuning",  # Haas: how far it looks ahead, how smoothly it runs
         },
     ),
     initial=MappingProxyType(

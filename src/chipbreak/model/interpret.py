@@ -17,7 +17,15 @@ from chipbreak.model.motion import move_of
 from chipbreak.model.peripheral import peripheral_of
 from chipbreak.model.requests import vibration_words
 from chipbreak.model.steps import CUTTING, Move, Step
-from chipbreak.model.words import JUMPED, codes_of, cylinder_of, feed_value, plain_value, surface_limit
+from chipbreak.model.words import (
+    JUMPED,
+    codes_of,
+    cylinder_of,
+    feed_value,
+    offset_of,
+    plain_value,
+    surface_limit,
+)
 from chipbreak.settings.axis_words import AXES, CENTRES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
@@ -25,25 +33,8 @@ from chipbreak.syntax.nodes import Block, Word
 _SPINDLE = {3: "cw", 4: "ccw", 5: "stop", 19: "stop"}
 _ENDS = (2, 30, 99)
 _CALLS = (97, 98, 198)
-# Codes whose block gives its other words a meaning of their own: no axis motion, no vibration words.
 Words = tuple[Word, ...]
 _MODES_WITH_WORDS = frozenset({"path", "look_ahead"})  # P, Q and R beside G64 or G5.1 are theirs
-_READS_ALL = frozenset(
-    {
-        "dwell",
-        "data-setting",
-        "macro-call",
-        "service",
-        "set-position",
-        "shift",
-        "rough-cycle",
-        "finish-cycle",
-        "peck-cycle",
-        "thread-cycle",
-        "home",
-        "tilt",
-    }
-)
 _LOSES = {
     "home": "a reference return (G28, G30) leaves the program's coordinates",
     "machine": "G53 moves in machine coordinates",
@@ -59,6 +50,8 @@ _LOSES = {
     "peck-cycle": "a pecking cycle moves the tool",
     "thread-cycle": "a threading cycle moves the tool",
 }
+# Codes whose block gives its other words a meaning of their own: no axis motion, no vibration words.
+_READS_ALL = frozenset(_LOSES) - {"machine", "skip"} | {"dwell", "tuning"}
 _COORDINATE_GROUPS = ("work_offset", "rotation", "polar", "scaling", "mirror", "interpolation")
 _CENTRE_GROUPS = ("rotation", "scaling", "mirror")  # the axis words of their codes are a centre, no move
 _LOSES_NAMED_AXES = ("home", "machine", "skip")
@@ -131,6 +124,7 @@ class Interpreter:
         if not has_centre:
             after, move = self._motion(after, block, once, unknown)
         after = self._flow_of_control(after, block)
+        mode_words += "P" if " P" in changes.get("work_offset", "") else ""
         seen = (*vibration, *(w for w in block.words if w.address in mode_words))
         unread = () if reads_all or has_centre or block.has_macro else self._unread(block, seen, after, move)
         return Step(block, state, after, move, once, vibration, unread)
@@ -153,6 +147,8 @@ class Interpreter:
                 changes[code.group] = code.value
         if "cylinder" in changes:
             changes["cylinder"] = cylinder_of(block)
+        if "work_offset" in changes:
+            changes["work_offset"] = offset_of(block, changes["work_offset"])
         return changes, frozenset(once), unknown
 
     def _values(
@@ -188,7 +184,8 @@ class Interpreter:
             elif word.address == "S":
                 setting = Setting(plain_value(word), word.value_text, block.line)
                 after = after._replace(speed_limit=setting) if limits else after._replace(speed=setting)
-        if any(modes.get(group, "off") != state.modes.get(group, "off") for group in _COORDINATE_GROUPS):
+        worked_out = "work_offset" in changes and block.has_macro
+        if worked_out or any(modes.get(g, "off") != state.modes.get(g, "off") for g in _COORDINATE_GROUPS):
             after = after.lost("the coordinate system changed")
         if changes.get("length_offset") == "on":
             after = after._replace(position=after.position._replace(z=math.nan))

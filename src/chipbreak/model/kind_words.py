@@ -208,8 +208,8 @@ NOT_A_TITLE: Final = LazyPattern(
 # first of the table at the same place.
 TOOL_TYPES: Final = (
     ("flat end mill", r"FLAT[\s-]*END[\s-]*MILL|SCHAFTFR\S{0,3}SER"),
-    ("ball end mill", r"END_?MILL_SPHER|BALL[\s-]*(?:NOSE|(?:END[\s-]*)?MILL)|KUGELFR\S{0,3}SER"),
-    ("bull nose end mill", r"BULL[\s-]*(?:NOSE[\s-]*)?(?:END[\s-]*)?MILL|BULL[\s-]*NOSE"),
+    ("ball end mill", r"END_?MILL_SPHER|BALL[\s-]*(?:NOSED?|(?:END[\s-]*)?MILL)|KUGELFR\S{0,3}SER"),
+    ("bull nose end mill", r"BULL[\s-]*(?:NOSE[\s-]*)?(?:END[\s-]*)?MILL|BULL[\s-]*NOSE|TIP[\s-]*RADIUSED"),
     ("end mill", r"END[\s_-]*MILL|E\.\s?M\.|EM"),
     ("face mill", r"(?:FACE|SHELL)[\s-]*MILL|PLANFR\S{0,3}SER"),
     ("chamfer mill", r"CHAMFER[\s-]*(?:END[\s-]*)?(?:MILL|TOOL)"),

@@ -55,6 +55,8 @@ class Trace(NamedTuple):
         state = self.before(first)
         for line in range(first, last):
             step = self.interpreter.advance(state, self.program.block(line))
+            if _says(step, "O-ENDSUB"):
+                step = step._replace(after=self.before(line + 1))
             state = step.after
             yield step
 
@@ -154,6 +156,10 @@ class Trace(NamedTuple):
         return state._replace(position=state.position._replace(**position))
 
 
+def _says(step: Step, keyword: str) -> bool:
+    return any(control.keyword == keyword for control in step.block.controls)
+
+
 def _used(bits: NDArray[np.uint16]) -> int:
     """What any of the lines has."""
     return int(np.bitwise_or.reduce(bits))
@@ -177,11 +183,16 @@ def interpret(program: Program, settings: Settings) -> Trace:
     trace = Trace(program, settings, flow, interpreter, [], [], [])
     state = initial_state(settings)
     line = program.source.body.start
+    around: State | None = None  # a subprogram's body: the program goes on behind it as if it was not there
     trace.lines.append(line)
     trace.states.append(state)
     for event in program.events.tolist():
         state = trace.skip(state, line, event)
         step = interpreter.advance(state, program.block(event))
+        if around is None and _says(step, "O-SUB"):
+            around = state
+        elif around is not None and _says(step, "O-ENDSUB"):
+            step, around = step._replace(after=around), None
         line = event + 1
         if step.after is not state or not step.block.is_empty:
             trace.events.append(step)

@@ -36,6 +36,12 @@ def cylinder_of(block: Block) -> str:
     return "off" if radii and all(radius == 0.0 for radius in radii) else "on"
 
 
+def offset_of(block: Block, code: str) -> str:
+    """``G54.1 P3`` (or ``G54 P3``, Haas ``G154 P3``) is another offset than with P4."""
+    word = block.word("P") if code in ("G54", "G54.1", "G154") else None
+    return code if word is None else f"{code} P{word.value_text}"
+
+
 def surface_limit(block: Block, mode: str, dialect: Dialect) -> Setting | None:
     """``G96 D2000 S120``: the limit stands with its G96; one without it has none, and G97 ends it."""
     word = block.word(dialect.surface_limit) if mode == "surface" else None

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.dialects.base import Loop
 from chipbreak.settings.sections import Settings
-from chipbreak.syntax.nodes import Call, Expression, Operation, Variable
 from chipbreak.syntax.parse import Program
+from chipbreak.syntax.variables import variables_of
 
 
 @dataclass(frozen=True)
@@ -60,28 +60,8 @@ def _taken(program: Program) -> tuple[set[int | None], set[int]]:
     variables: set[int | None] = set()
     labels: set[int] = set()
     for block in program.event_blocks():
-        expressions = [word.expression for word in block.words if word.expression is not None]
-        for assignment in block.assignments:
-            expressions += [assignment.target, assignment.value]
         for control in block.controls:
-            expressions += control.arguments
             if control.label.isdigit() and control.keyword != "GOTO":
                 labels.add(int(control.label))
-        variables.update(number for one in expressions for number in _variables(one))
+        variables.update(key for key in variables_of(block) if not isinstance(key, str))
     return variables, labels
-
-
-def _variables(expression: Expression) -> Iterator[int | None]:
-    waiting = [expression]
-    while waiting:
-        one = waiting.pop()
-        if isinstance(one, Variable):
-            if isinstance(one.key, int):
-                yield one.key
-            elif not isinstance(one.key, str):
-                yield None
-                waiting.append(one.key)
-        elif isinstance(one, Call):
-            waiting += one.arguments
-        elif isinstance(one, Operation):
-            waiting += (one.left, one.right)
