@@ -83,7 +83,7 @@ def control_model(settings: Settings, path: Path, state: State) -> ControlModel:
     model = _in_path_mode(model, settings, state)
     axes = [_limits(name, axis) for name, axis in settings.axes.items()]
     directions = _directions(path)
-    if model.law == "linuxcnc":
+    if model.law != "ideal":
         _require_accelerations(axes, directions)
     models = [model.along(direction, axes) for direction in directions]
     return min(models, key=lambda m: (m.acceleration_mm_s2, m.velocity_mm_s))
