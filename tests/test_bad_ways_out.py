@@ -23,6 +23,10 @@ WAYS: dict[str, list[Way]] = {
     "arc-without-centre": [("F0.05", "R9. F0.05")],
     "axis-accelerates-too-slowly": [("N1.5", "N1.5 f35.7143")],
     "axis-moves-too-slowly": [("N1.5", "N1.5 f10")],
+    "axis-of-a-declared-law-without-acceleration": [
+        "axes.Z.max_acceleration_mm_s2=50000",
+        'planner.model="ideal"',
+    ],
     "axis-without-acceleration": ["axes.Y.max_acceleration_mm_s2=20000", 'planner.model="ideal"'],
     "block-delete": [("/G1", "G1"), ("N1.5", "")],
     "check-has-no-place": [("(.FINISH.)", r"G0 Z15.\nG40 X1.\n\1\nG0 X1. Y2.\nG1 Z-1. F50.")],
@@ -117,6 +121,7 @@ WAYS: dict[str, list[Way]] = {
     "spindle-was-stopped": [("M5", "M5\nM3"), ("M5\n", "")],
     "stray-lower-case-f-beside-a-feed": [(" f62.5", ""), ("G1 F0.05 f62.5\n", "G1 F0.05\n")],
     "stray-lower-case-f": [("f0.2", "F0.2"), ("f0.2", "F0.2 f62.5")],
+    "stroke-of-thousands-of-feeds": [("G94", "G95"), ("F0.05", "F150.")],
     "stroke-ratio-negative": [("Q-1.2", "Q1.2")],
     "stroke-too-small-for-the-digits": ["output.decimals=3", ("N1.5", "N1.5 Q8.5")],
     "surface-speed-on-the-axis": [("G96 S120", "G97 S3000"), ("G96", "G50 S3000\nG96")],

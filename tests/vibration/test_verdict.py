@@ -386,3 +386,10 @@ def test_values_that_cannot_be(changes: dict[str, Any]) -> None:
     with pytest.raises(RefusalError) as caught:
         judge(*steady_wave("sine", 1.5, 1.2), **{**values, **changes})
     assert caught.value.code == "VIB020"
+
+
+def test_many_passes_are_judged_alike_a_few_corners_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    cut = Cut(9.0, 0.05, 1500.0, 0.04, 10, 5, 1.5, ramp_in_s=0.12)
+    whole = judge(*sample(cut), speed_rpm=1500.0, feed_mm_rev=0.05)
+    monkeypatch.setattr("chipbreak.vibration.piecewise._HEIGHTS_AT_ONCE", 100)
+    assert judge(*sample(cut), speed_rpm=1500.0, feed_mm_rev=0.05) == whole

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.units import S_PER_MIN
-from chipbreak.vibration.piecewise import Rests, highest_minimum, rests_of
+from chipbreak.vibration.piecewise import Rests, lowest_of, rests_of
 from chipbreak.vibration.waveform import Waveform, speed_band_rpm
 
 Floats = npt.NDArray[np.float64]
@@ -216,14 +216,9 @@ def _chips(motion: _Motion, part: tuple[float, float], passes: int) -> tuple[flo
     shifts = motion.pass_s * np.arange(passes + 1)[:, np.newaxis]
     corners = (motion.time_s[low:high] + shifts).ravel()
     corners = np.unique(np.concatenate([part, corners[(corners > part[0]) & (corners < part[1])]]))
-    gaps = motion.at(corners) - motion.at(corners - shifts[1:])
-    peak_mm = highest_minimum(gaps[:, :-1], gaps[:, 1:])
-    # Between corners each gap is straight, so each is positive before or after one place, or throughout.
-    left, right = gaps[:, :-1] - motion.touch_mm, gaps[:, 1:] - motion.touch_mm
-    with np.errstate(divide="ignore", invalid="ignore"):
-        place = left / (left - right)
-    enter = np.where(left > 0.0, 0.0, np.where(right > 0.0, place, 1.0)).max(axis=0)
-    leave = np.where(right > 0.0, 1.0, np.where(left > 0.0, place, 0.0)).min(axis=0)
+    peak_mm, enter, leave = lowest_of(
+        lambda time_s: motion.at(time_s) - motion.at(time_s - shifts[1:]), corners, passes, motion.touch_mm
+    )
     cuts = leave > enter
     step_s = np.diff(corners)
     goes_on = cuts[:-1] & cuts[1:] & (leave[:-1] == 1.0) & (enter[1:] == 0.0)
