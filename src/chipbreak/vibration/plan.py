@@ -17,7 +17,7 @@ from chipbreak.units import MM_PER_INCH, MS_PER_S, S_PER_MIN, spindle_speed_rpm
 from chipbreak.vibration.chain import Chain, legs_of
 from chipbreak.vibration.given import Given, shown
 from chipbreak.vibration.path import Path, path_of
-from chipbreak.vibration.request import solver_inputs
+from chipbreak.vibration.request import OUT_OF_RANGE, solver_inputs
 from chipbreak.vibration.solve import NEVER_BREAKS, CommandGroup, Solution, SolverRules, solve
 from chipbreak.vibration.waveform import Cut, Waveform, forward_ticks, least_stroke_mm, sample
 
@@ -165,7 +165,7 @@ def _check_passes(cut: Cut, edges: int) -> None:
         help_text = "give a higher feed (is its unit the right one?), or a smaller Q or A"
         if cut.form == "tick":
             help_text += ', or take output.segments "stroke"'
-        raise RefusalError("VIB017", message, help_text)
+        raise RefusalError(OUT_OF_RANGE, message, help_text)
 
 
 def _active_speed(

@@ -120,6 +120,8 @@ def judge(
     breaks = margin >= 1.0 - _TOUCH
     stroke_mm = _stroke(motion, steady)
     passes = math.floor(stroke_mm / feed_mm) + 1  # an older pass lies wholly behind the tool
+    if rests is None and bool((np.diff(distance_mm) >= 0.0).all()):
+        passes = 1  # it never turns back, so every pass lies behind the one that follows it
     chips_per_s, cut_share, longest_s, peak_mm = _chips(motion, _sampled_part(motion, steady, passes), passes)
     longest_rev = (longest_s if breaks else float(time_s[-1] - time_s[0])) / rev_s
     first_rev = _first_chip(motion, gaps) / rev_s
