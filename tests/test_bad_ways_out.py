@@ -129,6 +129,7 @@ WAYS: dict[str, list[Way]] = {
     "spindle-was-stopped": [("M5", "M5\nM3"), ("M5\n", "")],
     "stray-lower-case-f-beside-a-feed": [(" f62.5", ""), ("G1 F0.05 f62.5\n", "G1 F0.05\n")],
     "stray-lower-case-f": [("f0.2", "F0.2"), ("f0.2", "F0.2 f62.5")],
+    "stroke-of-thousands-of-feeds": [("G94", "G95"), ("F0.05", "F150.")],
     "stroke-ratio-negative": [("Q-1.2", "Q1.2")],
     "stroke-too-small-for-the-digits": ["output.decimals=3", ("N1.5", "N1.5 Q8.5")],
     "surface-speed-on-the-axis": [("G96 S120", "G97 S3000"), ("G96", "G50 S3000\nG96")],

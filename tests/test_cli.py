@@ -151,6 +151,24 @@ def test_explain_json_is_json_and_complete() -> None:
     assert cut["verdict"]["margin"] == pytest.approx(1.2, abs=0.01)
 
 
+def test_explain_tells_of_a_check_behind_the_last_line() -> None:
+    program = b"T1 M6\nG0 X0. Y0. Z2.\nG1 Z-5. F100.\nG0 Z100.\n"
+    done = run(["explain", "-p", "speedio-blum"], program)
+    assert b"at the end: CHIP CHECK T1" in done.stdout
+    done = run(["explain", "-p", "speedio-blum", "--json"], program)
+    facts = json.loads(done.stdout)
+    assert [check["line"] for check in facts["checks"]] == [5]
+    assert (facts["operations"][0]["first_line"], facts["operations"][0]["last_line"]) == (1, 4)
+
+
+def test_explain_names_the_lines_of_a_filtered_file() -> None:
+    program = b"G1 X5.\n" + WORKED.replace(b"M30", b"T2 M6\nM30")
+    once = run(["filter", "-p", "generic-lathe"], program).stdout
+    assert once.count(b"\n") > program.count(b"\n")
+    facts = json.loads(run(["explain", "-p", "generic-lathe", "--json"], once).stdout)
+    assert facts["operations"][-1]["last_line"] == once.split(b"\n").index(b"T2 M6") + 1 > 100
+
+
 def test_an_unbroken_cut_is_json_too() -> None:
     program = WORKED.replace(b"N1.5", b"N1.5 Q0.2")
     done = run(["explain", "-p", "generic-lathe", "--json", "--allow-unbroken"], program)

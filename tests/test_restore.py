@@ -86,6 +86,29 @@ def test_lower_case_is_kept_readable_only_where_the_control_takes_it() -> None:
     assert b"HEX" in there_and_back(CUT.replace(b"N1.5", b"f62.5"))
 
 
+@pytest.mark.parametrize("end", [b"\n", b"\r\n"])
+@pytest.mark.parametrize("limit", [60, 75, 80])
+@pytest.mark.parametrize("number", [b"", b"N12345678901234 "])
+def test_no_line_around_a_cut_is_longer_than_the_control_takes(
+    limit: int, end: bytes, number: bytes
+) -> None:
+    settings = chipbreak.load("generic-lathe", [f"control.max_line_chars={limit}"])
+    for comment in (b"", b" (X)"):
+        for size in range(30, 90):
+            cut = number + b"G1 Z-3. F0.05 N1.5"
+            cut = cut.ljust(size - len(comment)) + comment
+            program = end.join([b"G97 S3000 M3", b"G0 X20. Z2.", cut, b"M30", b""])
+            lines = chipbreak.rewrite(program, settings).data.split(end)
+            assert max(map(len, lines)) <= limit
+            assert max(map(len, lines)) > 40
+
+
+def test_a_comment_in_a_chain_may_be_longer_than_the_control_takes() -> None:
+    comment = b"(" + b"A" * 100 + b")"
+    out = there_and_back(CUT.replace(b"N1.5\n", b"N1.5\n" + comment + b"\nX30. N1.5\n"))
+    assert out.count(comment + b"\n") == 1
+
+
 @given(
     st.lists(
         st.sampled_from(

@@ -31,10 +31,11 @@ def comment(kind: str, text: str) -> str:
     return f"(CHIPBREAK {kind} {text})"
 
 
-def title_text(title: str, max_chars: int) -> str:
-    """A title made fit for a comment: upper case, no parentheses, not too long."""
+def title_text(title: str, max_chars: int, number: str = "") -> str:
+    """A title made fit for a comment: upper case, no parentheses, not too long behind a block number."""
     fit = re.sub(r"[^A-Z0-9 .,=_+/-]", " ", title.upper())
-    return fit[: max_chars - len(comment(BEGIN, "")) - len("N99999 ")].rstrip()
+    room = max_chars - len(comment(BEGIN, "")) - max(len(number), len("N99999 "))
+    return fit[: max(room, 0)].rstrip()
 
 
 def was_lines(lines: list[bytes], line_end: bytes, max_chars: int, *, lower_case: bool) -> Iterator[str]:
@@ -46,8 +47,9 @@ def was_lines(lines: list[bytes], line_end: bytes, max_chars: int, *, lower_case
         if raw.endswith(line_end) and fits and safe.fullmatch(text):
             yield comment(WAS, text.decode("ascii"))
             continue
-        for at in range(0, len(raw), _HEX_BYTES_PER_LINE):
-            yield comment(HEX, raw[at : at + _HEX_BYTES_PER_LINE].hex().upper())
+        step = min(_HEX_BYTES_PER_LINE, (max_chars - len(comment(HEX, ""))) // 2)
+        for at in range(0, len(raw), step):
+            yield comment(HEX, raw[at : at + step].hex().upper())
 
 
 def checksum(content: bytes) -> str:

@@ -41,7 +41,7 @@ def _region(program: Program, edit: Edit, settings: Settings) -> list[bytes]:
     sequence = ""
     if originals and (number := program.block(edit.first).sequence) is not None:
         sequence = f"{number.letter}{number.value_text} "
-    title = bracket.title_text(edit.title, control.max_line_chars)
+    title = bracket.title_text(edit.title, control.max_line_chars, sequence)
     lower = settings.dialect.reads_comments_in_lower_case
     kept = bracket.was_lines(originals, end, control.max_line_chars, lower_case=lower)
     inner = [text.encode("latin-1") + end for text in kept]

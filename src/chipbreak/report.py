@@ -30,14 +30,26 @@ def explain_text(result: Result, settings: Settings) -> Iterator[str]:
     yield f"Operations: {len(result.operations) or 'none'}"
     for index, operation in enumerate(result.operations, 1):
         tool = f"T{operation.tool}" if operation.tool is not None else "no tool"
-        first, last = operation.first_line + 1, operation.last_line
+        first = _line_number(result, operation.first_line)
+        last = _line_number(result, operation.last_line - 1)
         label = f" {operation.label!r}" if operation.label else ""
         yield f"  {index}. {tool}, {operation.kind.value}{label}, lines {first} to {last}: {operation.reason}"
     yield ""
     checks = _checks(result)
     yield f"Tool checks: {len(checks) or 'none'}"
     for edit in checks:
-        yield f"  before line {result.source.place(edit.first).line}: {edit.title}: {edit.reason}"
+        yield f"  {_before(result, edit)}: {edit.title}: {edit.reason}"
+
+
+def _before(result: Result, edit: Edit) -> str:
+    is_end = edit.first == result.source.line_count
+    return "at the end" if is_end else f"before line {_line_number(result, edit.first)}"
+
+
+def _line_number(result: Result, line: int) -> int:
+    """The line in the user's file; one behind the last where a change stands at the end of the program."""
+    count = result.source.line_count
+    return result.source.place(line).line if line < count else result.source.place(count - 1).line + 1
 
 
 def _checks(result: Result) -> list[Edit]:
@@ -154,13 +166,13 @@ def explain_json(result: Result, settings: Settings) -> dict[str, Any]:
                 "kind": o.kind.value,
                 "label": o.label,
                 "reason": o.reason,
-                "first_line": o.first_line + 1,
-                "last_line": o.last_line,
+                "first_line": _line_number(result, o.first_line),
+                "last_line": _line_number(result, o.last_line - 1),
             }
             for o in result.operations
         ],
         "checks": [
-            {"line": result.source.place(e.first).line, "title": e.title, "reason": e.reason}
+            {"line": _line_number(result, e.first), "title": e.title, "reason": e.reason}
             for e in _checks(result)
         ],
         "diagnostics": [d.as_json() for d in result.diagnostics],

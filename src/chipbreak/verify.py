@@ -21,7 +21,6 @@ from chipbreak.model.trace import Trace, interpret
 from chipbreak.model.words import codes_of
 from chipbreak.passes import VIBRATE
 from chipbreak.restore import Region, regions, restores
-from chipbreak.settings.sections import Settings
 from chipbreak.source import Source, read
 from chipbreak.syntax.parse import parse_changed
 from chipbreak.units import MM_PER_INCH
@@ -43,7 +42,7 @@ def verify(
     ordered = in_order(edits)
     if len(found) != len(ordered):
         raise SelfCheckError(f"{len(ordered)} changes were planned, {len(found)} stand in the output")
-    _check_lengths(source, found, trace.settings)
+    _check_lengths(source, found, ordered, trace)
     source, found = unrolled(source, found, trace.settings.dialect.loop)
     # What stands between the changes has just been found equal, so it need not be classified twice.
     kept = _kept(trace, source, ordered, found)
@@ -83,12 +82,15 @@ def _kept(
     return kept
 
 
-def _check_lengths(source: Source, found: Sequence[Region], settings: Settings) -> None:
-    limit = settings.control.max_line_chars
-    for region in found:
-        longest = int(np.diff(source.starts[region.first : region.last + 1]).max()) - 1
-        if longest > limit:
-            raise SelfCheckError(f"a new block has {longest} characters, the control takes {limit}")
+def _check_lengths(source: Source, found: Sequence[Region], edits: Sequence[Edit], trace: Trace) -> None:
+    """No new block is longer than the control takes; a comment that is kept may be as long as it was."""
+    limit, original = trace.settings.control.max_line_chars, trace.program.source
+    for region, edit in zip(found, edits, strict=True):
+        sizes = np.diff(source.starts[region.first : region.last + 1])
+        for line in (np.flatnonzero(sizes > limit) + region.first).tolist():
+            text = source.text(line)
+            if len(text) > limit and text not in map(original.text, range(edit.first, edit.last)):
+                raise SelfCheckError(f"a new block has {len(text)} characters, the control takes {limit}")
 
 
 def _next_motion_code(trace: Trace, first: int) -> int:

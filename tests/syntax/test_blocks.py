@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import pytest
 
+from chipbreak.source import read
 from chipbreak.syntax.nodes import (
     Assignment,
     Block,
@@ -20,7 +21,7 @@ from chipbreak.syntax.nodes import (
     Variable,
     Word,
 )
-from chipbreak.syntax.parse import read_block, read_by_grammar, read_plain
+from chipbreak.syntax.parse import parse, read_block, read_by_grammar, read_plain
 
 
 def show(block: Block) -> str:
@@ -327,3 +328,13 @@ def test_a_block_finds_the_last_word_of_an_address() -> None:
 @pytest.mark.parametrize("text", ["", " ", "N10", "(A)", "N10 (A)", "/", ";"])
 def test_a_block_that_does_nothing_is_empty(text: str) -> None:
     assert read_block(0, text).is_empty
+
+
+@pytest.mark.parametrize(
+    ("text", "column", "end"), [("", 1, 2), (" ", 1, 2), ("  \t", 1, 2), ("  G1 ", 3, 5)]
+)
+def test_a_place_lies_in_its_line(text: str, column: int, end: int) -> None:
+    program = parse(read(f"G1\n{text}\nG2".encode()))
+    place = program.diagnose(1, "SYN001", "something").place
+    assert place is not None
+    assert (place.line, place.column, place.end_column) == (2, column, end)

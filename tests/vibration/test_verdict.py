@@ -408,3 +408,20 @@ def test_values_that_cannot_be(changes: dict[str, Any]) -> None:
     with pytest.raises(RefusalError) as caught:
         judge(*steady_wave("sine", 1.5, 1.2), **{**values, **changes})
     assert caught.value.code == "VIB020"
+
+
+def test_many_passes_are_judged_alike_a_few_corners_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    cut = Cut(9.0, 0.05, 1500.0, 0.04, 10, 5, 1.5, ramp_in_s=0.12)
+    whole = judge(*sample(cut), speed_rpm=1500.0, feed_mm_rev=0.05)
+    monkeypatch.setattr("chipbreak.vibration.piecewise._HEIGHTS_AT_ONCE", 100)
+    assert judge(*sample(cut), speed_rpm=1500.0, feed_mm_rev=0.05) == whole
+
+
+def test_a_tool_that_never_turns_back_meets_only_the_last_pass() -> None:
+    """However far the feed that a control makes of it is from the one that was asked for."""
+    time_s = np.arange(0.0, 400.0, 0.04)
+    distance_mm = np.cumsum(np.where(np.arange(time_s.size) % 2, 0.004, 0.001))
+    verdict = judge(time_s, distance_mm, speed_rpm=1500.0, feed_mm_rev=1e-5)
+    assert not verdict.breaks
+    assert (verdict.cut_share, verdict.chips_per_rev) == (1.0, 0.0)
+    assert verdict.peak_thickness == pytest.approx(400.0)

@@ -7,6 +7,9 @@ import re
 import pytest
 
 import chipbreak
+from chipbreak.vibration import plan
+from chipbreak.vibration.chain import Chain
+from chipbreak.vibration.plan import VibratedCut
 
 HEAD = "G21 G18 G90 G8 G97 G95 S{} M3\nG0 X{} Z1\n"
 SHOULDER = "G1 Z-2 F0.1 {0}\nX12 F0.1 {0}\nM2\n"
@@ -41,3 +44,21 @@ def test_conditions_that_work(
     assert cut.verdict.breaks
     assert cut.planned.cut.solution.frequency_hz == pytest.approx(float(works[2]), rel=1e-5)
     assert cut.verdict.per_rev == pytest.approx(float(works[1]), rel=0.01)
+
+
+def test_strokes_of_several_blocks_on_linuxcnc_are_advised_after_few_tries(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Each try plans a thousand blocks, no two strokes of them alike."""
+    tried = list[object]()
+
+    def plan_cut(chain: Chain, settings: chipbreak.Settings) -> VibratedCut:
+        cut = plan.plan_cut(chain, settings)
+        tried.append(cut)
+        return cut
+
+    monkeypatch.setattr("chipbreak.vibration.advice.plan_cut", plan_cut)
+    program = HEAD.format(819, 40) + "(VIB N1.5 WAVE SINE)\nG1 X41 Z-4 F0.12\nM2\n"
+    with pytest.raises(chipbreak.ProgramRejectedError, match=r"needs 0\.681 m/s"):
+        chipbreak.rewrite(program.encode(), settings(500))
+    assert 0 < len(tried) < 5

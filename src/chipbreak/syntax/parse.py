@@ -73,7 +73,8 @@ class Program(NamedTuple):
     ) -> Diagnostic:
         """A diagnostic at characters ``at`` of a line, or at its first word."""
         text = self.source.text(line)
-        start, end = at or (len(text) - len(text.lstrip()), len(text.rstrip()))
+        # A line of blanks has no first word: its own start.
+        start, end = at or ((len(text) - len(text.lstrip())) % max(1, len(text)), len(text.rstrip()))
         return Diagnostic(code, severity, message, help, self.source.place(line, start, end), text)
 
     def unreadable(self) -> list[Diagnostic]:

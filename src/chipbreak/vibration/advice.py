@@ -23,6 +23,7 @@ _TRIES = 80
 _LEAST_SHARE = 0.05  # no cut is made at a twentieth of its speed
 _MOST_SLOW_MOVES = 2000
 _FEW_CORNERS = 8
+_MANY_IN_STROKES = 500  # moves of a cut whose strokes are several moves each
 
 
 def with_advice(
@@ -40,7 +41,7 @@ def with_advice(
     model = control_model(settings, cut.path, cut.chain.before)
     group = command_group(settings)
     frequency_hz, tried = cut.solution.frequency_hz, {cut.solution.frequency_hz}
-    is_slow = is_slow_to_plan(cut, settings)
+    is_slow = _is_slow_to_plan(cut, settings, len(cut.time_s))
     moves_left = _MOST_SLOW_MOVES if is_slow else MOST_MOVES
     for _ in range(_TRIES):
         frequency_hz *= _LARGE_STEP if is_slow else _STEP
@@ -77,15 +78,19 @@ def _first_help(error: RefusalError, cut: VibratedCut) -> str:
     return "ask for a lower frequency"
 
 
-def is_slow_to_plan(cut: VibratedCut, settings: Settings) -> bool:
-    """True where no two strokes are alike, so that each move takes milliseconds to plan."""
+def _is_slow_to_plan(cut: VibratedCut, settings: Settings, move_count: int) -> bool:
+    """True where hardly two strokes are alike, so that each move takes milliseconds to plan.
+
+    Of several blocks, which are rounded each on its own, a stroke is seldom like another.
+    """
+    is_long = cut.cut.form == "tick" and move_count > _MANY_IN_STROKES
     bends = any(arc is not None for arc in cut.path.arcs) or len(cut.path.corners_mm()) > _FEW_CORNERS
-    return settings.planner.model == "linuxcnc" and bends
+    return settings.planner.model == "linuxcnc" and (bends or is_long)
 
 
 def few(factors: Sequence[float], cut: VibratedCut, settings: Settings, move_count: int) -> Sequence[float]:
     """All factors to try, or as many of them, evenly chosen, as may be tried with a cut of so many moves."""
-    if not is_slow_to_plan(cut, settings):
+    if not _is_slow_to_plan(cut, settings, move_count):
         return factors
     step = math.ceil(len(factors) / max(1, _MOST_SLOW_MOVES // move_count))
     return factors[step // 2 :: step]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,8 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
+# Many passes at many corners would fill the memory, so they are worked out some corners at a time.
+_HEIGHTS_AT_ONCE = 1 << 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,9 +46,35 @@ def mean_step_s(crest_s: Floats) -> float:
     return float(steps_s.sum() / np.rint(steps_s / np.median(steps_s)).sum())
 
 
-def highest_minimum(left: Floats, right: Floats) -> float:
-    """Greatest value of the least of straight lines, each given at both ends of n segments: shapes (m, n)."""
-    best = float(np.append(left, right[:, -1:], axis=1).min(axis=0).max())
+def lowest_of(
+    heights: Callable[[Floats], Floats], corners: Floats, count: int, floor: float
+) -> tuple[float, Floats, Floats]:
+    """The least of ``count`` heights, (count, k) at k places, which are straight between n + 1 corners.
+
+    Its greatest value, and for each segment from which to which share of it, (n,) each, all heights lie above
+    ``floor``: nowhere unless the second is the larger one.
+    """
+    peak, step = -np.inf, max(1, _HEIGHTS_AT_ONCE // count)
+    enter, leave = np.empty(len(corners) - 1), np.empty(len(corners) - 1)
+    for first in range(0, len(enter), step):
+        at = heights(corners[first : first + step + 1])
+        peak = highest_minimum(at[:, :-1], at[:, 1:], peak)
+        # Each height is straight, so each is above the floor before or after one place, or throughout.
+        left, right = at[:, :-1] - floor, at[:, 1:] - floor
+        with np.errstate(divide="ignore", invalid="ignore"):
+            place = left / (left - right)
+        part = slice(first, first + step)
+        enter[part] = np.where(left > 0.0, 0.0, np.where(right > 0.0, place, 1.0)).max(axis=0)
+        leave[part] = np.where(right > 0.0, 1.0, np.where(left > 0.0, place, 0.0)).min(axis=0)
+    return peak, enter, leave
+
+
+def highest_minimum(left: Floats, right: Floats, known: float = -np.inf) -> float:
+    """Greatest value of the least of straight lines, each given at both ends of n segments: shapes (m, n).
+
+    Not less than a value that is ``known`` already.
+    """
+    best = max(known, float(np.append(left, right[:, -1:], axis=1).min(axis=0).max()))
     # Above the corners it can only stand where two of the lines cross.
     promising = np.maximum(left, right).min(axis=0) > best
     left, rise = left[:, promising], (right - left)[:, promising]

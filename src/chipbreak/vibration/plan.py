@@ -16,14 +16,15 @@ from chipbreak.model.words import JUMPED
 from chipbreak.settings.sections import Settings
 from chipbreak.units import MM_PER_INCH, MS_PER_S, S_PER_MIN, spindle_speed_rpm
 from chipbreak.vibration.chain import Chain, legs_of
-from chipbreak.vibration.given import Given
+from chipbreak.vibration.given import Given, shown
 from chipbreak.vibration.path import Path, path_of
-from chipbreak.vibration.request import solver_inputs
+from chipbreak.vibration.request import OUT_OF_RANGE, solver_inputs
 from chipbreak.vibration.solve import NEVER_BREAKS, TOO_FEW, CommandGroup, Solution, SolverRules, solve
 from chipbreak.vibration.waveform import Cut, Waveform, forward_ticks, least_stroke_mm, sample
 
 _MOST_RPM = 1e7
 MOST_MOVES = 10_000_000
+_MOST_GAPS = 4_000_000  # between a knot of a vibration and the passes before it, for every such pass
 _FEET_PER_M = 1000.0 / 304.8
 
 
@@ -98,6 +99,7 @@ def plan_cut(chain: Chain, settings: Settings) -> VibratedCut:
         whole = f"{cut.forward_ticks} of {cut.ticks} base periods"
         reasons.append(f"forward share {alpha:g} -> {cut.alpha_share:g}, {whole}")
     _check_size(cut)
+    _check_passes(cut, edges)
     time_s, distance_mm = sample(cut)
     if speed is None and state.speed is not None and state.speed.value != solution.speed_rpm:
         mode = " (G96)" if state.modes["speed_mode"] == "surface" else ""
@@ -152,6 +154,23 @@ def _check_size(cut: Cut) -> None:
     if moves > MOST_MOVES:
         message = f"this cut would become {moves} blocks; no program may have more than {MOST_MOVES} of them"
         raise RefusalError("VIB021", message, 'take output.segments "stroke", a lower f, or a higher feed')
+
+
+def _check_passes(cut: Cut, edges: int) -> None:
+    """Refuse a stroke over so many passes that judging its chips would take minutes.
+
+    Nearer than that to a whole N no stroke is asked for, so it is a feed or a stroke in another unit.
+    """
+    passes = cut.stroke_mm / cut.feed_mm_rev * edges
+    turn_s = S_PER_MIN / cut.speed_rpm / edges
+    knots = cut.knots_per_vibration * max(1.0, turn_s / cut.period_s)
+    if knots * passes**2 > _MOST_GAPS:
+        times = f"{cut.stroke_mm / cut.feed_mm_rev:.0f} times the feed of {shown(cut.feed_mm_rev)} mm/rev"
+        message = f"the stroke of {shown(cut.stroke_mm)} mm is {times}, out of range"
+        help_text = "give a higher feed (is its unit the right one?), or a smaller Q or A"
+        if cut.form == "tick":
+            help_text += ', or take output.segments "stroke"'
+        raise RefusalError(OUT_OF_RANGE, message, help_text)
 
 
 def _active_speed(chain: Chain, state: State, speed: Given, settings: Settings, reasons: list[str]) -> Given:

@@ -15,6 +15,7 @@ from chipbreak.settings.sections import Settings
 from chipbreak.vibration.directive import KEYS, Directive, read_directive
 from chipbreak.vibration.given import Given
 
+OUT_OF_RANGE = "VIB017"
 _FROM_PROFILE = {
     "N": "n",
     "E": "e",
@@ -171,7 +172,7 @@ class RequestReader:
                 message = f"{letter} {given.value:g} is not possible: {KEYS[key]}"
                 way_out = "between 0 and 1" if key in _LIMITS else "a number above zero that makes sense"
                 way_out = "a whole number above zero" if key == "EDGES" else way_out
-                self._error(line, RefusalError("VIB017", message, way_out), at)
+                self._error(line, RefusalError(OUT_OF_RANGE, message, way_out), at)
                 return False
         return True
 

@@ -30,6 +30,8 @@ Floats = NDArray[np.float64]
 _Run = tuple[tuple[float, ...], tuple[float, ...], float, float]  # lengths, feeds, acceleration, feed before
 _EITHER = (0.0, np.inf)
 _ROUNDS = 4
+# Fewer stretches are faster one by one: a long even feed, such as a plain end, then takes no time.
+_MANY = 8
 _STILL_EVEN_MM = 1e-9
 
 
@@ -217,6 +219,8 @@ def _runs_of_parts(
     found: dict[_Run, tuple[Floats, Floats]] = {}
     for count in {len(kind[0]) for kind in kinds} - {1} if can_run_many(model) else ():
         alike = [kind for kind in kinds if len(kind[0]) == count]
+        if len(alike) < _MANY:
+            continue
         lengths_mm, feeds_of, has_mm_s2, before_mm_s = map(np.array, zip(*alike, strict=True))
         times, places = run_many(lengths_mm, feeds_of, has_mm_s2, before_mm_s, model)
         ways = [row[~np.isnan(row)] for row in places]

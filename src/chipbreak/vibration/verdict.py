@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.units import S_PER_MIN
-from chipbreak.vibration.piecewise import Rests, highest_minimum, mean_step_s, rests_of
+from chipbreak.vibration.piecewise import Rests, lowest_of, mean_step_s, rests_of
 from chipbreak.vibration.waveform import Waveform, speed_band_rpm
 
 Floats = npt.NDArray[np.float64]
@@ -121,6 +121,8 @@ def judge(
     breaks = margin >= 1.0 - _TOUCH
     stroke_mm = _stroke(motion, steady)
     passes = math.floor(stroke_mm / feed_mm) + 1  # an older pass lies wholly behind the tool
+    if rests is None and bool((np.diff(distance_mm) >= 0.0).all()):
+        passes = 1  # it never turns back, so every pass lies behind the one that follows it
     chips_per_s, cut_share, longest_s, peak_mm = _chips(motion, _sampled_part(motion, steady, passes), passes)
     longest_rev = (longest_s if breaks else float(time_s[-1] - time_s[0])) / rev_s
     first_rev = _first_chip(motion, gaps) / rev_s
@@ -219,14 +221,9 @@ def _chips(motion: _Motion, part: tuple[float, float], passes: int) -> tuple[flo
     shifts = motion.pass_s * np.arange(passes + 1)[:, np.newaxis]
     corners = (motion.time_s[low:high] + shifts).ravel()
     corners = np.unique(np.concatenate([part, corners[(corners > part[0]) & (corners < part[1])]]))
-    gaps = motion.at(corners) - motion.at(corners - shifts[1:])
-    peak_mm = highest_minimum(gaps[:, :-1], gaps[:, 1:])
-    # Between corners each gap is straight, so each is positive before or after one place, or throughout.
-    left, right = gaps[:, :-1] - motion.touch_mm, gaps[:, 1:] - motion.touch_mm
-    with np.errstate(divide="ignore", invalid="ignore"):
-        place = left / (left - right)
-    enter = np.where(left > 0.0, 0.0, np.where(right > 0.0, place, 1.0)).max(axis=0)
-    leave = np.where(right > 0.0, 1.0, np.where(left > 0.0, place, 0.0)).min(axis=0)
+    peak_mm, enter, leave = lowest_of(
+        lambda time_s: motion.at(time_s) - motion.at(time_s - shifts[1:]), corners, passes, motion.touch_mm
+    )
     cuts = leave > enter
     step_s = np.diff(corners)
     goes_on = cuts[:-1] & cuts[1:] & (leave[:-1] == 1.0) & (enter[1:] == 0.0)
