@@ -196,8 +196,9 @@ def _chip_diagnostics(
         found += _surface_speed(trace, checked)
         kind = next((o.kind for o in operations if o.first_line <= line < o.last_line), Kind.UNKNOWN)
         if kind in (Kind.FINISH, Kind.SEMI_FINISH):
+            peak = max(verdict.peak_thickness, verdict.ramp_peak_thickness)
             message = (
-                f"vibration on a finishing operation: peak chip {verdict.peak_thickness:.2f} times the feed,"
+                f"vibration on a finishing operation: peak chip {peak:.2f} times the feed,"
                 f" theoretical roughness {verdict.roughness_factor:.1f} times as high"
             )
             help_text = "write (VIB OFF) before the finishing cut, or lower its feed"

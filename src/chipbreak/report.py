@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from chipbreak.vibration.loop import Loop
 
 
+# Chips of the ramps are said where they are thicker than the others by more than rounding makes them.
+_MUCH_THICKER = 1.01
 _MEMBERS = {1: "the tool (tool post)", -1: "the work (spindle carrier)"}
 
 
@@ -79,9 +81,12 @@ def _cut_text(result: Result, checked: CheckedCut, settings: Settings) -> Iterat
         f"    verdict  {chips}, margin {verdict.margin:.2f}, {verdict.chips_per_rev:.3g} per revolution,"
         f" longest {longest}, first {first}"
     )
+    ramps = ""
+    if verdict.ramp_peak_thickness > _MUCH_THICKER * verdict.peak_thickness:
+        ramps = f" ({verdict.ramp_peak_thickness:.2f} while the stroke grows or shrinks)"
     yield (
         f"    load     {verdict.cut_share:.0%} of the time in the cut, peak chip {verdict.peak_thickness:.2f}"
-        f" x feed, theoretical roughness x {verdict.roughness_factor:.1f}"
+        f" x feed{ramps}, theoretical roughness x {verdict.roughness_factor:.1f}"
     )
     if verdict.speed_band_rpm:
         low, high = verdict.speed_band_rpm

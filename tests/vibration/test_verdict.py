@@ -57,7 +57,7 @@ def judged(time_s: Floats, distance_mm: Floats, **options: Any) -> Verdict:
     return judge(time_s, distance_mm, speed_rpm=2500, feed_mm_rev=FEED_MM, **options)
 
 
-def regenerated(time_s: Floats, distance_mm: Floats, edges: int = 1) -> tuple[Floats, int]:
+def regenerated(time_s: Floats, distance_mm: Floats, edges: int = 1, settled: int = 10) -> tuple[Floats, int]:
     """Thickness after ten revolutions on a plain grid, and its points per revolution: the slow way."""
     points = 3600
     grid = np.interp(np.arange(0.0, time_s[-1], REV_S / points), time_s, distance_mm)
@@ -67,7 +67,7 @@ def regenerated(time_s: Floats, distance_mm: Floats, edges: int = 1) -> tuple[Fl
         stop = min(start + step, grid.size)
         last = slice(start - step, stop - step)
         wall[start:stop] = np.maximum(wall[last], grid[last])
-    return (grid - wall)[10 * points :], points
+    return (grid - wall)[settled * points :], points
 
 
 # --- the table -------------------------------------------------------------------------------------------
@@ -183,6 +183,20 @@ def test_a_second_simulation_agrees(
         assert got.longest_chip_rev == pytest.approx(longest_rev, abs=0.005)
         revs = (starts[-1] - starts[0]) / points
         assert got.chips_per_rev == pytest.approx((starts.size - 1) / revs, rel=0.01)
+
+
+@pytest.mark.parametrize("edges", [1, 2])
+@pytest.mark.parametrize(("rho", "ramp_s"), [(1.2, 0.05), (2.2, 0.05), (2.2, 0.5), (3.0, 0.02)])
+def test_chips_of_the_ramps_are_those_of_a_second_simulation(rho: float, ramp_s: float, edges: int) -> None:
+    """Ten revolutions are the longest ramp; a short one meets passes of no stroke with its full one."""
+    cut = replace(CUT, stroke_mm=rho * FEED_MM, ramp_in_s=ramp_s, end_revolutions=1.0)
+    motion = sample(cut)
+    got = judged(*motion, edges=edges, steady_s=full_window(cut))
+    thickness_mm, _ = regenerated(*motion, edges, settled=0)
+    either = max(got.peak_thickness, got.ramp_peak_thickness)
+    assert either * FEED_MM / edges == pytest.approx(thickness_mm.max(), rel=0.01)
+    if ramp_s < REV_S:
+        assert got.ramp_peak_thickness > 1.05 * got.peak_thickness
 
 
 @pytest.mark.parametrize("per_rev", [1.0, 3.0])

@@ -10,8 +10,42 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
+Gaps = tuple[tuple[Floats, Floats], ...]  # pairs of times and g_1 at those times
 # Many passes at many corners would fill the memory, so they are worked out some corners at a time.
 _HEIGHTS_AT_ONCE = 1 << 20
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The knots of s(t), the time between two passes, and the gap that counts as a touch."""
+
+    time_s: Floats
+    distance_mm: Floats
+    pass_s: float
+    touch_mm: float
+
+    def at(self, time_s: Floats) -> Floats:
+        """Where the tool is [mm] at times, (n,)."""
+        return np.interp(time_s, self.time_s, self.distance_mm)
+
+    def corner_gaps(self) -> Gaps:
+        """g_1 where it can turn: at the knots, and one pass after them."""
+        gap_mm = self.distance_mm - self.at(self.time_s - self.pass_s)
+        later_s = self.time_s + self.pass_s
+        later_s = later_s[: np.searchsorted(later_s, self.time_s[-1], side="right")]
+        return (self.time_s, gap_mm), (later_s, self.at(later_s) - self.distance_mm[: later_s.size])
+
+    def thickness(self, part: tuple[float, float], passes: int) -> tuple[Floats, float, Floats, Floats]:
+        """Where the thickness over so many passes can turn in a part [s], and what :func:`lowest_of` says."""
+        low, high = np.searchsorted(self.time_s, [part[0] - passes * self.pass_s, part[1]])
+        shifts = self.pass_s * np.arange(passes + 1)[:, np.newaxis]
+        corners = (self.time_s[low:high] + shifts).ravel()
+        corners = np.unique(np.concatenate([part, corners[(corners > part[0]) & (corners < part[1])]]))
+
+        def gaps(time_s: Floats) -> Floats:
+            return self.at(time_s) - self.at(time_s - shifts[1:])
+
+        return corners, *lowest_of(gaps, corners, passes, self.touch_mm)
 
 
 @dataclass(frozen=True, eq=False)

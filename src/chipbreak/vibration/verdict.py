@@ -17,11 +17,8 @@ import numpy.typing as npt
 
 from chipbreak.diagnostics import RefusalError
 from chipbreak.units import S_PER_MIN
-from chipbreak.vibration.piecewise import Rests, lowest_of, mean_step_s, rests_of
+from chipbreak.vibration.piecewise import Floats, Gaps, Motion, Rests, mean_step_s, rests_of
 from chipbreak.vibration.waveform import Waveform, speed_band_rpm
-
-Floats = npt.NDArray[np.float64]
-Gaps = tuple[tuple[Floats, Floats], ...]  # pairs of times and g_1 at those times
 
 _TOUCH = 1e-9  # a gap below this share of the feed is a touch, and a touch ends the chip
 _FULL = 0.98  # return strokes of at least this share of the longest belong to the steady part
@@ -40,7 +37,8 @@ class Verdict:
     ``per_rev`` and ``stroke_mm`` are as reached (N is 0 when the tool never turns back, which cannot break).
     Chips are those of one edge: the longest in the steady part (the whole cut when it does not break), the
     first from the start of the cut to its first gap; in mm on the circumference, None without a diameter.
-    ``peak_thickness`` is in feed / z; ``roughness_factor`` is Rt against the same cut without vibration.
+    ``peak_thickness`` is in feed / z, that of the steady part; ``ramp_peak_thickness`` is that of the rest,
+    where a pass meets one of another stroke.  ``roughness_factor`` is Rt against the cut without vibration.
     """
 
     breaks: bool
@@ -54,29 +52,10 @@ class Verdict:
     first_chip_mm: float | None
     cut_share: float
     peak_thickness: float
+    ramp_peak_thickness: float
     roughness_factor: float
     peak_speed_mm_s: float
     speed_band_rpm: tuple[float, float] | None
-
-
-@dataclass(frozen=True)
-class _Motion:
-    """The knots of s(t), the time between two passes, and the gap that counts as a touch."""
-
-    time_s: Floats
-    distance_mm: Floats
-    pass_s: float
-    touch_mm: float
-
-    def at(self, time_s: Floats) -> Floats:
-        return np.interp(time_s, self.time_s, self.distance_mm)
-
-    def corner_gaps(self) -> Gaps:
-        """g_1 where it can turn: at the knots, and one pass after them."""
-        gap_mm = self.distance_mm - self.at(self.time_s - self.pass_s)
-        later_s = self.time_s + self.pass_s
-        later_s = later_s[: np.searchsorted(later_s, self.time_s[-1], side="right")]
-        return (self.time_s, gap_mm), (later_s, self.at(later_s) - self.distance_mm[: later_s.size])
 
 
 @dataclass(frozen=True)
@@ -112,7 +91,7 @@ def judge(
     """
     _check(time_s, distance_mm, speed_rpm, feed_mm_rev, edges)
     rev_s, feed_mm = S_PER_MIN / speed_rpm, feed_mm_rev / edges
-    motion = _Motion(time_s, distance_mm, rev_s / edges, _TOUCH * feed_mm)
+    motion = Motion(time_s, distance_mm, rev_s / edges, _TOUCH * feed_mm)
     rests = rests_of(time_s, distance_mm, motion.touch_mm) if waveform == "dwell" else None
     steady, gaps = _steady_part(motion, steady_s, feed_mm_rev / rev_s, rests), motion.corner_gaps()
     margin = _margin(gaps, steady, time_s[steady.crest], motion.pass_s)
@@ -142,6 +121,7 @@ def judge(
         first_chip_mm=around_mm and around_mm * first_rev,
         cut_share=cut_share,
         peak_thickness=peak_mm / feed_mm,
+        ramp_peak_thickness=_ramp_peak_mm(motion, steady, passes) / feed_mm,
         # No ridge is higher than the thickest chip, which stands in where the part is too short to tell.
         roughness_factor=((_widest_gap(motion, steady, passes) or peak_mm) / feed_mm) ** 2,
         peak_speed_mm_s=float(np.abs(np.diff(distance_mm) / np.diff(time_s)).max()),
@@ -150,7 +130,7 @@ def judge(
 
 
 def _steady_part(
-    motion: _Motion, steady_s: tuple[float, float] | None, speed_mm_s: float, rests: Rests | None
+    motion: Motion, steady_s: tuple[float, float] | None, speed_mm_s: float, rests: Rests | None
 ) -> _Steady:
     steps = np.diff(motion.distance_mm)
     moving = np.flatnonzero(np.abs(steps) > motion.touch_mm)  # a stop is no turn
@@ -193,14 +173,14 @@ def _margin(gaps: Gaps, steady: _Steady, crest_s: Floats, pass_s: float) -> floa
     return 0.0 if missing and margin >= 1.0 - _TOUCH else margin
 
 
-def _stroke(motion: _Motion, steady: _Steady) -> float:
+def _stroke(motion: Motion, steady: _Steady) -> float:
     """Peak to peak distance [mm] from the mean feed in the steady part."""
     low, high = np.searchsorted(motion.time_s, [steady.start_s, steady.end_s])
     ahead_mm = motion.distance_mm[low : high + 1] - steady.speed_mm_s * motion.time_s[low : high + 1]
     return float(np.ptp(ahead_mm))
 
 
-def _sampled_part(motion: _Motion, steady: _Steady, passes: int) -> tuple[float, float]:
+def _sampled_part(motion: Motion, steady: _Steady, passes: int) -> tuple[float, float]:
     """The end of the steady part that is worked out in full: its start and end [s]."""
     begin_s, end_s = steady.begin_s, steady.end_s
     unit_s = max(motion.pass_s, steady.period_s if steady.crest.size > 1 else 0.0)
@@ -215,15 +195,9 @@ def _sampled_part(motion: _Motion, steady: _Steady, passes: int) -> tuple[float,
     return (end_s - math.floor(whole) * steady.period_s if 1.0 <= whole < 4.0 else begin_s), end_s
 
 
-def _chips(motion: _Motion, part: tuple[float, float], passes: int) -> tuple[float, float, float, float]:
+def _chips(motion: Motion, part: tuple[float, float], passes: int) -> tuple[float, float, float, float]:
     """Chips per second, share of time in the cut, longest chip [s] and greatest thickness [mm]."""
-    low, high = np.searchsorted(motion.time_s, [part[0] - passes * motion.pass_s, part[1]])
-    shifts = motion.pass_s * np.arange(passes + 1)[:, np.newaxis]
-    corners = (motion.time_s[low:high] + shifts).ravel()
-    corners = np.unique(np.concatenate([part, corners[(corners > part[0]) & (corners < part[1])]]))
-    peak_mm, enter, leave = lowest_of(
-        lambda time_s: motion.at(time_s) - motion.at(time_s - shifts[1:]), corners, passes, motion.touch_mm
-    )
+    corners, peak_mm, enter, leave = motion.thickness(part, passes)
     cuts = leave > enter
     step_s = np.diff(corners)
     goes_on = cuts[:-1] & cuts[1:] & (leave[:-1] == 1.0) & (enter[1:] == 0.0)
@@ -238,7 +212,15 @@ def _chips(motion: _Motion, part: tuple[float, float], passes: int) -> tuple[flo
     return ended / span_s, float(chip_s.sum()) / span_s, float(chip_s.max(initial=0.0)), peak_mm
 
 
-def _first_chip(motion: _Motion, gaps: Gaps) -> float:
+def _ramp_peak_mm(motion: Motion, steady: _Steady, passes: int) -> float:
+    """Greatest thickness while older passes are not yet those of the steady part, and behind it."""
+    begin_s, end_s = float(motion.time_s[0]), float(motion.time_s[-1])
+    grown_s = min(steady.begin_s + passes * motion.pass_s, end_s)
+    parts = [part for part in ((begin_s, grown_s), (steady.end_s, end_s)) if part[1] > part[0]]
+    return max((motion.thickness(part, passes)[1] for part in parts), default=0.0)
+
+
+def _first_chip(motion: Motion, gaps: Gaps) -> float:
     """Time [s] from the first knot to the first gap; the whole motion when there is none.
 
     Only the last pass is asked, so while the stroke still grows the answer is never too short.
@@ -258,7 +240,7 @@ def _first_chip(motion: _Motion, gaps: Gaps) -> float:
     return float(closes_s) - start_s
 
 
-def _widest_gap(motion: _Motion, steady: _Steady, passes: int) -> float:
+def _widest_gap(motion: Motion, steady: _Steady, passes: int) -> float:
     """Largest distance [mm] between neighbouring tool positions at one angle, over all angles.
 
     Rt = gap ** 2 / (8 nose radius).  Positions that a pass before or after those looked at may come between
