@@ -189,6 +189,14 @@ def test_diagnostics_in_json() -> None:
 # --- whatever comes ---------------------------------------------------------------------------------------
 
 
+def test_explain_says_where_no_count_can_be_told() -> None:
+    program = b"G97 S1000 M3\nG0 X20. Z0.\nG1 Z-0.8 F0.05 N0.5\nM30\n"
+    said = invoke(["explain", "-p", "generic-lathe", "-"], program).output
+    assert "reaches  no N that could be told: at full stroke the tool turns back once or never" in said
+    longer = invoke(["explain", "-p", "generic-lathe", "-"], program.replace(b"0.8", b"0.9")).output
+    assert "reaches  N 0.5, 8.3333 Hz" in longer
+
+
 def invoke(args: list[str], stdin: bytes = b"") -> click.testing.Result:
     """Run in this process; what ``main`` would turn into "internal fault" is raised."""
     result = click.testing.CliRunner().invoke(cli, args, input=stdin)

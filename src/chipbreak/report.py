@@ -74,6 +74,8 @@ def _cut_text(result: Result, checked: CheckedCut, settings: Settings) -> Iterat
     if verdict.per_rev > 0.0:
         reached_hz = verdict.per_rev * solution.speed_rpm / S_PER_MIN
         yield f"    reaches  N {verdict.per_rev:.4g}, {reached_hz:.5g} Hz (planner model {checked.control})"
+    elif not cut.keeps_feed:
+        yield "    reaches  no N that could be told: at full stroke the tool turns back once or never"
     chips = "chips break" if verdict.breaks else "CHIPS DO NOT BREAK"
     longest = _chip(verdict.longest_chip_rev, verdict.longest_chip_mm)
     first = _chip(verdict.first_chip_rev, verdict.first_chip_mm)
