@@ -4,17 +4,43 @@
 >>> settings = chipbreak.load("generic-lathe")
 >>> chipbreak.rewrite(b"G0 X20. Z2.\\nM30\\n", settings).changed
 False
+
+A program that is refused raises :class:`ProgramRejectedError`, whose ``diagnostics`` say why; a profile that
+cannot be used :class:`SettingsError`, a file of tools :class:`ToolFileError`, and a fault of ours
+:class:`SelfCheckError`.
+
+>>> chipbreak.rewrite(b"G97 S3000 M3\\nG0 X20. Z2.\\nG1 Z-30. F0.05 N2\\nM30\\n", settings)
+Traceback (most recent call last):
+chipbreak.diagnostics.ProgramRejectedError: N 2 (N word, line 3) is a whole number, so no chip ever breaks
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["ProgramRejectedError", "Result", "Settings", "load", "rewrite"]
+if TYPE_CHECKING:
+    from chipbreak.diagnostics import ProgramRejectedError, SelfCheckError
+    from chipbreak.pipeline import Result, rewrite
+    from chipbreak.settings import Settings, SettingsError, load
+    from chipbreak.tools.data import ToolFileError
+
+__all__ = [
+    "ProgramRejectedError",
+    "Result",
+    "SelfCheckError",
+    "Settings",
+    "SettingsError",
+    "ToolFileError",
+    "load",
+    "rewrite",
+]
 _HOMES = {
     "ProgramRejectedError": "chipbreak.diagnostics",
     "Result": "chipbreak.pipeline",
+    "SelfCheckError": "chipbreak.diagnostics",
     "Settings": "chipbreak.settings",
+    "SettingsError": "chipbreak.settings",
+    "ToolFileError": "chipbreak.tools.data",
     "load": "chipbreak.settings",
     "rewrite": "chipbreak.pipeline",
 }

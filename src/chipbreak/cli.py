@@ -95,7 +95,7 @@ def check(asked: Asked, sources: tuple[str, ...]) -> None:
 
 
 @cli.command()
-@click.argument("source", metavar="INPUT", default="-")
+@click.argument("source", metavar="[INPUT]", default="-")
 @asking(*READING)
 def explain(asked: Asked, source: str) -> None:
     """Show each vibrated cut, operation and check, with its reasons."""
@@ -112,7 +112,7 @@ def explain(asked: Asked, source: str) -> None:
 
 
 @cli.command()
-@click.argument("source", metavar="INPUT", default="-")
+@click.argument("source", metavar="[INPUT]", default="-")
 @asking(*READING)
 def verify(asked: Asked, source: str) -> None:
     """Judge a filtered program as it stands: end points, times, states and chips.
@@ -164,7 +164,7 @@ def diff(asked: Asked, a: str, b: str, ignore_comments: bool) -> None:
 
 
 @cli.command()
-@click.argument("source", metavar="INPUT", default="-")
+@click.argument("source", metavar="[INPUT]", default="-")
 @click.option("-o", "--output", metavar="OUT", help="Write to this file, replaced in one step.")
 @asking(*REPORTING)
 def restore(asked: Asked, source: str, output: str | None) -> None:
@@ -227,7 +227,10 @@ def profile_list() -> None:
     from chipbreak.settings import load, profile_names
 
     for name in profile_names():
-        click.echo(f"{name:20} {load(name).dialect.title}")
+        settings = load(name)
+        calls = settings.checks.calls
+        whose = f", calls of {calls}" if calls != "builtin" else ""
+        click.echo(f"{name:20} {settings.dialect.title}{whose}")
 
 
 @profile.command("show")
@@ -248,4 +251,7 @@ def main() -> None:
     except Exception as error:
         if os.environ.get("CHIPBREAK_TRACEBACK"):
             raise
+        if isinstance(error, OSError) and error.filename is None:  # of a stream: nothing of ours has failed
+            click.echo(f"Error: cannot read or write: {error.strerror}", err=True)
+            sys.exit(USAGE)
         fail(f"error SLF002: internal fault, {type(error).__name__}: {error}")

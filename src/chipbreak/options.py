@@ -158,7 +158,7 @@ def rewrite_program(data: bytes, settings: Settings, source: str, asked: Asked) 
     from chipbreak.pipeline import rewrite
 
     name = _shown(source)
-    return _guarded(name, lambda: rewrite(data, settings, name, allow_unbroken=asked.allow_unbroken))
+    return _guarded(name, asked, lambda: rewrite(data, settings, name, allow_unbroken=asked.allow_unbroken))
 
 
 def verify_program(data: bytes, settings: Settings, source: str, asked: Asked) -> Result:
@@ -181,7 +181,7 @@ def verify_program(data: bytes, settings: Settings, source: str, asked: Asked) -
             sys.exit(FAILED)
 
     try:
-        return _guarded(name, work)
+        return _guarded(name, asked, work)
     except ProgramRejectedError as error:
         asked.reporter.show(error.diagnostics)
         sys.exit(REJECTED)
@@ -191,7 +191,7 @@ def _shown(source: str) -> str:
     return "<stdin>" if source == "-" else source
 
 
-def _guarded(name: str, work: Callable[[], Result]) -> Result:
+def _guarded(name: str, asked: Asked, work: Callable[[], Result]) -> Result:
     """Run, and turn what is not the program's fault into a message and an exit code."""
     from chipbreak.diagnostics import SelfCheckError
     from chipbreak.settings import SettingsError
@@ -200,11 +200,10 @@ def _guarded(name: str, work: Callable[[], Result]) -> Result:
     try:
         return work()
     except ToolFileError as error:
-        for diagnostic in error.diagnostics:
-            click.echo(diagnostic.render(), err=True)
+        asked.reporter.show(error.diagnostics)
         sys.exit(USAGE)
     except SettingsError as error:
-        click.echo(error.diagnostic.render(), err=True)
+        asked.reporter.show([error.diagnostic])
         sys.exit(USAGE)
     except SelfCheckError as error:
         fail(f"{name}: error SLF001: the output failed its self-check: {error}")

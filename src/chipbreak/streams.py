@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from collections.abc import Iterable
@@ -45,16 +46,21 @@ def write_json(value: Any, *, indent: int | None = None, err: bool = False) -> N
 
 def read_input(source: str) -> bytes:
     """All bytes of a file, or of stdin for ``-``.  Raises click.UsageError (exit 2)."""
-    if source == "-":
-        return sys.stdin.buffer.read()
+    if source == "-" and sys.stdin is None:
+        raise click.UsageError("standard input is closed: name a file, or send the program there")
     try:
+        if source == "-":
+            return sys.stdin.buffer.read()
         return Path(source).read_bytes()
     except OSError as error:
-        raise click.UsageError(f"cannot read {source}: {error.strerror}") from None
+        shown = "standard input" if source == "-" else source or "a file without a name"
+        raise click.UsageError(f"cannot read {shown}: {error.strerror}") from None
 
 
 def write_stdout(pieces: Iterable[bytes]) -> None:
-    """Bytes to stdout, as they are."""
+    """Bytes to stdout, as they are.  Raises click.UsageError (exit 2) when it takes none."""
+    if sys.stdout is None:
+        raise click.UsageError("standard output is closed: name a file with -o")
     try:
         for piece in pieces:
             rest = memoryview(piece)
@@ -62,16 +68,34 @@ def write_stdout(pieces: Iterable[bytes]) -> None:
                 rest = rest[sys.stdout.buffer.write(rest) or 0 :]
         sys.stdout.buffer.flush()
     except BrokenPipeError:
-        # The reader has gone; keep Python from complaining when it closes stdout at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _forget_stdout()
         sys.exit(1)
+    except OSError as error:
+        _forget_stdout()
+        raise click.UsageError(f"cannot write standard output: {error.strerror}") from None
+
+
+def _forget_stdout() -> None:
+    """Nobody takes what is still there; keep Python from complaining when it closes stdout at exit."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def replace_file(target: Path, pieces: Iterable[bytes]) -> None:
-    """Write a file so that it has either the old or the new content, never a part."""
-    real = target.resolve()
-    temporary = real.with_name(f".{real.name}.{os.getpid()}")
+    """Write a file so that it has either the old or the new content, never a part.
+
+    A device or a pipe is written into: a file in its place would be no device any more.
+    """
     try:
+        if target.exists() and not target.is_file() and not target.is_dir():
+            with target.open("wb") as stream:
+                stream.writelines(pieces)
+            return
+        real = Path(os.path.realpath(target))
+        if real.is_symlink():  # only a link that leads back to itself is left
+            raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+        if real.exists() and not os.access(real, os.W_OK):  # renaming would not ask
+            raise OSError(errno.EACCES, os.strerror(errno.EACCES))
+        temporary = real.with_name(f".{real.name}.{os.getpid()}")
         # "x": never into a file that is there, or through a link somebody put there.
         with open(temporary, "xb", opener=_private) as file:
             try:

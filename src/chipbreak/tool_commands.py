@@ -128,7 +128,7 @@ def _say(verdicts: dict[int, EdgeVerdict], heading: str, *, as_json: bool) -> No
 
 
 @click.command()
-@click.argument("source", metavar="INPUT", default="-")
+@click.argument("source", metavar="[INPUT]", default="-")
 @asking(TOOLS, PROFILE, SET, *REPORTING)
 def tools(asked: Asked, source: str) -> None:
     """Show what is known about the tools of a program, who said it, and what a check lacks."""

@@ -58,11 +58,13 @@ def profile_text(profile: str) -> tuple[str, str]:
         raise SettingsError(Diagnostic(UNREADABLE, Severity.ERROR, message, help_text)) from None
 
 
-def load(profile: str, options: Sequence[str] = ()) -> Settings:
+def load(profile: str | os.PathLike[str], options: Sequence[str] = ()) -> Settings:
     """Settings of a profile with ``section.key=value`` options over it.
 
-    A profile may name another as ``base``; its own keys win.  Raises SettingsError.
+    A profile is the name of a shipped one or the path of a TOML file.  It may name another as ``base``; its
+    own keys win.  Raises SettingsError.
     """
+    profile = os.fspath(profile)
     layers = list(_profile_layers(profile, set()))
     layers += [_option_layer(option) for option in options]
     values: dict[str, dict[str, Any]] = {name: {} for name in (*SECTIONS, *OPEN_SECTIONS)}

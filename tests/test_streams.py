@@ -1,0 +1,115 @@
+"""Streams and files that do not take or give what they should: a message, exit code 2, no fault of ours."""
+
+from __future__ import annotations
+
+import json
+import os
+import shlex
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import click
+import pytest
+
+import chipbreak
+from chipbreak.streams import replace_file
+
+WORKED = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5\nM30\n"
+FILTER = "filter -p generic-lathe"
+
+
+def shell(command: str, cwd: Path) -> subprocess.CompletedProcess[bytes]:
+    """Run ``chipbreak COMMAND``, with redirections, in a folder where in.nc stands."""
+    (cwd / "in.nc").write_bytes(WORKED)
+    env = {k: v for k, v in os.environ.items() if not k.startswith("CHIPBREAK")}
+    line = f"{shlex.quote(sys.executable)} -m chipbreak {command}"
+    return subprocess.run(["sh", "-c", line], capture_output=True, cwd=cwd, env=env, check=False)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
+@pytest.mark.parametrize(
+    "command",
+    [
+        f"{FILTER} in.nc",
+        "explain -p generic-lathe in.nc",
+        "diff in.nc in.nc",
+        "restore in.nc",
+        "profile list",
+    ],
+)
+def test_a_full_disk_behind_stdout(command: str, tmp_path: Path) -> None:
+    done = shell(f"{command} >/dev/full", tmp_path)
+    if command.startswith("diff"):  # says nothing, so nothing is lost
+        assert (done.returncode, done.stderr) == (0, b"")
+        return
+    assert done.returncode == 2
+    assert b"No space left on device" in done.stderr
+    assert b"SLF" not in done.stderr
+    assert b"Exception" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("redirection", "wanted"),
+    [
+        (f"{FILTER} <&-", b"standard input is closed: name a file"),
+        (f"{FILTER} in.nc >&-", b"standard output is closed: name a file with -o"),
+        ("restore in.nc >&-", b"standard output is closed: name a file with -o"),
+    ],
+)
+def test_a_closed_stream(redirection: str, wanted: bytes, tmp_path: Path) -> None:
+    done = shell(redirection, tmp_path)
+    assert done.returncode == 2
+    assert done.stdout == b""
+    assert wanted in done.stderr
+
+
+def test_a_link_that_leads_to_itself(tmp_path: Path) -> None:
+    (tmp_path / "loop").symlink_to("loop")
+    done = shell(f"{FILTER} in.nc -o loop", tmp_path)
+    assert done.returncode == 2
+    assert b"cannot write loop: Too many levels of symbolic links" in done.stderr
+    assert (tmp_path / "loop").is_symlink()
+
+
+def test_a_pipe_is_written_into_and_stays_one(tmp_path: Path) -> None:
+    pipe, got = tmp_path / "pipe", []
+    os.mkfifo(pipe)
+    reader = threading.Thread(target=lambda: got.append(pipe.read_bytes()), daemon=True)
+    reader.start()
+    assert shell(f"{FILTER} in.nc -o pipe", tmp_path).returncode == 0
+    assert pipe.is_fifo(), "not replaced by a file"
+    reader.join(10)
+    assert got == [chipbreak.rewrite(WORKED, chipbreak.load("generic-lathe")).data]
+
+
+def test_a_file_that_may_not_be_written_is_not_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "a.nc"
+    file.write_bytes(b"old")
+    file.chmod(0o444)
+    monkeypatch.setattr(os, "access", lambda path, mode: False)  # as for anybody but root
+    with pytest.raises(click.UsageError, match=r"cannot write .*a\.nc: Permission denied"):
+        replace_file(file, [b"new"])
+    assert [path.name for path in tmp_path.iterdir()] == ["a.nc"]
+    assert file.read_bytes() == b"old"
+
+
+def test_a_bad_file_of_tools_is_said_in_json_when_asked(tmp_path: Path) -> None:
+    (tmp_path / "milled.nc").write_bytes(b"T1 M6\nS1000 M3\nG0 X0. Y0. Z2.\nG1 Z-5. F100.\nG0 Z100.\nM30\n")
+    done = shell("filter -p fanuc-mill --tools none.csv --json milled.nc", tmp_path)
+    assert done.returncode == 2
+    assert [found["code"] for found in json.loads(done.stderr)] == ["TOL001"]
+
+
+def test_a_profile_by_its_path(tmp_path: Path) -> None:
+    file = tmp_path / "my.toml"
+    file.write_text('base = "generic-lathe"\n')
+    assert chipbreak.load(file) == chipbreak.load(str(file))
+
+
+@pytest.mark.parametrize("name", chipbreak.__all__)
+def test_what_the_package_offers_is_there(name: str) -> None:
+    assert getattr(chipbreak, name).__name__ == name
