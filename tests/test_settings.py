@@ -148,6 +148,8 @@ def test_options(option: str, section: str, key: str, value: object) -> None:
         ("macros.orient=M19", "SET003", "M19 R{angle}"),
         ("macros.orient=M19 R{angle} P{axis}", "SET003", "M19 R{angle}"),
         ("macros.laser_on=M70 (\u00c4)", "SET003", "plain letters"),
+        ("planner.path_mode=G62", "SET003", "it has G61, G64; for example"),
+        ("planner.smoothing_off=G5.1 Q0", "SET003", "it has none: leave smoothing_off out"),
         ("macros.store_last=500", "SET003", "at least 40"),
     ],
 )

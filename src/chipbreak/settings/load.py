@@ -177,8 +177,11 @@ def _check_modes(layer: Layer, planner: Planner, dialect: Dialect) -> None:
         for key in (switched, given_back):
             text = getattr(planner, key)
             if not _is_mode(text, group, dialect):
-                message = f"planner.{key} = {text!r} is no such mode of this control"
-                raise layer.fail(IMPOSSIBLE, f"planner.{key}", message, example)
+                message = f"planner.{key} = {text!r} is no such mode of {dialect.title}"
+                codes = [n for n, code in sorted(dialect.g_codes.items()) if code.group == group]
+                known = ", ".join(f"G{n / 10:g}" for n in codes)
+                help_text = f"it has {known}; {example}" if codes else f"it has none: leave {switched} out"
+                raise layer.fail(IMPOSSIBLE, f"planner.{key}", message, help_text)
 
 
 def _is_mode(text: str, group: str, dialect: Dialect) -> bool:
