@@ -1,14 +1,24 @@
-"""What the README shows is what comes out."""
+"""What the README and the pages show is what comes out."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
 
+import pytest
+
 import chipbreak
+from chipbreak.options import Asked, settings_of
 from chipbreak.report import explain_text
+from chipbreak.settings.sections import SECTIONS
 
 README = Path(__file__).parents[1] / "README.md"
+DOCS = sorted((README.parent / "docs").glob("*.md"))
+PROFILES = [
+    pytest.param(block, id=f"{page.stem}-{number}")
+    for page in DOCS
+    for number, block in enumerate(re.findall(r"^```toml\n(.*?)^```", page.read_text("utf-8"), re.M | re.S))
+]
 
 
 def shown(*, behind: str) -> list[str]:
@@ -38,3 +48,21 @@ def test_the_explanation() -> None:
     result = chipbreak.rewrite(program, settings, "part.nc")
     said = [line.strip() for line in explain_text(result, settings)]
     assert said[said.index(wanted[0]) :][: len(wanted)] == wanted
+
+
+@pytest.mark.parametrize("block", PROFILES)
+def test_a_profile_shown_in_the_docs_is_one(block: str, tmp_path: Path) -> None:
+    base = "fanuc-lathe" if "[axes." in block else "fanuc-mill"
+    file = tmp_path / "shown.toml"
+    file.write_text(block if block.startswith("base") else f'base = "{base}"\n{block}', "utf-8")
+    settings_of(Asked(profile=str(file)), "-")
+
+
+@pytest.mark.parametrize("section", SECTIONS)
+def test_every_key_of_a_profile_stands_in_the_docs(section: str) -> None:
+    pages = "".join(page.read_text("utf-8") for page in DOCS if page.stem in _WITH_KEYS)
+    keys = SECTIONS[section].__dataclass_fields__
+    assert [key for key in keys if not re.search(rf"`(?:\[checks\.)?{key}(?:\]?`| = )", pages)] == []
+
+
+_WITH_KEYS = ("profiles", "checks", "macros")
