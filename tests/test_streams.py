@@ -113,3 +113,19 @@ def test_a_profile_by_its_path(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", chipbreak.__all__)
 def test_what_the_package_offers_is_there(name: str) -> None:
     assert getattr(chipbreak, name).__name__ == name
+
+
+@pytest.mark.parametrize("command", ["filter", "explain", "verify", "tools", "restore"])
+def test_a_damaged_part_is_no_fault_of_ours(command: str, tmp_path: Path) -> None:
+    (tmp_path / "damaged.nc").write_bytes(b"(CHIPBREAK BEGIN X)\nG1 X1.\n")
+    profile = "" if command == "restore" else "-p fanuc-mill"
+    done = shell(f"{command} {profile} damaged.nc", tmp_path)
+    assert (done.returncode, done.stdout) == (3, b"")
+    assert done.stderr.startswith(b"damaged.nc:1:1: error RES002")
+
+
+def test_no_verdict_of_an_edge_where_its_figure_cannot_be_written(tmp_path: Path) -> None:
+    (tmp_path / "edge.csv").write_text("tooth,height_mm,radius_mm\n1,0,5\n1,1,5\n")
+    done = shell("inspect edge.csv edge.csv --next rough -o none/edge.svg", tmp_path)
+    assert (done.returncode, done.stdout) == (2, b"")
+    assert b"cannot write none/edge.svg" in done.stderr

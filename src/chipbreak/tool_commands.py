@@ -12,6 +12,7 @@ from chipbreak.options import (
     DIFFERENT,
     DONE,
     PROFILE,
+    REJECTED,
     REPORTING,
     SET,
     TOOLS,
@@ -72,7 +73,6 @@ def inspect(
     edges = {tooth: _judged(tooth, stored[tooth], traced[tooth], limit_mm, after) for tooth in stored}
     verdicts = {tooth: verdict for tooth, (verdict, _) in edges.items()}
     title = f"T{tool}, " if tool is not None else ""
-    _say(verdicts, f"{title}next {next_kind}, limit W {limit_mm:g} mm", as_json=asked.as_json)
     chipped = [tooth for tooth, verdict in verdicts.items() if verdict.is_chipped]
     if output is not None:
         from chipbreak.tools.edge_figure import edge_figure
@@ -81,6 +81,7 @@ def inspect(
         heading = f"{title}next {next_kind}, W {limit_mm:g} mm: {found}"
         figure = edge_figure([curves for _, curves in edges.values()], limit_mm, heading)
         replace_file(Path(output), [figure.encode()])
+    _say(verdicts, f"{title}next {next_kind}, limit W {limit_mm:g} mm", as_json=asked.as_json)
     sys.exit(DIFFERENT if chipped else DONE)
 
 
@@ -132,6 +133,7 @@ def _say(verdicts: dict[int, EdgeVerdict], heading: str, *, as_json: bool) -> No
 @asking(TOOLS, PROFILE, SET, *REPORTING)
 def tools(asked: Asked, source: str) -> None:
     """Show what is known about the tools of a program, who said it, and what a check lacks."""
+    from chipbreak.diagnostics import ProgramRejectedError
     from chipbreak.model.trace import interpret
     from chipbreak.restore import restore
     from chipbreak.source import read
@@ -141,9 +143,12 @@ def tools(asked: Asked, source: str) -> None:
 
     settings = settings_of(asked, source)
     name = "<stdin>" if source == "-" else source
-    trace = interpret(parse(restore(read(read_input(source), name))), settings)
+    data = read_input(source)
     try:
-        table = tool_table(trace)
+        table = tool_table(interpret(parse(restore(read(data, name))), settings))
+    except ProgramRejectedError as error:
+        asked.reporter.show(error.diagnostics)
+        sys.exit(REJECTED)
     except ToolFileError as error:
         asked.reporter.show(error.diagnostics)
         sys.exit(USAGE)
