@@ -41,6 +41,7 @@ syntax.columns
 settings.axis_words
 settings.sections
 settings.checking
+settings.ranges
 settings.tool_rules
 settings.load
 settings.show
@@ -161,12 +162,9 @@ verify
 diff
 pipeline
 report
-plot
 chipbreak
 streams
 options
-hook
-batch
 tool_commands
 cli
 __main__
@@ -176,7 +174,7 @@ LAYERS = ORDER.split()
 # Libraries that only these modules may import.
 ONLY_IN = {
     "lark": {"syntax.grammar", "syntax.parse"},
-    "click": {"streams", "options", "cli", "hook", "batch", "tool_commands"},
+    "click": {"streams", "options", "cli", "tool_commands"},
 }
 
 

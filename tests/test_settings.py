@@ -151,12 +151,20 @@ def test_options(option: str, section: str, key: str, value: object) -> None:
         ("planner.path_mode=G62", "SET003", "it has G61, G64; for example"),
         ("planner.smoothing_off=G5.1 Q0", "SET003", "it has none: leave smoothing_off out"),
         ("macros.store_last=500", "SET003", "at least 40"),
+        ("command.multiples=[]", "SET003", "name one or more"),
+        ("command.periods_ms=[]", "SET003", "name one or more"),
+        ("command.max_multiple=3", "SET003", "4 or more"),
     ],
 )
 def test_options_that_cannot_be(option: str, code: str, hint: str) -> None:
     found, _, help_text = refused("generic-lathe", option)
     assert found == code
     assert hint in help_text
+
+
+def test_a_spindle_between_no_speeds_cannot_be() -> None:
+    found, _, help_text = refused("generic-lathe", "spindle.min_rpm=2000", "spindle.max_rpm=1000")
+    assert (found, help_text) == ("SET003", "2000 or more, or another spindle.min_rpm")
 
 
 @pytest.mark.parametrize(

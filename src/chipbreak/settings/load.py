@@ -24,6 +24,7 @@ from chipbreak.settings.checking import (
     checked_value,
     hint_at,
 )
+from chipbreak.settings.ranges import check_ranges
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS, Axis, Planner, Settings
 from chipbreak.settings.tool_rules import check_macros, check_sisters
 from chipbreak.span import Place
@@ -108,6 +109,7 @@ def _build(
         hint = 'planner.model = "trapezoid", or leave it out'
         raise layer.fail(IMPOSSIBLE, "planner.reversal_stop_ms", message, hint)
     _check_modes(layer, sections["planner"], dialect)
+    check_ranges(layer, sections["command"], sections["spindle"])
     check_macros(layer, sections["macros"], dialect)
     check_sisters(layer, sections["checks"])
     return Settings(

@@ -1,0 +1,22 @@
+"""Limits of a section that must leave something between them."""
+
+from __future__ import annotations
+
+from chipbreak.settings.checking import IMPOSSIBLE, Layer
+from chipbreak.settings.sections import Command, Spindle
+
+
+def check_ranges(layer: Layer, command: Command, spindle: Spindle) -> None:
+    """A control can command a frequency, and its spindle a speed."""
+    for key in ("multiples", "periods_ms"):
+        if getattr(command, key) == ():
+            message = f"command.{key} = []: so no frequency can be commanded"
+            raise layer.fail(IMPOSSIBLE, f"command.{key}", message, "name one or more, or leave it out")
+    if command.max_multiple is not None and command.max_multiple < command.min_multiple:
+        message = f"command.max_multiple = {command.max_multiple} lies below min_multiple"
+        hint = f"{command.min_multiple} or more, or another command.min_multiple"
+        raise layer.fail(IMPOSSIBLE, "command.max_multiple", message, hint)
+    if spindle.max_rpm is not None and spindle.max_rpm < spindle.min_rpm:
+        message = f"spindle.max_rpm = {spindle.max_rpm:g} lies below min_rpm"
+        hint = f"{spindle.min_rpm:g} or more, or another spindle.min_rpm"
+        raise layer.fail(IMPOSSIBLE, "spindle.max_rpm", message, hint)
