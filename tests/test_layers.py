@@ -55,6 +55,7 @@ model.steps
 model.motion
 model.flow
 model.requests
+model.machine_functions
 model.interpret
 model.trace
 model.lazy_pattern
