@@ -294,3 +294,18 @@ def test_feeds_that_take_another_time_are_caught() -> None:
 def test_a_line_too_long_for_the_control_is_caught() -> None:
     mutant = OUTPUT.replace(b"S2500\n", b"S2500 (" + b"X" * 80 + b")\n", 1)
     assert caught(TRACE, PLAN, resealed(mutant))
+
+
+@pytest.mark.parametrize(
+    ("profile", "program"),
+    [
+        ("speedio-renishaw", b"M3\nM30\n(SPEED V120D20)\nM5\n"),
+        (
+            "linuxcnc-mill",
+            b"T8 M6\nS867 M3\nG0 X16 Y-11\nZ28\nG1 Y30 F90\nG0 Z20 M9\n(SEMI FINISH)\nG0 X29 Y-33\nM30\nZ2\n",
+        ),
+    ],
+)
+def test_what_stands_behind_the_end_is_another_program(profile: str, program: bytes) -> None:
+    """It starts from the power-on state, and the proof of a change before it ends there."""
+    assert chipbreak.rewrite(program, chipbreak.load(profile)).edits

@@ -56,6 +56,7 @@ model.steps
 model.motion
 model.flow
 model.requests
+model.machine_functions
 model.interpret
 model.trace
 model.lazy_pattern

@@ -110,6 +110,8 @@ def _check_states(trace: Trace, result: Trace, edit: Edit, region: Region, motio
     """
     for where, line, new_line in (("before", edit.first, region.first), ("behind", edit.last, region.last)):
         was, now = trace.before(line), result.before(new_line)
+        if was.ended:
+            continue  # the next block starts another program, from the power-on state
         if line <= motion_from:
             now = now.with_modes({"motion": was.modes["motion"]})
         wrong = _difference(was, now)
@@ -135,6 +137,8 @@ def _check_return(trace: Trace, result: Trace, edit: Edit, region: Region, stop:
     if edit.first != edit.last or _is_same(trace.before(edit.last), result.before(region.last)):
         return
     for step in trace.steps(edit.last, stop):
+        if step.after.ended:
+            return
         if step.move is None or step.move.kind == "rapid":
             continue
         new_line = region.last + step.block.line - edit.last

@@ -90,3 +90,12 @@ def test_what_a_body_in_front_of_the_program_says_counts_where_it_is_called_only
     assert result.titles[:2] == ["CALIBRATE", "TOOL CHECK T1, TRACE T1"]
     written = [text for edit in result.edits for text in edit.content]
     assert not {"G91", "M8", "M9"} & set(written)
+
+
+def test_a_branch_in_one_that_nobody_has_called_yet_leaves_nothing_open() -> None:
+    body = "o<wash> sub\no7 if [#1 GT 2]\nM8\nG91\no7 endif\n/G20\no<wash> endsub\n"
+    called = "G21 G90\nT1 M6\nS1000 M3\nG0 X1 Y2\nG43 Z15 H1\nG1 Z-1 F100\nG0 Z15\no<wash> call [3]\n"
+    result = filtered(f"{body}{called}(FINISH)\nG0 X1 Y2\nZ3\nG1 Z-2\nG0 Z9\nM2\n".encode(), "linuxcnc-mill")
+    check(result)
+    assert result.titles == ["CALIBRATE", "TOOL CHECK T1, TRACE T1"]
+    assert "line 15 calls a subprogram" in next(d.message for d in result.diagnostics)

@@ -7,6 +7,7 @@ import math
 import pytest
 
 import chipbreak
+from chipbreak.model.modal import State
 from chipbreak.model.trace import interpret
 from chipbreak.source import read
 from chipbreak.syntax.parse import parse
@@ -52,3 +53,35 @@ def test_p_is_read() -> None:
 def test_the_code_of_such_an_offset_is_said_with_its_words() -> None:
     assert SETTINGS.dialect.code("work_offset", "G54.1 P3") == "G54.1 P3"
     assert SETTINGS.dialect.code("work_offset", "G55") == "G55"
+
+
+def linuxcnc(*lines: str) -> State:
+    program = parse(read("\n".join([*lines, ""]).encode()))
+    return interpret(program, chipbreak.load("linuxcnc-mill")).end()
+
+
+def test_the_axis_words_of_a_given_length_offset_are_no_move() -> None:
+    end = linuxcnc("G0 X1 Y2 Z3", "G43.1 X7 Z60")
+    assert end.position[:2] == (1.0, 2.0)
+    assert math.isnan(end.position.z)
+    assert math.isnan(linuxcnc("G43 H1 Z3", "G91", "G49 G0 Z200").position.z)
+
+
+def test_what_m70_keeps_m72_gives_back() -> None:
+    kept = ("G94 F90", "S500 M3", "M8", "M70", "G91 G95 F1", "S9 M5", "M9", "G1")
+    end = linuxcnc(*kept, "M72")
+    assert (end.modes["distance"], end.modes["feed_mode"], end.modes["motion"]) == (
+        "absolute",
+        "minute",
+        "line",
+    )
+    assert (end.feed and end.feed.text, end.speed and end.speed.text, end.spindle) == ("90", "500", "cw")
+    assert end.coolant == {"flood"}
+    assert linuxcnc("G91", "M72").modes["distance"] == "incremental"  # nothing was kept
+    assert math.isnan(linuxcnc("M70", "G55", "G0 X1", "M72").position.x)
+    assert linuxcnc("M70", "G0 X1", "M72").position.x == 1.0
+
+
+def test_a_feed_from_before_a_change_of_units_is_not_known() -> None:
+    assert linuxcnc("F300", "G20").feed is None
+    assert linuxcnc("F300", "G21").feed is not None

@@ -317,3 +317,9 @@ def test_least_stroke_of_values_that_cannot_be(changes: dict[str, Any]) -> None:
     with pytest.raises(RefusalError) as caught:
         least_stroke_mm(**{**values, **changes})
     assert caught.value.code == "VIB010"
+
+
+def test_a_ramp_as_short_as_a_number_can_be() -> None:
+    """A division by it must not overflow."""
+    none, shortest = (sample(replace(CUT, ramp_in_s=time_s)) for time_s in (0.0, 5e-324))
+    assert np.array_equal(shortest, none)

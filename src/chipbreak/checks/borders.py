@@ -195,6 +195,9 @@ class BorderFinder:
         if lost:
             why = f"the next blocks rely on where {lost[0]} stands, which nobody knows: {state.unknown_why}"
             return NoBorder(spot.line, why)
+        doubt = self.ground.place_in_doubt(spot.line, axes)
+        if doubt:
+            return NoBorder(spot.line, f"the next blocks rely on where the tool stands, and {doubt}")
         if spot.is_displaced and not self.dialect.is_lathe and axes & set("XY"):
             why = "the next blocks rely on where X and Y stand, and G40 has ended compensation without a move"
             return NoBorder(spot.line, why, "move X or Y in the block of G40 or behind it, in rapid")
@@ -221,12 +224,27 @@ class BorderFinder:
             return "the last move was a cut, not a rapid"
         if motion in ("cw", "ccw") or (motion == "line" and spot.mover != "home"):
             return "the motion mode is a cut, not a rapid"
+        if motion == "line" and not self._takes_bare_line(spot):
+            return "G1 would have to be given back, and no F is in force for it"
         is_rapid = spot.mover == "rapid"
         if self._clearance and is_rapid and not self._clearance.is_clear(spot.line, spot.state.position):
             return "the tool may stand in a bore, where the way home leads through the wall"
         if spot.spindle_is_open:
             return "the spindle was on at the tool change; whether it still turns cannot be known"
         return ""
+
+    def _takes_bare_line(self, spot: _Spot) -> bool:
+        """LinuxCNC refuses a G1 without F, even one that moves nothing; its G94 and G95 end the last F."""
+        if not self.dialect.name.startswith("linuxcnc"):
+            return True
+        state = spot.state
+        feed = state.feed
+        if feed is None or not feed.value > 0.0 or state.modes["feed_mode"] == "inverse":
+            return False
+        if self.trace.program.block(feed.line).skip:
+            return False
+        modes = (s for s in self.trace.events if codes_of(s.block, "feed_mode", self.dialect))
+        return not any(feed.line < step.block.line < spot.line for step in modes)
 
     def _offset_words(self, line: int) -> str | None:
         """``G43 H2`` as last given before a line; None where it is not that simple."""
@@ -244,7 +262,7 @@ class BorderFinder:
             if h and number is None:
                 return None
             codes = codes_of(block, "length_offset", self.dialect)
-            if codes and self.dialect.g_codes[codes[-1]].value == "on":
+            if codes and self.dialect.g_codes[codes[-1]].value != "off":
                 is_plain = codes[-1] in (430, 440)
                 return f"G{codes[-1] // 10} H{number}" if is_plain and number else None
         return None

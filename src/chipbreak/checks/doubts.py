@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from chipbreak.checks.effects import differing, set_by
 from chipbreak.checks.subprograms import Subprograms
+from chipbreak.model.main_program import MainProgram
 from chipbreak.model.steps import Step
 from chipbreak.model.trace import Trace
 from chipbreak.syntax.nodes import Number
@@ -103,14 +104,19 @@ def _all_set(steps: Sequence[Step], trace: Trace) -> frozenset[str]:
 
 
 def doubts_of(
-    trace: Trace, subprograms: Subprograms, parts: Sequence[Part]
+    trace: Trace, main: MainProgram, subprograms: Subprograms, parts: Sequence[Part]
 ) -> Iterator[tuple[int, dict[str, int]]]:
-    """(line, what is left open there -> the line that did it), wherever it changes."""
+    """(line, what is left open there -> the line that did it), wherever it changes.
+
+    What stands in the body of a subprogram counts where it is called.
+    """
     open_now: dict[str, int] = {}
-    ends = list(parts)
-    outermost = list(_outermost(parts))
+    ends = [part for part in parts if main.has(part.first) or main.has(part.last)]
+    outermost = list(_outermost(ends))
     for step in trace.events:
         line = step.block.line
+        if not main.has(line):
+            continue
         while ends and ends[0].last < line:
             yield _closed(ends.pop(0), open_now)
         changed = _changed(step) | (subprograms.changes(step) or frozenset())

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from chipbreak.checks.doubts import doubts_of, jumps_of, nests_of, optional_parts
 from chipbreak.checks.subprograms import Subprograms
@@ -31,6 +31,8 @@ _AT_REST = {
     "mirror": "mirror image (G51.1) is on",
     "modal_macro": "a modal macro call (G66) is on",
 }
+# What the numbers of a place depend on.
+_PLACING = frozenset({"distance", "units", "work_offset", "length_offset", "diameter"})
 # Coolant through the spindle: M9 does not end it, and this profile has no code that is sure to do so.
 _THROUGH_ON, _THROUGH_OFF = 88.0, 89.0
 
@@ -47,9 +49,12 @@ class Ground:
         self._unknown = dict(_unknown(trace, subprograms))
         self._opaque = sorted(self._unknown)
         self._calls = [step.block.line for step in trace.events if calls_tool(step, tool_change)]
-        self._doubts = list(doubts_of(trace, subprograms, optional_parts(trace, self._nests, self._jumps)))
+        self._doubts = list(
+            doubts_of(trace, main, subprograms, optional_parts(trace, self._nests, self._jumps))
+        )
         self._through = list(_through(trace))
         self._turned = list(_turned(trace))
+        self._units = list(_switches_of_units(trace))
 
     def why_not(self, line: int, state: State) -> str:
         """Why nothing may be inserted before a line, or "" when its place and modes allow it."""
@@ -83,6 +88,26 @@ class Ground:
                 return f"line {self._user_line(doubt)} {self._who(doubt)} may or may not have set {what}"
         return ""
 
+    def place_in_doubt(self, line: int, axes: Collection[str]) -> str:
+        """Why nobody knows where axes stand that moved while a G91 was in doubt, "" where all is known.
+
+        Each must have been sent to a place again since.
+        """
+        at = bisect_right(self._doubts, line - 1, key=lambda doubt: doubt[0]) - 1
+        while at >= 0 and not self._doubts[at][1].keys() & _PLACING:
+            at -= 1
+        if at < 0:
+            return ""
+        closed = self._doubts[at + 1][0] if at + 1 < len(self._doubts) else line
+        moves = (step.move for step in self.trace.steps(closed, line))
+        placed = {axis for move in moves if move is not None and not move.incremental for axis in move.axes}
+        what, doubt = next(one for one in self._doubts[at][1].items() if one[0] in _PLACING)
+        return (
+            f"it moved after line {self._user_line(doubt)}, which may or may not have set {what}"
+            if set(axes) - placed
+            else ""
+        )
+
     def _who(self, line: int) -> str:
         block = self.trace.program.block(line)
         if block.skip:
@@ -108,11 +133,30 @@ class Ground:
         if through is not None:
             where = self._user_line(through)
             return f"coolant through the spindle (M88, line {where}) is on: no M89 behind it"
+        macros = self.trace.settings.dialect.name == "linuxcnc-mill"
+        if macros and state.modes.get("speed_mode") == "surface" and state.speed_limit is not None:
+            return "constant surface speed (G96) has a limit (D), which the macros cannot give back"
+        crossed = self._crossed(line, state) if macros else ""
+        if crossed:
+            return crossed
         if state.modes.get("path") == "tapping":
             return "tapping mode (G63) is on"
         if state.modes.get("look_ahead") and not self._looks_no_further(line):
             return "look-ahead control (G5, G5.1, G8) is on"
         return ""
+
+    def _crossed(self, line: int, state: State) -> str:
+        """F and the P of G64 from before G20 or G21: given back as a number they would mean another value."""
+        at = bisect_right(self._units, (line - 1, True, True)) - 1
+        if at < 0:
+            return ""
+        switch, has_feed, has_tolerance = self._units[at]
+        has_feed = has_feed and state.feed is None
+        if has_tolerance:
+            path = [s for s in self.trace.events if codes_of(s.block, "path", self.trace.settings.dialect)]
+            has_tolerance = not any(switch <= step.block.line < line for step in path)
+        what = "F" if has_feed else "the P of G64" if has_tolerance else ""
+        return what and f"{what} is from before the change of units in line {self._user_line(switch)}"
 
     def _looks_no_further(self, line: int) -> bool:
         """True when the last such code switched it off: ``G8 P0``, ``G5 P0``, ``G5.1 Q0``."""
@@ -172,6 +216,19 @@ def _through(trace: Trace) -> Iterator[tuple[int, int]]:
             yield step.block.line, 1
         elif _THROUGH_OFF in codes or calls_tool(step, dialect.tool_change):
             yield step.block.line, 0
+
+
+def _switches_of_units(trace: Trace) -> Iterator[tuple[int, bool, bool]]:
+    """(line, whether an F, whether a tolerance is in force there from other units)."""
+    has_feed = has_tolerance = False
+    for step in trace.events:
+        before, after = step.before, step.after
+        has_feed |= before.feed is not None  # behind a loop it is not known any more, but in force
+        if before.modes.get("units") != after.modes.get("units"):
+            has_tolerance = has_tolerance or "P" in before.path_words
+            yield step.block.line, has_feed, has_tolerance
+        elif codes_of(step.block, "path", trace.settings.dialect):
+            has_tolerance = False
 
 
 def _turned(trace: Trace) -> Iterator[tuple[int, int]]:

@@ -13,6 +13,7 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from chipbreak.dialects import Dialect
 from chipbreak.model.main_program import calls_subprogram
 from chipbreak.model.operations import calls_tool
 from chipbreak.model.steps import Step
@@ -20,12 +21,17 @@ from chipbreak.model.trace import Trace
 from chipbreak.model.words import codes_of, plain_value
 from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
+from chipbreak.syntax.variables import variables_of
 
 # Who has not come to a decision after this many blocks relies on everything.
 HORIZON = 400
 _HARMLESS = frozenset({"dwell", "exact-stop", "tuning", "data-setting", "data-setting-end", "shift"})
 # Where these are on, a word of one axis moves another.
 _BENT = ("rotation", "polar", "interpolation", "cylinder", "mirror", "scaling", "modal_macro")
+# Variables that hold the place where the tool stands; of LinuxCNC also what a program adds to it.
+_PLACES = frozenset({*range(5001, 5021), *range(5021, 5041), *range(5041, 5061)})
+_PLACES_LINUXCNC = frozenset(range(5420, 5429))
+_NAMED_PLACES = frozenset(f"_{way}{axis}" for way in ("", "abs_") for axis in "xyzabcuvw")
 
 
 class Reliance(NamedTuple):
@@ -67,6 +73,24 @@ def homed_axes(step: Step, settings: Settings) -> frozenset[str]:
     linear = settings.axis_words.axes
     rotary = any(word.address in "ABC" and word.address not in linear for word in step.block.words)
     return named_axes(step, settings) or frozenset("" if rotary else AXES)
+
+
+def reads_position(step: Step, dialect: Dialect) -> bool:
+    """True for a block that works with the place where the tool stands.
+
+    ``X[#5420+5]``, ``#100=#5041``, and LinuxCNC's G28.1 and G30.1, which keep that place, or G10 L10,
+    L11 and L20, which give it other numbers.
+    """
+    is_linuxcnc = dialect.name.startswith("linuxcnc")
+    if "store-home" in step.once:
+        return True
+    if is_linuxcnc and "data-setting" in step.once:
+        kind = step.block.word("L")
+        return kind is None or plain_value(kind) not in (0.0, 1.0, 2.0)
+    if not step.block.has_macro and not step.block.assignments and not step.block.controls:
+        return False
+    numbers, names = (_PLACES_LINUXCNC, _NAMED_PLACES) if is_linuxcnc else (_PLACES, frozenset())
+    return any(key is None or key in numbers or key in names for key in variables_of(step.block))
 
 
 def relies_on_speed(trace: Trace, line: int) -> bool:
@@ -123,17 +147,23 @@ class _Look:
             self.length_offset = "Z" in move.axes or move.kind != "rapid"
         else:
             acts = step.once - _HARMLESS - {"machine", "home"}
+            acts |= {"data-setting"} & step.once if reads_position(step, self.dialect) else set()
             self.length_offset = bool(block.opaque or block.controls or acts) or calls_subprogram(step)
         self.offset_is_decided |= self.length_offset
 
     def _look_at_axes(self, step: Step) -> bool:
         block = step.block
-        if block.opaque or block.controls or calls_subprogram(step):
+        if block.opaque or block.controls or calls_subprogram(step) or reads_position(step, self.dialect):
             return self._rely_on_rest()
+        if block.skip and step.before.modes != step.after.modes:
+            return self._rely_on_rest()  # it may be skipped: G91, and what comes is a distance
         named = named_axes(step, self.trace.settings)
         if step.after.ended or calls_tool(step, self.dialect.tool_change):
             self.axes |= self.homed - self.placed - named
-            return step.after.ended or not block.skip
+            # M6 takes Z home on most machines, on a LinuxCNC without a changer nothing at all: X and Y
+            # that nobody names behind it are those from before.
+            if step.after.ended or self.dialect.tool_change != "M6":
+                return step.after.ended or not block.skip
         if "home" in step.once:
             return self._home(step)
         if "machine" in step.once:

@@ -19,11 +19,12 @@ _CODES = COMMON | table(
     arc_distance={"G90.1": "absolute", "G91.1": "incremental"},
     feed_mode={"G93": "inverse", "G94": "minute", "G95": "rev"},
     speed_mode={"G96": "surface", "G97": "rpm"},
-    length_offset={"G49": "off", "G43 G43.1 G43.2": "on"},
+    length_offset={"G49": "off", "G43": "on", "G43.1 G43.2": "by-axes"},
     return_level={"G98": "initial", "G99": "r-plane"},
     path={"G61": "exact", "G61.1": "exact-stop", "G64": "blend"},
     diameter={"G7": "diameter", "G8": "radius"},
     once={
+        "G28.1 G30.1": "store-home",
         "G92 G92.1 G92.2 G92.3": "set-position",
         "G70": "finish-cycle",
         "G71 G71.1 G71.2 G72 G72.1 G72.2": "rough-cycle",

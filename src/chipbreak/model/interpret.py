@@ -12,6 +12,7 @@ import math
 from chipbreak.diagnostics import RefusalError
 from chipbreak.dialects.base import ONCE
 from chipbreak.model.flow import Flow
+from chipbreak.model.machine_functions import m_code
 from chipbreak.model.modal import LOOPED, UNREAD, Position, Setting, State
 from chipbreak.model.motion import move_of
 from chipbreak.model.peripheral import peripheral_of
@@ -30,8 +31,6 @@ from chipbreak.settings.axis_words import AXES, CENTRES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
 
-_SPINDLE = {3: "cw", 4: "ccw", 5: "stop", 19: "stop"}
-_ENDS = (2, 30, 99)
 _CALLS = (97, 98, 198)
 Words = tuple[Word, ...]
 _MODES_WITH_WORDS = frozenset({"path", "look_ahead"})  # P, Q and R beside G64 or G5.1 are theirs
@@ -53,7 +52,8 @@ _LOSES = {
 # Codes whose block gives its other words a meaning of their own: no axis motion, no vibration words.
 _READS_ALL = frozenset(_LOSES) - {"machine", "skip"} | {"dwell", "tuning"}
 _COORDINATE_GROUPS = ("work_offset", "rotation", "polar", "scaling", "mirror", "interpolation")
-_CENTRE_GROUPS = ("rotation", "scaling", "mirror")  # the axis words of their codes are a centre, no move
+# The axis words of their codes are a centre, no move; those of LinuxCNC's G43.1 are an offset.
+_CENTRE_GROUPS = ("rotation", "scaling", "mirror")
 _LOSES_NAMED_AXES = ("home", "machine", "skip")
 _AXES_WITHOUT_V = frozenset("XYZUWABCH")
 _PLAIN_LETTERS = frozenset("GMTSFODHABC")
@@ -121,6 +121,7 @@ class Interpreter:
             after = self._machine_functions(after, block)
         move = None
         has_centre = any(changes.get(group) == "on" for group in _CENTRE_GROUPS)
+        has_centre |= changes.get("length_offset") == "by-axes"
         if not has_centre:
             after, move = self._motion(after, block, once, unknown)
         after = self._flow_of_control(after, block)
@@ -162,7 +163,7 @@ class Interpreter:
         """(1) feed mode, (2) feed, (3) speed, (7) the other modal groups."""
         modes = {**state.modes, **changes}
         after = state._replace(modes=modes)
-        if modes["feed_mode"] != state.modes["feed_mode"]:
+        if any(modes.get(group) != state.modes.get(group) for group in ("feed_mode", "units")):
             after = after._replace(feed=None)
         if modes["speed_mode"] != state.modes["speed_mode"]:
             after = after._replace(speed=None)
@@ -187,7 +188,9 @@ class Interpreter:
         worked_out = "work_offset" in changes and block.has_macro
         if worked_out or any(modes.get(g, "off") != state.modes.get(g, "off") for g in _COORDINATE_GROUPS):
             after = after.lost("the coordinate system changed")
-        if changes.get("length_offset") == "on":
+        if changes.get("length_offset", "off") != "off" or (
+            "length_offset" in changes and state.modes.get("length_offset") != "off"
+        ):
             after = after._replace(position=after.position._replace(z=math.nan))
             after = after._replace(unknown_why="tool length compensation changed Z")
         return after
@@ -210,7 +213,7 @@ class Interpreter:
             if word.address == "T":
                 state = self._tool_word(state, value)
             elif word.address == "M" and not math.isnan(value):
-                state = _m_code(state, int(value))
+                state = m_code(state, int(value), self.dialect)
         if self.dialect.tool_change == "M6" and any(w.address == "M" and w.number == 6 for w in block.words):
             state = state._replace(tool=state.next_tool).lost("a tool change moves the machine")
         return state
@@ -266,18 +269,6 @@ class Interpreter:
         if any(w.address == "M" and w.number is not None for w in block.words) and move is None:
             return ()
         return tuple(w for w in block.words if w.letter.upper() not in read and w not in seen)
-
-
-def _m_code(state: State, code: int) -> State:
-    if code in _SPINDLE:
-        return state._replace(spindle=_SPINDLE[code])
-    if code in (7, 8):
-        return state._replace(coolant=state.coolant | {"mist" if code == 7 else "flood"})
-    if code == 9:
-        return state._replace(coolant=frozenset())
-    if code in _ENDS:
-        return state._replace(ended=True)
-    return state
 
 
 def _lose_axes(state: State, axes: list[str], why: str, *, everything: bool) -> State:

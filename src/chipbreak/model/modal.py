@@ -40,6 +40,7 @@ class State(NamedTuple):
     ``unknown_why``    why the position, the feed or the speed cannot be known
     ``path_words``     the path mode as the program wrote it, with its P and Q; empty while it said none
     ``smooth_words``   the same for look-ahead and smoothing (``G5.1 Q1 R3``)
+    ``kept``           what LinuxCNC's M70 has kept for M72
     """
 
     modes: Mapping[str, str]
@@ -55,6 +56,7 @@ class State(NamedTuple):
     ended: bool = False
     path_words: str = ""
     smooth_words: str = ""
+    kept: State | None = None
 
     def with_modes(self, changes: Mapping[str, str]) -> State:
         """The same with some modal groups changed."""

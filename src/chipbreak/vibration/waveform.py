@@ -252,7 +252,9 @@ def _vibrating_part(cut: Cut) -> tuple[Floats, Floats, Floats]:
     scale = np.repeat(np.clip(room_share, 0.0, 1.0), knots.size)
     if cut.ramp_in_s > 0.0 and time_s.size:
         nearest_end_s = np.minimum(time_s, time_s[-1] - time_s)
-        np.minimum(scale, np.minimum(nearest_end_s / cut.ramp_in_s, 1.0) ** cut.ramp_exponent, out=scale)
+        np.minimum(
+            scale, (np.minimum(nearest_end_s, cut.ramp_in_s) / cut.ramp_in_s) ** cut.ramp_exponent, out=scale
+        )
     return time_s, np.tile(heights, cut.vibrations), scale
 
 
