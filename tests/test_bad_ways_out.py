@@ -97,7 +97,7 @@ WAYS: dict[str, list[Way]] = {
     "peripheral-v-alone": [("V120.", "V120. D20."), ("V120.", "S1910")],
     "peripheral-v-zero": [("V0.", "V120.")],
     "polar-interpolation": [("G112", "G112\nG113"), (" N1.5", "")],
-    "profile-multiples-out-of-order": ["command.max_multiple=8"],
+    "profile-multiple-of-an-hour": ["command.min_multiple=8"],
     "programmed-speed-not-known": [("M3", "S3000 M3"), ("G1 X30.", "G1 S2500 X30.")],
     "rapid": [("G0 Z-30.", "G1 Z-30. F0.05"), (" N1.5", "")],
     "revolutions-zero": [("E0", "E2")],

@@ -1,0 +1,5 @@
+(EXPECT VIB009 4:16 command.min_multiple=10000000)
+G97 S3000 M3
+G0 X20. Z2.
+G1 Z-30. F0.05 N1.5
+M30
