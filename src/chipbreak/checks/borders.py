@@ -235,7 +235,7 @@ class BorderFinder:
 
     def _takes_bare_line(self, spot: _Spot) -> bool:
         """LinuxCNC refuses a G1 without F, even one that moves nothing; its G94 and G95 end the last F."""
-        if not self.dialect.name.startswith("linuxcnc"):
+        if not self.dialect.line_needs_feed:
             return True
         state = spot.state
         feed = state.feed

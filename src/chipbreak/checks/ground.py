@@ -125,7 +125,9 @@ class Ground:
         for group, what in _AT_REST.items():
             if state.modes.get(group, "off") != "off":
                 return what
-        if state.modes.get("speed_mode") == "surface" and self.trace.settings.dialect.name == "fanuc-mill":
+        dialect = self.trace.settings.dialect
+        is_surface = state.modes.get("speed_mode") == "surface"
+        if is_surface and not (dialect.keeps_modes or dialect.is_lathe):
             return "constant surface speed (G96) is on: S of a check would be a speed of the edge"
         turned, through = _last(self._turned, line), _last(self._through, line)
         if turned is not None:
@@ -133,10 +135,9 @@ class Ground:
         if through is not None:
             where = self._user_line(through)
             return f"coolant through the spindle (M88, line {where}) is on: no M89 behind it"
-        macros = self.trace.settings.dialect.name == "linuxcnc-mill"
-        if macros and state.modes.get("speed_mode") == "surface" and state.speed_limit is not None:
+        if is_surface and dialect.surface_limit and state.speed_limit is not None:
             return "constant surface speed (G96) has a limit (D), which the macros cannot give back"
-        crossed = self._crossed(line, state) if macros else ""
+        crossed = self._crossed(line, state) if dialect.converts_feed else ""
         if crossed:
             return crossed
         if state.modes.get("path") == "tapping":
@@ -233,7 +234,7 @@ def _switches_of_units(trace: Trace) -> Iterator[tuple[int, bool, bool]]:
 
 def _turned(trace: Trace) -> Iterator[tuple[int, int]]:
     """(line, whether LinuxCNC's ``G10 L2 P1 R45`` turns a work offset), wherever that is said."""
-    if not trace.settings.dialect.name.startswith("linuxcnc"):
+    if not trace.settings.dialect.turns_offsets:
         return
     for step in trace.events:
         angle, kind = step.block.word("R"), step.block.word("L")

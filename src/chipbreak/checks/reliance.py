@@ -8,6 +8,7 @@ start elsewhere.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
@@ -28,10 +29,6 @@ HORIZON = 400
 _HARMLESS = frozenset({"dwell", "exact-stop", "tuning", "data-setting", "data-setting-end", "shift"})
 # Where these are on, a word of one axis moves another.
 _BENT = ("rotation", "polar", "interpolation", "cylinder", "mirror", "scaling", "modal_macro")
-# Variables that hold the place where the tool stands; of LinuxCNC also what a program adds to it.
-_PLACES = frozenset({*range(5001, 5021), *range(5021, 5041), *range(5041, 5061)})
-_PLACES_LINUXCNC = frozenset(range(5420, 5429))
-_NAMED_PLACES = frozenset(f"_{way}{axis}" for way in ("", "abs_") for axis in "xyzabcuvw")
 
 
 class Reliance(NamedTuple):
@@ -81,16 +78,15 @@ def reads_position(step: Step, dialect: Dialect) -> bool:
     ``X[#5420+5]``, ``#100=#5041``, and LinuxCNC's G28.1 and G30.1, which keep that place, or G10 L10,
     L11 and L20, which give it other numbers.
     """
-    is_linuxcnc = dialect.name.startswith("linuxcnc")
     if "store-home" in step.once:
         return True
-    if is_linuxcnc and "data-setting" in step.once:
+    if dialect.place_settings and "data-setting" in step.once:
         kind = step.block.word("L")
-        return kind is None or plain_value(kind) not in (0.0, 1.0, 2.0)
+        setting = math.nan if kind is None else plain_value(kind)
+        return math.isnan(setting) or setting in dialect.place_settings
     if not step.block.has_macro and not step.block.assignments and not step.block.controls:
         return False
-    numbers, names = (_PLACES_LINUXCNC, _NAMED_PLACES) if is_linuxcnc else (_PLACES, frozenset())
-    return any(key is None or key in numbers or key in names for key in variables_of(step.block))
+    return any(key is None or key in dialect.place_variables for key in variables_of(step.block))
 
 
 def relies_on_speed(trace: Trace, line: int) -> bool:

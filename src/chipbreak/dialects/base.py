@@ -52,6 +52,12 @@ class Dialect(NamedTuple):
     ``retract_is_absolute`` these blocks must not stand in incremental mode
     ``axis_letters``  letters that can name a linear axis
     ``loop``          how blocks are repeated; None where the control has no way that is known
+    ``place_variables`` numbers and names of the variables that hold the place where the tool stands
+    ``place_settings`` the L of those G10 that work with that place
+    ``turns_offsets`` the R of ``G10 L2`` turns a work offset
+    ``keeps_modes``   M70 and M73 keep what is in force, and M72 gives it back
+    ``line_needs_feed`` a G1 without F is refused, and G94 and G95 end the F before
+    ``converts_feed`` over G20 and G21, F and the P of G64 keep their value and not their number
     """
 
     name: str
@@ -71,6 +77,12 @@ class Dialect(NamedTuple):
     axis_letters: str = "XYZABC"
     reads_comments_in_lower_case: bool = False
     loop: Loop | None = None
+    place_variables: frozenset[int | str] = frozenset(range(5001, 5061))
+    place_settings: frozenset[float] = frozenset()
+    turns_offsets: bool = False
+    keeps_modes: bool = False
+    line_needs_feed: bool = False
+    converts_feed: bool = False
 
     def code(self, group: str, value: str, like: Collection[int] = ()) -> str:
         """The G code that sets a modal group, such as ``G95`` for feed_mode, rev.

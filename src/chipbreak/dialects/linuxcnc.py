@@ -54,6 +54,8 @@ _INITIAL = {
     "path": "blend",
 }
 
+_PLACES = frozenset({*range(5420, 5429), *(f"_{way}{axis}" for way in ("", "abs_") for axis in "xyzabcuvw")})
+
 LINUXCNC_LATHE = Dialect(
     name="linuxcnc-lathe",
     title="LinuxCNC, lathe",
@@ -68,21 +70,19 @@ LINUXCNC_LATHE = Dialect(
     retract_is_absolute=True,
     reads_comments_in_lower_case=True,
     loop=_LOOP,
+    place_variables=_PLACES,
+    place_settings=frozenset({10.0, 11.0, 20.0}),
+    turns_offsets=True,
+    keeps_modes=True,
+    line_needs_feed=True,
+    converts_feed=True,
 )
 
-LINUXCNC_MILL = Dialect(
+LINUXCNC_MILL = LINUXCNC_LATHE._replace(
     name="linuxcnc-mill",
     title="LinuxCNC, mill",
     is_lathe=False,
-    g_codes=_CODES,
     initial=MappingProxyType(_INITIAL | {"plane": "XY"}),
-    tool_change="M6",
-    surface_limit="D",
-    dwell_word="P",
-    axis_letters="XYZUW",
     machine_retract=("G53 G0 Z0",),
     kept_variables=((31, 5000),),
-    retract_is_absolute=True,
-    reads_comments_in_lower_case=True,
-    loop=_LOOP,
 )

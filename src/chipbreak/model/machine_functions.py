@@ -22,7 +22,7 @@ def m_code(state: State, code: int, dialect: Dialect) -> State:
         return state._replace(coolant=frozenset())
     if code in _ENDS:
         return state._replace(ended=True)
-    if dialect.name.startswith("linuxcnc"):
+    if dialect.keeps_modes:
         if code in _KEEPS:
             return state._replace(kept=state._replace(kept=None))
         if code == _GIVES_BACK and state.kept is not None:
