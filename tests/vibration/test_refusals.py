@@ -164,3 +164,28 @@ def test_a_word_that_is_an_error_is_not_said_to_pass() -> None:
     with pytest.raises(chipbreak.ProgramRejectedError) as caught:
         chipbreak.rewrite(program, chipbreak.load("generic-lathe"))
     assert [d.code for d in caught.value.diagnostics] == ["VIB048"]
+
+
+@pytest.mark.parametrize(
+    ("behind", "said"),
+    [
+        ("G0 X30 Z2\nG1 X28. F0.1 N1.5\n", "X30 in line {} has no decimal point"),
+        ("F1\nG0 X30. Z2.\nG1 X28. N1.5\n", "the feed F1 (line {})"),
+    ],
+)
+def test_lines_named_in_messages_are_those_of_the_file_at_hand(behind: str, said: str) -> None:
+    """A filtered program is put back before it is read, and its lines have other numbers then."""
+    done = filtered("G97 S2500 M3\nG0 X20. Z2.\nG1 Z-10. F0.05 N1.5\n", "fanuc-lathe")
+    settings = chipbreak.load("fanuc-lathe")
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        chipbreak.rewrite((done + behind + "M30\n").encode("latin-1"), settings)
+    (found,) = caught.value.diagnostics
+    assert said.format(done.count("\n") + 1) in found.message
+
+
+def test_the_active_speed_stands_in_a_line_of_the_file_at_hand() -> None:
+    cut = "G0 X{}. Z2.\nG1 Z-10. F0.05 N1.5\n"
+    done = filtered("G97 S2500 M3\n" + cut.format(20) + "S2000\n" + cut.format(18) + "M30\n", "fanuc-lathe")
+    result = chipbreak.rewrite(done.encode("latin-1"), chipbreak.load("fanuc-lathe"))
+    line = done.split("\n").index("S2000") + 1
+    assert result.cuts[1].planned.cut.given["S"].origin == f"active S, line {line}"

@@ -142,7 +142,11 @@ def refusal_of(request: Request, trace: Trace) -> tuple[RefusalError, tuple[int,
     if not state.turns:
         message = "the spindle is not turning (no M3 or M4 before this block)"
         return RefusalError("VIB046", message, "start the spindle before the cut"), at
-    return _words_refusal(step, axis_words) or _position_refusal(trace, step, move) or _feed_refusal(state)
+    return (
+        _words_refusal(step, axis_words)
+        or _position_refusal(trace, step, move)
+        or _feed_refusal(trace, state)
+    )
 
 
 def _without(request: Request) -> str:
@@ -199,7 +203,7 @@ def _way_out_of(word: Word) -> str:
     return f"put it into a block of its own {place} this one{stroke}"
 
 
-def _feed_refusal(state: State) -> tuple[RefusalError, None] | None:
+def _feed_refusal(trace: Trace, state: State) -> tuple[RefusalError, None] | None:
     if state.modes["feed_mode"] == "inverse":
         message = "inverse-time feed (G93) gives each block its own time; it cannot be vibrated"
         return RefusalError("VIB049", message, "program the cut in G95 or G94"), None
@@ -208,7 +212,8 @@ def _feed_refusal(state: State) -> tuple[RefusalError, None] | None:
         return RefusalError("VIB050", message, "give F on this block or before it"), None
     if not state.feed.value > 0.0:
         why = "is zero or negative" if state.feed.value <= 0.0 else "has no decimal point or is a variable"
-        message = f"the feed F{state.feed.text} (line {state.feed.line + 1}) {why}"
+        said = trace.program.source.place(state.feed.line).line
+        message = f"the feed F{state.feed.text} (line {said}) {why}"
         return RefusalError("VIB050", message, "give F with a decimal point, above zero"), None
     return None
 
@@ -244,7 +249,8 @@ def _without_point(trace: Trace, step: Step, axis: str) -> str:
             is_last = trace.before(line).unknown_why == step.before.unknown_why
             is_unknown = math.isnan(length_mm(word, trace.before(line), trace.settings.control))
             was = is_last and is_unknown and word.number is not None
-            return f"{letter}{word.value_text} in line {line + 1}" if was else ""
+            said = trace.program.source.place(line).line
+            return f"{letter}{word.value_text} in line {said}" if was else ""
     return ""
 
 

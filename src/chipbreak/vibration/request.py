@@ -40,13 +40,15 @@ class Request(NamedTuple):
     """A block that is asked to vibrate.
 
     ``values`` holds what was said, by the keys of directives; ``speed`` is an S of the block or directive.
-    ``by_word`` is True when the block's own words ask.
+    ``by_word`` is True when the block's own words ask.  ``speed_line`` is where the active S stands in the
+    user's file, 0 without one.
     """
 
     step: Step
     values: dict[str, Given]
     waveform: str
     by_word: bool
+    speed_line: int
 
     def same_wish(self, other: Request) -> bool:
         """True when both ask for the same vibration, so that they can be one chain."""
@@ -160,7 +162,9 @@ class RequestReader:
                     merged[key] = given
         merged = _fill_from_profile(merged, self.settings)
         waveform = said.waveform or self.settings.vibration.waveform
-        return Request(step, merged, waveform, by_word)
+        speed = step.after.speed
+        speed_line = self.program.source.place(speed.line).line if speed is not None else 0
+        return Request(step, merged, waveform, by_word, speed_line)
 
     def _check_values(self, line: int, values: Mapping[str, Given], at: tuple[int, int]) -> bool:
         for key, given in values.items():
@@ -236,7 +240,7 @@ def solver_inputs(request: Request, state: State) -> tuple[Given | None, Given |
         per_rev = values["E"]._replace(value=1.0 / values["E"].value)
     frequency, speed = values.get("F"), values.get("S")
     if speed is None and not (per_rev and frequency) and state.speed is not None:
-        speed = Given(state.speed.value, f"active S, line {state.speed.line + 1}")
+        speed = Given(state.speed.value, f"active S, line {request.speed_line}")
     return speed, per_rev, frequency
 
 

@@ -95,7 +95,8 @@ def _needs_programmed(trace: Trace, first: int, stop: int, check: int | None) ->
             return SpeedChange(step.block.line, text, None)
         if _depends_on_speed(step):
             if step.before.speed is None and step.move is not None:
-                message = f"line {step.block.line + 1} needs the spindle speed from before this cut,"
+                said = trace.program.source.place(step.block.line).line
+                message = f"line {said} needs the spindle speed from before this cut,"
                 way_out = "give S before the cut, even when N and f make another of it, or behind it"
                 raise RefusalError("VIB057", f"{message} which the program does not say", way_out)
             return SpeedChange(step.block.line, _own_words(step.before, trace.settings), None)
