@@ -21,8 +21,8 @@ _LOOP = Path(__file__).with_name("printf_moves.c")
 _PRINT_MOVES = """
 import sys, time
 import numpy as np
-from chipbreak.edits import MoveTable
-from chipbreak.emit import print_moves
+from chipbreak.editing.edits import MoveTable
+from chipbreak.editing.render import print_moves
 values = np.fromfile(sys.argv[1]).reshape(-1, 2)
 table = MoveTable(("Z", "F"), (values[:, 0].copy(), values[:, 1].copy()), (3, 5))
 start = time.perf_counter()

@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 
 import chipbreak
-from chipbreak.restore import restore
-from chipbreak.source import read
+from chipbreak.editing.restore import restore
+from chipbreak.text.source import read
 
 CASES = sorted((Path(__file__).parent / "cases" / "vibrate").glob("*.nc"))
 DIVIDER = "; --- output\n"

@@ -163,10 +163,10 @@ def test_explain_tells_of_a_check_behind_the_last_line() -> None:
 
 def test_explain_names_the_lines_of_a_filtered_file() -> None:
     program = b"G1 X5.\n" + WORKED.replace(b"M30", b"T2 M6\nM30")
-    once = run(["filter", "-p", "generic-lathe"], program).stdout
-    assert once.count(b"\n") > program.count(b"\n")
-    facts = json.loads(run(["explain", "-p", "generic-lathe", "--json"], once).stdout)
-    assert facts["operations"][-1]["last_line"] == once.split(b"\n").index(b"T2 M6") + 1 > 100
+    non_modal = run(["filter", "-p", "generic-lathe"], program).stdout
+    assert non_modal.count(b"\n") > program.count(b"\n")
+    facts = json.loads(run(["explain", "-p", "generic-lathe", "--json"], non_modal).stdout)
+    assert facts["operations"][-1]["last_line"] == non_modal.split(b"\n").index(b"T2 M6") + 1 > 100
 
 
 def test_an_unbroken_cut_is_json_too() -> None:
@@ -207,10 +207,38 @@ def invoke(args: list[str], stdin: bytes = b"") -> click.testing.Result:
 
 _WORDS = st.sampled_from(
     [
-        "filter", "explain", "check", "diff", "restore", "profile", "show", "list", "verify", "-", "--",
-        "-p", "-o", "--set", "--json", "-q", "--color", "never", "-i", "--backup", "--check",
-        "generic-lathe", "nowhere.nc", "vibration.n=1.5", "vibration.n=x", "=", "control.dialect=1",
-        "--allow-unbroken", "-h", "--version", "", ".",
+        "filter",
+        "explain",
+        "check",
+        "diff",
+        "restore",
+        "profile",
+        "show",
+        "list",
+        "verify",
+        "-",
+        "--",
+        "-p",
+        "-o",
+        "--set",
+        "--json",
+        "-q",
+        "--color",
+        "never",
+        "-i",
+        "--backup",
+        "--check",
+        "generic-lathe",
+        "nowhere.nc",
+        "vibration.n=1.5",
+        "vibration.n=x",
+        "=",
+        "control.dialect=1",
+        "--allow-unbroken",
+        "-h",
+        "--version",
+        "",
+        ".",
     ]
 )
 
@@ -252,10 +280,27 @@ def test_any_profile_file(data: bytes) -> None:
 
 _LINES = st.sampled_from(
     [
-        "[control]", "[vibration]", "[axes.Z]", 'dialect = "generic-lathe"', "n = 1.5", "n = -1",
-        "e = [1]", "x = 1", 'base = "generic-lathe"', 'base = "x.toml"', 'base = "\\u0000.toml"',
-        "base = 1", "[calls.a]", "[operations]", 'rough = "("', 'rough = ["a"]', "ramp_s = 0.1",
-        "multiples = []", "control = 1", "[[axes]]", "[tools]",
+        "[control]",
+        "[vibration]",
+        "[axes.Z]",
+        'dialect = "generic-lathe"',
+        "n = 1.5",
+        "n = -1",
+        "e = [1]",
+        "x = 1",
+        'base = "generic-lathe"',
+        'base = "x.toml"',
+        'base = "\\u0000.toml"',
+        "base = 1",
+        "[calls.a]",
+        "[operations]",
+        'rough = "("',
+        'rough = ["a"]',
+        "ramp_s = 0.1",
+        "multiples = []",
+        "control = 1",
+        "[[axes]]",
+        "[tools]",
     ]
 )
 
@@ -281,10 +326,49 @@ def test_any_program(data: bytes, command: str) -> None:
 
 _PIECES = st.sampled_from(
     [
-        "G0", "G1", "G2", "G3", "G91", "G96", "G97", "G71", "G50", "M3", "M98", "X", "Z", "W", "I", "R",
-        "F", "f", "S", "N", "E", "Q", "V", "D", "T", "1", "2.5", "-.5", "0", "99999999", "#1", "[1/0]",
-        "(VIB N1.5)", "(VIB OFF)", "(VIB ALPHA.7 K2)", "(SPEED V1 D2)", "/", "%", "\n", "\n", "\n",
-        "(CHIPBREAK BEGIN X)", "(CHIPBREAK END 0)",
+        "G0",
+        "G1",
+        "G2",
+        "G3",
+        "G91",
+        "G96",
+        "G97",
+        "G71",
+        "G50",
+        "M3",
+        "M98",
+        "X",
+        "Z",
+        "W",
+        "I",
+        "R",
+        "F",
+        "f",
+        "S",
+        "N",
+        "E",
+        "Q",
+        "V",
+        "D",
+        "T",
+        "1",
+        "2.5",
+        "-.5",
+        "0",
+        "99999999",
+        "#1",
+        "[1/0]",
+        "(VIB N1.5)",
+        "(VIB OFF)",
+        "(VIB ALPHA.7 K2)",
+        "(SPEED V1 D2)",
+        "/",
+        "%",
+        "\n",
+        "\n",
+        "\n",
+        "(CHIPBREAK BEGIN X)",
+        "(CHIPBREAK END 0)",
     ]
 )
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import chipbreak
-from chipbreak.diff import as_json, compare, differs, items_of, unified
+from chipbreak.editing.diff import as_json, compare, differs, items_of, unified
 
 CUT = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5\nG1 X30.\nM30\n"
 

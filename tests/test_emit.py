@@ -12,13 +12,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import chipbreak
-from chipbreak.edits import Edit, MoveTable, OverlapError
-from chipbreak.emit import print_moves, render
-from chipbreak.model.trace import Trace, interpret
+from chipbreak.editing.edits import Edit, MoveTable, OverlapError
+from chipbreak.editing.render import print_moves, render
+from chipbreak.model.interpreted_program import InterpretedProgram, interpret
 from chipbreak.passes import vibrate
 from chipbreak.passes.vibrate import VibrationPlan
-from chipbreak.source import read
 from chipbreak.syntax.parse import parse
+from chipbreak.text.source import read
 from chipbreak.verify import verify
 from chipbreak.vibration.request import requests_of
 
@@ -131,8 +131,23 @@ def test_a_program_that_asks_nothing_comes_out_byte_for_byte(data: bytes) -> Non
 
 _LINES = st.sampled_from(
     [
-        "%", "O1000", "G0 X20. Z2.", "G1 Z-3. F0.1", "N10 X5", "(note)", "", "/M8", "G97 S500 M3",
-        "#1=#2+3", "G71 P1 Q2", "IF[#1EQ2]GOTO10", "x1 y2", "T0101", "?!", "G2 X1. R5.", "M30",
+        "%",
+        "O1000",
+        "G0 X20. Z2.",
+        "G1 Z-3. F0.1",
+        "N10 X5",
+        "(note)",
+        "",
+        "/M8",
+        "G97 S500 M3",
+        "#1=#2+3",
+        "G71 P1 Q2",
+        "IF[#1EQ2]GOTO10",
+        "x1 y2",
+        "T0101",
+        "?!",
+        "G2 X1. R5.",
+        "M30",
         "\xe9\x00",
     ]
 )
@@ -177,16 +192,16 @@ def test_the_corpus_comes_out_byte_for_byte(profile: str, corpus: list[Path]) ->
 # --- the self-check ---------------------------------------------------------------------------------------
 
 
-def planned(data: bytes, *sets: str) -> tuple[Trace, VibrationPlan, bytes]:
+def planned(data: bytes, *sets: str) -> tuple[InterpretedProgram, VibrationPlan, bytes]:
     settings = chipbreak.load("generic-lathe", sets)
-    trace = interpret(parse(read(data)), settings)
-    plan = vibrate.plan(trace, settings, requests_of(trace)[0])
-    return trace, plan, b"".join(render(trace.program, list(plan.edits), settings))
+    interpreted = interpret(parse(read(data)), settings)
+    plan = vibrate.plan(interpreted, settings, requests_of(interpreted)[0])
+    return interpreted, plan, b"".join(render(interpreted.program, list(plan.edits), settings))
 
 
 def resealed(output: bytes) -> bytes:
     """The output with checksums that fit again, so that only what the blocks do can give it away."""
-    from chipbreak.bracket import checksum
+    from chipbreak.editing.bracket import checksum
 
     text = output.decode("latin-1")
 
@@ -198,10 +213,10 @@ def resealed(output: bytes) -> bytes:
     return re.sub(pattern, seal, text, flags=re.DOTALL).encode("latin-1")
 
 
-def caught(trace: Trace, plan: VibrationPlan, output: bytes) -> bool:
+def caught(interpreted: InterpretedProgram, plan: VibrationPlan, output: bytes) -> bool:
     """True when the self-check stops the output."""
     try:
-        verify(trace, output, list(plan.edits), plan.cuts)
+        verify(interpreted, output, list(plan.edits), plan.cuts)
     except Exception as error:
         assert type(error).__name__ in ("SelfCheckError", "ProgramRejectedError"), error
         return True
@@ -275,9 +290,9 @@ def test_a_mutant_is_caught(old: bytes, new: bytes) -> None:
 
 
 def test_a_speed_that_no_feed_depends_on_is_checked_too() -> None:
-    trace, plan, output = planned(CUT, "output.feed_mode=minute")
-    assert not caught(trace, plan, output)
-    assert caught(trace, plan, resealed(output.replace(b"S2500\n", b"S2400\n", 1)))
+    interpreted, plan, output = planned(CUT, "output.feed_mode=minute")
+    assert not caught(interpreted, plan, output)
+    assert caught(interpreted, plan, resealed(output.replace(b"S2500\n", b"S2400\n", 1)))
 
 
 def test_a_file_without_a_last_line_end_keeps_none() -> None:

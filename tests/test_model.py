@@ -11,14 +11,14 @@ from hypothesis import strategies as st
 
 import chipbreak
 from chipbreak.model.interpret import initial_state
+from chipbreak.model.interpreted_program import InterpretedProgram, interpret
 from chipbreak.model.modal import State
-from chipbreak.model.trace import Trace, interpret
 from chipbreak.settings import load
-from chipbreak.source import read
 from chipbreak.syntax.parse import parse
+from chipbreak.text.source import read
 
 
-def traced(program: str, profile: str = "generic-lathe", *sets: str) -> Trace:
+def traced(program: str, profile: str = "generic-lathe", *sets: str) -> InterpretedProgram:
     return interpret(parse(read(program.encode("latin-1"))), load(profile, sets))
 
 
@@ -52,17 +52,67 @@ def facts(state: State) -> dict[str, object]:
 
 _PLAIN = st.sampled_from(
     [
-        "G1 X10. Z-2.", "Z-3.5", "X12", "G0 Z5.", "G2 X14. Z-4. R3.", "G3 X16. Z-5. I2. K0.", "F0.3",
-        "X1. F.2", "Y2.", "U1. W-2.", "W-.5", "N100 Z1.", "X5 Z5 F100", "G01 X0", "A90.",
+        "G1 X10. Z-2.",
+        "Z-3.5",
+        "X12",
+        "G0 Z5.",
+        "G2 X14. Z-4. R3.",
+        "G3 X16. Z-5. I2. K0.",
+        "F0.3",
+        "X1. F.2",
+        "Y2.",
+        "U1. W-2.",
+        "W-.5",
+        "N100 Z1.",
+        "X5 Z5 F100",
+        "G01 X0",
+        "A90.",
     ]
 )
 _EVENTS = st.sampled_from(
     [
-        "G90", "G91", "G20", "G21", "G94", "G95", "G96 S100", "G97 S500 M3", "M5", "T0101", "G28 U0",
-        "G54", "G55", "(note)", "", "/G0 X7.", "G4 X1.", "M98 P5", "G92 X0. Z0.", "G50 S2000", "?!",
-        "#1=5", "X#1", "G80", "G7", "G8", "M30", "G41 D1", "G33 Z-2. F1.", "G83 Z-5. F.1", "M8", "M9",
-        "M6", "S900", "N100", "G68 R30.", "WHILE[#1LT2]DO1", "V100. D20.", "(SPEED V100 D20)", "G53 X0",
-        "g1 x3.", "G1X1.Z2.F.1 N1.5",
+        "G90",
+        "G91",
+        "G20",
+        "G21",
+        "G94",
+        "G95",
+        "G96 S100",
+        "G97 S500 M3",
+        "M5",
+        "T0101",
+        "G28 U0",
+        "G54",
+        "G55",
+        "(note)",
+        "",
+        "/G0 X7.",
+        "G4 X1.",
+        "M98 P5",
+        "G92 X0. Z0.",
+        "G50 S2000",
+        "?!",
+        "#1=5",
+        "X#1",
+        "G80",
+        "G7",
+        "G8",
+        "M30",
+        "G41 D1",
+        "G33 Z-2. F1.",
+        "G83 Z-5. F.1",
+        "M8",
+        "M9",
+        "M6",
+        "S900",
+        "N100",
+        "G68 R30.",
+        "WHILE[#1LT2]DO1",
+        "V100. D20.",
+        "(SPEED V100 D20)",
+        "G53 X0",
+        "g1 x3.",
+        "G1X1.Z2.F.1 N1.5",
     ]
 )
 _FLOWS = st.sampled_from(["", "", "", "GOTO100", "IF[#1EQ1]GOTO100", "G71 P100 Q200 U.1 W.1"])
@@ -77,14 +127,14 @@ _FLOWS = st.sampled_from(["", "", "", "GOTO100", "IF[#1EQ1]GOTO100", "G71 P100 Q
 def test_skipping_is_advancing(parts: list[str | list[str]], flow: str, profile: str) -> None:
     lines = [line for part in parts for line in ([part] if isinstance(part, str) else part)]
     lines.insert(len(lines) // 2, flow)
-    trace = traced("\n".join(lines), profile)
-    state = initial_state(trace.settings)
-    for line in range(trace.program.source.body.start, trace.program.source.body.stop):
-        step = trace.interpreter.advance(state, trace.program.block(line))
+    interpreted = traced("\n".join(lines), profile)
+    state = initial_state(interpreted.settings)
+    for line in range(interpreted.program.source.body.start, interpreted.program.source.body.stop):
+        effect = interpreted.interpreter.advance(state, interpreted.program.block(line))
         # At a jump target or behind the program's end the block itself begins with another state.
-        assert facts(trace.before(line)) in (facts(state), facts(step.before)), lines[line]
-        state = step.after
-    assert facts(trace.end()) == facts(state)
+        assert facts(interpreted.before(line)) in (facts(state), facts(effect.before)), lines[line]
+        state = effect.after
+    assert facts(interpreted.end()) == facts(state)
 
 
 # --- units, diameters, distances --------------------------------------------------------------------------
@@ -209,12 +259,12 @@ def test_a_computed_jump_can_arrive_at_every_number() -> None:
 
 
 def test_the_shape_of_a_cycle_moves_nothing_where_it_stands() -> None:
-    trace = traced(
+    interpreted = traced(
         "G0 X40. Z2.\nG71 P100 Q110 U.5 W.1 F.2\nN100 G0 X20.\nG1 Z-30. F.1\nN110 X40.\nG0 X50.\nM30\n"
     )
-    assert [step.block.line for step in trace.steps(0, 7) if step.in_contour] == [2, 3, 4]
-    assert place(trace.before(5)) == (None, None, None)
-    assert place(trace.end()) == (25.0, None, None)
+    assert [effect.block.line for effect in interpreted.effects_of(0, 7) if effect.in_contour] == [2, 3, 4]
+    assert place(interpreted.before(5)) == (None, None, None)
+    assert place(interpreted.end()) == (25.0, None, None)
 
 
 # --- modal values -----------------------------------------------------------------------------------------
@@ -309,8 +359,10 @@ def test_modal_groups(code: str, group: str, value: str, profile: str) -> None:
 
 
 def test_words_that_nothing_reads_are_named() -> None:
-    steps = list(traced("G1 X1. P5\nG1 X1. R2.\nG2 X1. R2.\nG4 P5\nM98 P100\nG1 Z2. L3 F.1\n").steps(0, 6))
-    shown = [[step.block.text[w.start : w.end] for w in step.unread] for step in steps]
+    effects_of = list(
+        traced("G1 X1. P5\nG1 X1. R2.\nG2 X1. R2.\nG4 P5\nM98 P100\nG1 Z2. L3 F.1\n").effects_of(0, 6)
+    )
+    shown = [[effect.block.text[w.start : w.end] for w in effect.unread] for effect in effects_of]
     assert shown == [["P5"], ["R2."], [], [], [], ["L3"]]
 
 

@@ -10,9 +10,9 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 import chipbreak
-from chipbreak.bracket import checksum
-from chipbreak.restore import regions, restore
-from chipbreak.source import read
+from chipbreak.editing.bracket import checksum
+from chipbreak.editing.restore import regions, restore
+from chipbreak.text.source import read
 
 SETTINGS = chipbreak.load("generic-lathe")
 CUT = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5\nM30\n"
@@ -20,12 +20,12 @@ CUT = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5\nM30\n"
 
 def there_and_back(data: bytes, settings: chipbreak.Settings = SETTINGS) -> bytes:
     """Filter, filter again, restore; the middle step must change nothing."""
-    once = chipbreak.rewrite(data, settings)
-    twice = chipbreak.rewrite(once.data, settings)
-    assert twice.data == once.data, "a second run changes nothing"
+    non_modal = chipbreak.rewrite(data, settings)
+    twice = chipbreak.rewrite(non_modal.data, settings)
+    assert twice.data == non_modal.data, "a second run changes nothing"
     assert not twice.changed
-    assert restore(read(once.data)).data == data
-    return once.data
+    assert restore(read(non_modal.data)).data == data
+    return non_modal.data
 
 
 @pytest.mark.parametrize(
@@ -89,9 +89,7 @@ def test_lower_case_is_kept_readable_only_where_the_control_takes_it() -> None:
 @pytest.mark.parametrize("end", [b"\n", b"\r\n"])
 @pytest.mark.parametrize("limit", [60, 75, 80])
 @pytest.mark.parametrize("number", [b"", b"N12345678901234 "])
-def test_no_line_around_a_cut_is_longer_than_the_control_takes(
-    limit: int, end: bytes, number: bytes
-) -> None:
+def test_no_line_around_a_cut_is_longer_than_the_control_takes(limit: int, end: bytes, number: bytes) -> None:
     settings = chipbreak.load("generic-lathe", [f"control.max_line_chars={limit}"])
     for comment in (b"", b" (X)"):
         for size in range(30, 90):
@@ -113,9 +111,19 @@ def test_a_comment_in_a_chain_may_be_longer_than_the_control_takes() -> None:
     st.lists(
         st.sampled_from(
             [
-                b"G1 Z-3. F0.05 N1.5", b"G1 X25. F0.1 N1.5 (up)", b"N20 G1 W-2. F0.05 N2.5",
-                b"G0 X20. Z2.", b"g0 z5.", b"(\x83R\x83\x81\x83\x93\x83g)", b"", b"M8",
-                b"G97 V188.5 D20.", b"S2500", b"(VIB N1.5)", b"(VIB OFF)", b"G1 X30. F0.2",
+                b"G1 Z-3. F0.05 N1.5",
+                b"G1 X25. F0.1 N1.5 (up)",
+                b"N20 G1 W-2. F0.05 N2.5",
+                b"G0 X20. Z2.",
+                b"g0 z5.",
+                b"(\x83R\x83\x81\x83\x93\x83g)",
+                b"",
+                b"M8",
+                b"G97 V188.5 D20.",
+                b"S2500",
+                b"(VIB N1.5)",
+                b"(VIB OFF)",
+                b"G1 X30. F0.2",
             ]
         ),
         max_size=10,

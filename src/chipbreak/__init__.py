@@ -11,7 +11,7 @@ cannot be used :class:`SettingsError`, a file of tools :class:`ToolFileError`, a
 
 >>> chipbreak.rewrite(b"G97 S3000 M3\\nG0 X20. Z2.\\nG1 Z-30. F0.05 N2\\nM30\\n", settings)
 Traceback (most recent call last):
-chipbreak.diagnostics.ProgramRejectedError: N 2 (N word, line 3) is a whole number, so no chip ever breaks
+chipbreak.text.diagnostics.ProgramRejectedError: N 2 (N word, line 3) is a whole number, ...
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from chipbreak.diagnostics import ProgramRejectedError, SelfCheckError
     from chipbreak.pipeline import Result, rewrite
     from chipbreak.settings import Settings, SettingsError, load
+    from chipbreak.text.diagnostics import ProgramRejectedError, SelfCheckError
     from chipbreak.tools.data import ToolFileError
 
 __all__ = [
@@ -35,9 +35,9 @@ __all__ = [
     "rewrite",
 ]
 _HOMES = {
-    "ProgramRejectedError": "chipbreak.diagnostics",
+    "ProgramRejectedError": "chipbreak.text.diagnostics",
     "Result": "chipbreak.pipeline",
-    "SelfCheckError": "chipbreak.diagnostics",
+    "SelfCheckError": "chipbreak.text.diagnostics",
     "Settings": "chipbreak.settings",
     "SettingsError": "chipbreak.settings",
     "ToolFileError": "chipbreak.tools.data",

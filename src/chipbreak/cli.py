@@ -79,7 +79,7 @@ def filter_command(
 @asking(*READING)
 def check(asked: Asked, sources: tuple[str, ...]) -> None:
     """Say everything that is wrong with programs; write none."""
-    from chipbreak.diagnostics import ProgramRejectedError, has_errors
+    from chipbreak.text.diagnostics import ProgramRejectedError, has_errors
 
     failed = False
     for source in sources:
@@ -120,8 +120,8 @@ def verify(asked: Asked, source: str) -> None:
     Exit 0: it does what was promised; 1: a cut does not break its chips; 3 or 4: it is not as it was
     written.
     """
-    from chipbreak.diagnostics import has_errors
     from chipbreak.report import explain_json, explain_text
+    from chipbreak.text.diagnostics import has_errors
 
     settings = settings_of(asked, source)
     result = verify_program(read_input(source), settings, source, asked)
@@ -146,9 +146,9 @@ def diff(asked: Asked, a: str, b: str, ignore_comments: bool) -> None:
     Block numbers, spacing and number format do not count; a part that chipbreak wrote is one line.  Exit 0:
     the same, 1: different, 2: trouble.
     """
-    from chipbreak.diagnostics import ProgramRejectedError
-    from chipbreak.diff import as_json as hunks_json
-    from chipbreak.diff import compare, differs, items_of, unified
+    from chipbreak.editing.diff import as_json as hunks_json
+    from chipbreak.editing.diff import compare, differs, items_of, unified
+    from chipbreak.text.diagnostics import ProgramRejectedError
 
     try:
         sides = [items_of(read_input(name), name, ignore_comments=ignore_comments) for name in (a, b)]
@@ -169,9 +169,9 @@ def diff(asked: Asked, a: str, b: str, ignore_comments: bool) -> None:
 @asking(*REPORTING)
 def restore(asked: Asked, source: str, output: str | None) -> None:
     """Give the original bytes back from a filtered program."""
-    from chipbreak.diagnostics import ProgramRejectedError
-    from chipbreak.restore import restore as put_back
-    from chipbreak.source import read
+    from chipbreak.editing.restore import restore as put_back
+    from chipbreak.text.diagnostics import ProgramRejectedError
+    from chipbreak.text.source import read
 
     try:
         original = put_back(read(read_input(source), source)).data
@@ -192,9 +192,9 @@ def macros(asked: Asked, output: str) -> None:
 
     What they must know about the laser barrier stands in [macros] of the profile, their limits in [checks].
     """
-    from chipbreak.diagnostics import RefusalError
     from chipbreak.macros import check_axes, macro_files
     from chipbreak.macros.parameters import MacroSettings
+    from chipbreak.text.diagnostics import RefusalError
 
     settings = settings_of(asked, "-")
     try:

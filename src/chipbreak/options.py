@@ -122,9 +122,9 @@ def _check_rules(settings: Settings) -> None:
     if not (settings.checks.enabled or settings.call_sets or settings.operations):
         return
     from chipbreak.checks.calls import check_sets
-    from chipbreak.diagnostics import Diagnostic, RefusalError, Severity
-    from chipbreak.model.kinds import KindRules
+    from chipbreak.operations.kinds import KindRules
     from chipbreak.settings import SettingsError
+    from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 
     try:
         check_sets(settings)
@@ -144,7 +144,7 @@ def _with_tool_files(settings: Settings, names: Sequence[str]) -> Settings:
 
 def run_filter(data: bytes, settings: Settings, source: str, asked: Asked) -> Result:
     """Filter a program; says what is wrong with it and exits with 3 when it is rejected."""
-    from chipbreak.diagnostics import ProgramRejectedError
+    from chipbreak.text.diagnostics import ProgramRejectedError
 
     try:
         return rewrite_program(data, settings, source, asked)
@@ -163,9 +163,9 @@ def rewrite_program(data: bytes, settings: Settings, source: str, asked: Asked) 
 
 def verify_program(data: bytes, settings: Settings, source: str, asked: Asked) -> Result:
     """Judge a filtered program; exits with 3 or 4 when it is not as it was written."""
-    from chipbreak.bracket import MARK
-    from chipbreak.diagnostics import ProgramRejectedError, SelfCheckError
+    from chipbreak.editing.bracket import MARK
     from chipbreak.pipeline import verify_filtered
+    from chipbreak.text.diagnostics import ProgramRejectedError, SelfCheckError
 
     name = _shown(source)
 
@@ -193,8 +193,8 @@ def _shown(source: str) -> str:
 
 def _guarded(name: str, asked: Asked, work: Callable[[], Result]) -> Result:
     """Run, and turn what is not the program's fault into a message and an exit code."""
-    from chipbreak.diagnostics import SelfCheckError
     from chipbreak.settings import SettingsError
+    from chipbreak.text.diagnostics import SelfCheckError
     from chipbreak.tools.data import ToolFileError
 
     try:

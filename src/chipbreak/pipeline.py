@@ -6,26 +6,26 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from chipbreak.diagnostics import Diagnostic, ProgramRejectedError, RefusalError, Severity, has_errors
-from chipbreak.edits import Edit
-from chipbreak.emit import render
-from chipbreak.model.kinds import Kind, KindRules
-from chipbreak.model.main_program import main_program
-from chipbreak.model.operations import Operation, operations_of
-from chipbreak.model.trace import Trace, interpret
+from chipbreak.editing.edits import Edit
+from chipbreak.editing.render import render
+from chipbreak.editing.restore import restore
+from chipbreak.model.interpreted_program import InterpretedProgram, interpret
+from chipbreak.operations.kinds import Kind, KindRules
+from chipbreak.operations.main_program import main_program
+from chipbreak.operations.operations import Operation, operations_of
 from chipbreak.passes import check_tools, speeds
-from chipbreak.restore import restore
 from chipbreak.settings import Settings, SettingsError
-from chipbreak.source import Source, read
 from chipbreak.syntax.parse import UNREADABLE, parse
+from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, RefusalError, Severity, has_errors
+from chipbreak.text.source import Source, read
 from chipbreak.tools.program import tool_table_for_checks
 from chipbreak.units import MM_PER_INCH
 from chipbreak.verify import verify
 from chipbreak.vibration.request import requests_of
 
 if TYPE_CHECKING:
-    from chipbreak.measure import CheckedCut
-    from chipbreak.passes.vibrate import PlannedCut
+    from chipbreak.vibration.cut_edit import PlannedCut
+    from chipbreak.vibration.measure import CutReport
 
 UNBROKEN, FINISHING, SERVO, UNREAD_WORD = "VIB060", "VIB061", "VIB062", "MOD001"
 MISSED, TOO_FAST = "VIB034", "VIB064"
@@ -45,7 +45,7 @@ class Result(NamedTuple):
     data: bytes
     changed: bool
     diagnostics: tuple[Diagnostic, ...]
-    cuts: tuple[CheckedCut, ...]
+    cuts: tuple[CutReport, ...]
     operations: tuple[Operation, ...]
     edits: tuple[Edit, ...]
 
@@ -78,22 +78,24 @@ def _run(
     source: Source, data: bytes, settings: Settings, *, output: bytes | None, allow_unbroken: bool
 ) -> Result:
     """All stages on an unfiltered source; ``output`` is the program to judge, None to write one."""
-    trace = interpret(parse(source), settings)
-    diagnostics = trace.program.unreadable() + unread_words(trace)
-    operations, check_edits, found = _tool_checks(trace, settings)
+    interpreted = interpret(parse(source), settings)
+    diagnostics = interpreted.program.unreadable() + unread_words(interpreted)
+    operations, check_edits, found = _tool_checks(interpreted, settings)
     diagnostics += found
-    speed_edits, found = speeds.plan(trace, settings)
+    speed_edits, found = speeds.plan(interpreted, settings)
     diagnostics += found
     checks_at = [edit.first for edit in check_edits]
-    planned, vibration_edits, found = _vibration(trace, settings, checks_at, allow_unbroken=allow_unbroken)
+    planned, vibration_edits, found = _vibration(
+        interpreted, settings, checks_at, allow_unbroken=allow_unbroken
+    )
     diagnostics += found
     if has_errors(diagnostics):
         raise ProgramRejectedError(in_place_order(diagnostics))
     edits = [*speed_edits, *vibration_edits, *check_edits]
     if output is None:
-        output = b"".join(render(trace.program, edits, settings)) if edits else source.data
-    cuts = verify(trace, output, edits, planned) if edits or output != source.data else []
-    diagnostics += _chip_diagnostics(trace, cuts, operations, allow_unbroken=allow_unbroken)
+        output = b"".join(render(interpreted.program, edits, settings)) if edits else source.data
+    cuts = verify(interpreted, output, edits, planned) if edits or output != source.data else []
+    diagnostics += _chip_diagnostics(interpreted, cuts, operations, allow_unbroken=allow_unbroken)
     if has_errors(diagnostics):
         raise ProgramRejectedError(in_place_order(diagnostics))
     return Result(
@@ -107,13 +109,15 @@ def _run(
     )
 
 
-def _tool_checks(trace: Trace, settings: Settings) -> tuple[list[Operation], list[Edit], list[Diagnostic]]:
+def _tool_checks(
+    interpreted: InterpretedProgram, settings: Settings
+) -> tuple[list[Operation], list[Edit], list[Diagnostic]]:
     """Operations and the checks between them.  Raises SettingsError for unusable rules or calls."""
     try:
-        main = main_program(trace)
-        operations = operations_of(trace, main, KindRules.from_profile(settings.operations))
-        tools = tool_table_for_checks(trace)
-        edits, diagnostics = check_tools.plan(trace, main, operations, settings, tools)
+        main = main_program(interpreted)
+        operations = operations_of(interpreted, main, KindRules.from_profile(settings.operations))
+        tools = tool_table_for_checks(interpreted)
+        edits, diagnostics = check_tools.plan(interpreted, main, operations, settings, tools)
         diagnostics = [*tools.diagnostics, *diagnostics] if settings.checks.enabled else diagnostics
     except RefusalError as error:
         wrong = Diagnostic(error.code, Severity.ERROR, f"{settings.name}: {error.message}", error.help)
@@ -122,15 +126,15 @@ def _tool_checks(trace: Trace, settings: Settings) -> tuple[list[Operation], lis
 
 
 def _vibration(
-    trace: Trace, settings: Settings, checks_at: Sequence[int], *, allow_unbroken: bool
+    interpreted: InterpretedProgram, settings: Settings, checks_at: Sequence[int], *, allow_unbroken: bool
 ) -> tuple[Sequence[PlannedCut], Sequence[Edit], list[Diagnostic]]:
     """The vibrated cuts and their edits; a program that asks for none does not load what plans them."""
-    requests, diagnostics = requests_of(trace)
+    requests, diagnostics = requests_of(interpreted)
     if not requests:
         return (), (), diagnostics
     from chipbreak.passes import vibrate
 
-    plan = vibrate.plan(trace, settings, requests, checks_at=checks_at, allow_unbroken=allow_unbroken)
+    plan = vibrate.plan(interpreted, settings, requests, checks_at=checks_at, allow_unbroken=allow_unbroken)
     return plan.cuts, plan.edits, diagnostics + list(plan.diagnostics)
 
 
@@ -158,15 +162,15 @@ def in_place_order(diagnostics: list[Diagnostic]) -> tuple[Diagnostic, ...]:
     return tuple(kept)
 
 
-def unread_words(trace: Trace) -> list[Diagnostic]:
+def unread_words(interpreted: InterpretedProgram) -> list[Diagnostic]:
     """Words in plain moves that nothing reads: passed through, but said."""
     found = []
-    for step in trace.events:
-        for word in step.unread:
-            shown = step.block.text[word.start : word.end]
+    for effect in interpreted.effects:
+        for word in effect.unread:
+            shown = effect.block.text[word.start : word.end]
             found.append(
-                trace.program.diagnose(
-                    step.block.line,
+                interpreted.program.diagnose(
+                    effect.block.line,
                     UNREAD_WORD,
                     f"{shown} has no meaning here that this profile knows",
                     "it is passed through as it is; check the letter",
@@ -178,7 +182,11 @@ def unread_words(trace: Trace) -> list[Diagnostic]:
 
 
 def _chip_diagnostics(
-    trace: Trace, cuts: list[CheckedCut], operations: list[Operation], *, allow_unbroken: bool
+    interpreted: InterpretedProgram,
+    cuts: list[CutReport],
+    operations: list[Operation],
+    *,
+    allow_unbroken: bool,
 ) -> list[Diagnostic]:
     """Cuts that were asked to break chips and do not, and vibration on a finishing operation."""
     found = list[Diagnostic]()
@@ -187,13 +195,13 @@ def _chip_diagnostics(
         line = cut.chain.first
         advise = sum(d.code in (UNBROKEN, MISSED) for d in found) < _MOST_ADVISED
         if checked.misses_plan:
-            found.append(_missed(trace, checked, advise=advise))
+            found.append(_missed(interpreted, checked, advise=advise))
         elif not verdict.breaks:
             # Who lets whole chips pass does not wait for what would break them.
             advise = advise and not allow_unbroken
-            found.append(_unbroken(trace, checked, allow_unbroken=allow_unbroken, advise=advise))
-        found += _servo_diagnostics(trace, checked, allow_unbroken=allow_unbroken)
-        found += _surface_speed(trace, checked)
+            found.append(_unbroken(interpreted, checked, allow_unbroken=allow_unbroken, advise=advise))
+        found += _servo_diagnostics(interpreted, checked, allow_unbroken=allow_unbroken)
+        found += _surface_speed(interpreted, checked)
         kind = next((o.kind for o in operations if o.first_line <= line < o.last_line), Kind.UNKNOWN)
         if kind in (Kind.FINISH, Kind.SEMI_FINISH):
             peak = max(verdict.peak_thickness, verdict.ramp_peak_thickness)
@@ -203,12 +211,12 @@ def _chip_diagnostics(
             )
             help_text = "write (VIB OFF) before the finishing cut, or lower its feed"
             found.append(
-                trace.program.diagnose(line, FINISHING, message, help_text, severity=Severity.WARNING)
+                interpreted.program.diagnose(line, FINISHING, message, help_text, severity=Severity.WARNING)
             )
     return found
 
 
-def _surface_speed(trace: Trace, checked: CheckedCut) -> list[Diagnostic]:
+def _surface_speed(interpreted: InterpretedProgram, checked: CutReport) -> list[Diagnostic]:
     """A warning where a cut of G96 grows in diameter, and the speed of its start is far too high for that."""
     cut, state = checked.planned.cut, checked.planned.cut.chain.before
     if state.modes["speed_mode"] != "surface" or not checked.clearances or state.speed is None:
@@ -223,12 +231,14 @@ def _surface_speed(trace: Trace, checked: CheckedCut) -> list[Diagnostic]:
         f" that is {made_m_min:.0f} m/min, {asked_m_min:.0f} were asked for"
     )
     help_text = "cut towards the centre, or give this cut N and a lower f, or a lower clamp (G50 S)"
-    return [trace.program.diagnose(cut.chain.first, TOO_FAST, message, help_text, severity=Severity.WARNING)]
+    return [
+        interpreted.program.diagnose(cut.chain.first, TOO_FAST, message, help_text, severity=Severity.WARNING)
+    ]
 
 
-def _missed(trace: Trace, checked: CheckedCut, *, advise: bool) -> Diagnostic:
+def _missed(interpreted: InterpretedProgram, checked: CutReport, *, advise: bool) -> Diagnostic:
     """The control cannot keep to the plan: corners and bends of the path cost it time."""
-    from chipbreak.unbroken import ways_out
+    from chipbreak.vibration.ways_out import ways_out
 
     cut, verdict = checked.planned.cut, checked.verdict
     planned_s = cut.cut.duration_s + cut.end_stand_s
@@ -240,14 +250,16 @@ def _missed(trace: Trace, checked: CheckedCut, *, advise: bool) -> Diagnostic:
         message += ": it rests at bends of the path"
     elif cut.cut.form == "tick":
         message += ": strokes of several blocks do not keep their times"
-    works = ways_out(trace, trace.settings, checked) if advise else ""
+    works = ways_out(interpreted, interpreted.settings, checked) if advise else ""
     help_text = f"works: {works}" if works else "ask for a lower frequency, or vibrate each block on its own"
-    return trace.program.diagnose(cut.chain.first, MISSED, message, help_text)
+    return interpreted.program.diagnose(cut.chain.first, MISSED, message, help_text)
 
 
-def _unbroken(trace: Trace, checked: CheckedCut, *, allow_unbroken: bool, advise: bool) -> Diagnostic:
+def _unbroken(
+    interpreted: InterpretedProgram, checked: CutReport, *, allow_unbroken: bool, advise: bool
+) -> Diagnostic:
     """Why the chips stay whole, and what would break them."""
-    from chipbreak.unbroken import ways_out
+    from chipbreak.vibration.ways_out import ways_out
 
     cut, verdict = checked.planned.cut, checked.verdict
     message = (
@@ -255,14 +267,16 @@ def _unbroken(trace: Trace, checked: CheckedCut, *, allow_unbroken: bool, advise
         f" {verdict.per_rev or cut.solution.per_rev:.3f} the weakest vibration has a margin of"
         f" {verdict.margin:.2f}, 1 is needed"
     )
-    works = ways_out(trace, trace.settings, checked) if advise else ""
+    works = ways_out(interpreted, interpreted.settings, checked) if advise else ""
     way_out = f"works: {works}" if works else "take another N, less feed, or leave Q and A out"
     help_text = f"{way_out}; --allow-unbroken lets it pass"
     severity = Severity.WARNING if allow_unbroken else Severity.ERROR
-    return trace.program.diagnose(cut.chain.first, UNBROKEN, message, help_text, severity=severity)
+    return interpreted.program.diagnose(cut.chain.first, UNBROKEN, message, help_text, severity=severity)
 
 
-def _servo_diagnostics(trace: Trace, checked: CheckedCut, *, allow_unbroken: bool) -> list[Diagnostic]:
+def _servo_diagnostics(
+    interpreted: InterpretedProgram, checked: CutReport, *, allow_unbroken: bool
+) -> list[Diagnostic]:
     """A cut whose stroke would break chips, if the servo did not leave too little of it."""
     share, margin = checked.servo_share, checked.verdict.margin
     if share is None or margin < 1.0 or margin * share >= 1.0:
@@ -274,4 +288,4 @@ def _servo_diagnostics(trace: Trace, checked: CheckedCut, *, allow_unbroken: boo
     help_text = f"take a lower f, or vibration.margin {1.05 / share:.2f}, if the machine allows such a stroke"
     severity = Severity.WARNING if allow_unbroken else Severity.ERROR
     line = checked.planned.cut.chain.first
-    return [trace.program.diagnose(line, SERVO, message, help_text, severity=severity)]
+    return [interpreted.program.diagnose(line, SERVO, message, help_text, severity=severity)]

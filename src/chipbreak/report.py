@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from chipbreak.edits import Edit
+from chipbreak.editing.edits import Edit
 from chipbreak.passes import CHECK_TOOLS
 from chipbreak.pipeline import Result
 from chipbreak.settings import Settings
 from chipbreak.units import MS_PER_S, S_PER_MIN
 
 if TYPE_CHECKING:
-    from chipbreak.measure import CheckedCut
     from chipbreak.vibration.loop import Loop
+    from chipbreak.vibration.measure import CutReport
 
 
 # Chips of the ramps are said where they are thicker than the others by more than rounding makes them.
@@ -58,9 +58,9 @@ def _checks(result: Result) -> list[Edit]:
     return [edit for edit in result.edits if edit.pass_name == CHECK_TOOLS]
 
 
-def _cut_text(result: Result, checked: CheckedCut, settings: Settings) -> Iterator[str]:
+def _cut_text(result: Result, checked: CutReport, settings: Settings) -> Iterator[str]:
     cut, verdict, solution = checked.planned.cut, checked.verdict, checked.planned.cut.solution
-    block = cut.chain.requests[0].step.block.text.strip()
+    block = cut.chain.requests[0].effect.block.text.strip()
     yield f"  {_lines(result, checked)}: {block}"
     asked = ", ".join(f"{'f' if k == 'F' else k} {g.value:g} ({g.origin})" for k, g in cut.given.items())
     yield f"    asked    {asked}"
@@ -115,7 +115,7 @@ def _cut_text(result: Result, checked: CheckedCut, settings: Settings) -> Iterat
         yield f"    loop     {_loops(loops, checked.move_count)}"
 
 
-def _wave(checked: CheckedCut) -> str:
+def _wave(checked: CutReport) -> str:
     """The stroke, or how far the tool feeds and how long it then stands."""
     cut, rev_s = checked.planned.cut.cut, S_PER_MIN / checked.planned.cut.solution.speed_rpm
     if cut.waveform == "dwell":
@@ -141,7 +141,7 @@ def _loops(loops: Sequence[Loop], move_count: int) -> str:
     return f"{', '.join(each)}; {written} blocks of motion{off}"
 
 
-def _members(checked: CheckedCut, settings: Settings) -> list[tuple[str, str, int]]:
+def _members(checked: CutReport, settings: Settings) -> list[tuple[str, str, int]]:
     """Axis, letter and sign of the axes of a cut, where the profile says which member moves."""
     is_said = any(key.startswith("axes.") and key.endswith((".letter", ".sign")) for key in settings.origins)
     words = settings.axis_words
@@ -153,7 +153,7 @@ def _chip(revolutions: float, length_mm: float | None) -> str:
     return f"{revolutions:.2f} rev" + ("" if length_mm is None else f" ({length_mm:.0f} mm)")
 
 
-def _lines(result: Result, checked: CheckedCut) -> str:
+def _lines(result: Result, checked: CutReport) -> str:
     chain = checked.planned.cut.chain
     first = result.source.place(chain.first).line
     last = result.source.place(chain.last - 1).line
@@ -186,7 +186,7 @@ def explain_json(result: Result, settings: Settings) -> dict[str, Any]:
     }
 
 
-def _cut_json(result: Result, checked: CheckedCut, settings: Settings) -> dict[str, Any]:
+def _cut_json(result: Result, checked: CutReport, settings: Settings) -> dict[str, Any]:
     cut, verdict, solution = checked.planned.cut, checked.verdict, checked.planned.cut.solution
     return {
         "first_line": result.source.place(cut.chain.first).line,

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from chipbreak.diagnostics import Diagnostic
+from chipbreak.text.diagnostics import Diagnostic
 
 _COLOURS = {"error": "red", "warning": "yellow", "note": "cyan"}
 

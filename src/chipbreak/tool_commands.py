@@ -24,9 +24,9 @@ from chipbreak.options import (
 from chipbreak.streams import read_input, replace_file, write_json
 
 if TYPE_CHECKING:
-    from chipbreak.checks.edges import EdgeVerdict
+    from chipbreak.inspection.edge_figure import EdgeCurves
+    from chipbreak.inspection.edges import EdgeVerdict
     from chipbreak.settings.sections import Checks
-    from chipbreak.tools.edge_figure import EdgeCurves
 
 
 @click.command()
@@ -75,7 +75,7 @@ def inspect(
     title = f"T{tool}, " if tool is not None else ""
     chipped = [tooth for tooth, verdict in verdicts.items() if verdict.is_chipped]
     if output is not None:
-        from chipbreak.tools.edge_figure import edge_figure
+        from chipbreak.inspection.edge_figure import edge_figure
 
         found = f"tooth {', '.join(map(str, chipped))} chipped" if chipped else "no tooth is chipped"
         heading = f"{title}next {next_kind}, W {limit_mm:g} mm: {found}"
@@ -95,8 +95,8 @@ def _limit_mm(checks: Checks, next_kind: str, tool: int | None) -> float:
 def _judged(
     tooth: int, stored: Any, traced: Any, limit_mm: float, name: str
 ) -> tuple[EdgeVerdict, EdgeCurves]:
-    from chipbreak.checks.edges import inward_mm, judge_edge, limit_line
-    from chipbreak.tools.edge_figure import EdgeCurves
+    from chipbreak.inspection.edge_figure import EdgeCurves
+    from chipbreak.inspection.edges import inward_mm, judge_edge, limit_line
 
     try:
         verdict = judge_edge(stored, traced, limit_mm)
@@ -133,11 +133,11 @@ def _say(verdicts: dict[int, EdgeVerdict], heading: str, *, as_json: bool) -> No
 @asking(TOOLS, PROFILE, SET, *REPORTING)
 def tools(asked: Asked, source: str) -> None:
     """Show what is known about the tools of a program, who said it, and what a check lacks."""
-    from chipbreak.diagnostics import ProgramRejectedError
-    from chipbreak.model.trace import interpret
-    from chipbreak.restore import restore
-    from chipbreak.source import read
+    from chipbreak.editing.restore import restore
+    from chipbreak.model.interpreted_program import interpret
     from chipbreak.syntax.parse import parse
+    from chipbreak.text.diagnostics import ProgramRejectedError
+    from chipbreak.text.source import read
     from chipbreak.tools.data import ToolFileError
     from chipbreak.tools.program import table_json, table_text, tool_table
 

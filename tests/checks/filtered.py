@@ -10,21 +10,22 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from chipbreak import restore, settings
+from chipbreak import settings
 from chipbreak.checks.call_sets import NAMED
-from chipbreak.diagnostics import Diagnostic
-from chipbreak.edits import Edit
-from chipbreak.emit import render
-from chipbreak.model.kinds import KindRules
-from chipbreak.model.main_program import main_program
-from chipbreak.model.operations import Operation, operations_of
-from chipbreak.model.steps import Step
-from chipbreak.model.trace import Trace, interpret
+from chipbreak.editing import restore
+from chipbreak.editing.edits import Edit
+from chipbreak.editing.render import render
+from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.interpreted_program import InterpretedProgram, interpret
 from chipbreak.model.words import codes_of, is_diameter, plain_value
+from chipbreak.operations.kinds import KindRules
+from chipbreak.operations.main_program import main_program
+from chipbreak.operations.operations import Operation, operations_of
 from chipbreak.passes.check_tools import plan
 from chipbreak.settings import Settings
-from chipbreak.source import read
 from chipbreak.syntax.parse import parse
+from chipbreak.text.diagnostics import Diagnostic
+from chipbreak.text.source import read
 from chipbreak.tools.data import ToolData
 from chipbreak.tools.merge import ToolTable
 
@@ -47,7 +48,7 @@ class Filtered:
     settings: Settings
     data: bytes
     output: bytes
-    trace: Trace
+    interpreted: InterpretedProgram
     operations: list[Operation]
     edits: list[Edit]
     diagnostics: list[Diagnostic]
@@ -68,7 +69,7 @@ class EveryTool(ToolTable):
         return ToolData(number, "flat end mill", 4, 10.0, 40.0, 0.0, 30.0, holder_mm=60.0)
 
 
-def traced(data: bytes, rules: Settings) -> Trace:
+def traced(data: bytes, rules: Settings) -> InterpretedProgram:
     return interpret(parse(read(data, "program.nc")), rules)
 
 
@@ -79,24 +80,24 @@ def filtered(data: bytes, profile: str = "fanuc-mill", *options: str) -> Filtere
         calls = calls.replace(" S{speed_rpm}", "").replace(" [{speed_rpm}]", "")
     short = (calls, "checks.calls=short")
     rules = settings.load(profile, (*short, *options))
-    trace = traced(data, rules)
-    main = main_program(trace)
-    operations = operations_of(trace, main, KindRules.from_profile(rules.operations))
-    edits, diagnostics = plan(trace, main, operations, rules, EveryTool({}, ()))
-    output = b"".join(render(trace.program, edits, rules))
-    return Filtered(rules, data, output, trace, operations, edits, diagnostics)
+    interpreted = traced(data, rules)
+    main = main_program(interpreted)
+    operations = operations_of(interpreted, main, KindRules.from_profile(rules.operations))
+    edits, diagnostics = plan(interpreted, main, operations, rules, EveryTool({}, ()))
+    output = b"".join(render(interpreted.program, edits, rules))
+    return Filtered(rules, data, output, interpreted, operations, edits, diagnostics)
 
 
-def pairs(result: Filtered) -> list[tuple[Step, Step | None]]:
+def pairs(result: Filtered) -> list[tuple[BlockEffect, BlockEffect | None]]:
     """Every step of the result: with the original step of its line, or None inside an insertion."""
     after = traced(result.output, result.settings)
     inserted = {n for r in restore.regions(after.program.source) for n in range(r.first, r.last)}
-    before = result.trace
+    before = result.interpreted
     body = before.program.source.body
-    originals = iter(before.steps(body.start, body.stop))
+    originals = iter(before.effects_of(body.start, body.stop))
     body = after.program.source.body
-    steps = after.steps(body.start, body.stop)
-    paired = [(s, None if s.block.line in inserted else next(originals)) for s in steps]
+    effects_of = after.effects_of(body.start, body.stop)
+    paired = [(s, None if s.block.line in inserted else next(originals)) for s in effects_of]
     assert next(originals, None) is None
     return paired
 
@@ -123,7 +124,7 @@ def restored(data: bytes) -> bytes:
     return restore.restore(read(data)).data
 
 
-def same_states(paired: list[tuple[Step, Step | None]]) -> None:
+def same_states(paired: list[tuple[BlockEffect, BlockEffect | None]]) -> None:
     """At every block the control is in the state of the original, and cuts start where they did."""
     for new, old in paired:
         if old is None:
@@ -156,46 +157,46 @@ class Machine:
     offset_is_in_force: bool = False
 
     def run(
-        self, step: Step, *, in_call: bool, ends_offset: bool = False
+        self, effect: BlockEffect, *, in_call: bool, ends_offset: bool = False
     ) -> tuple[dict[str, float], dict[str, float]]:
         """Start and end of what a block does."""
         start = dict(self.at)
         dialect = self.settings.dialect
-        codes = codes_of(step.block, "length_offset", dialect)
-        goes_home = "home" in step.once and any(w.address == "Z" for w in step.block.words)
+        codes = codes_of(effect.block, "length_offset", dialect)
+        goes_home = "home" in effect.non_modal and any(w.address == "Z" for w in effect.block.words)
         if (goes_home and self.home_ends_offset) or ends_offset:
             self.offset_is_in_force = False
         if codes:
             self.offset_is_in_force = dialect.g_codes[codes[-1]].value == "on"
-        if any(w.address == "M" and w.number == 6.0 for w in step.block.words):
+        if any(w.address == "M" and w.number == 6.0 for w in effect.block.words):
             self.at = {"X": -311.0, "Y": 287.0, "Z": TOP}
         elif in_call:
             self.at = {"X": 777.0, "Y": -222.0, "Z": TOP}  # over the laser
-        elif "home" in step.once or "machine" in step.once:
-            named = [w.address for w in step.block.words if w.address in AXES]
+        elif "home" in effect.non_modal or "machine" in effect.non_modal:
+            named = [w.address for w in effect.block.words if w.address in AXES]
             for axis in named:
                 self.at[axis] = {"X": -400.0, "Y": 300.0, "Z": TOP}[axis]
-        elif step.move is not None:
-            for word in step.block.words:
+        elif effect.move is not None:
+            for word in effect.block.words:
                 if word.address in AXES:
-                    value = plain_value(word) * (25.4 if step.after.is_inch else 1.0)
-                    if word.address == "X" and is_diameter(step.after, self.settings.control):
+                    value = plain_value(word) * (25.4 if effect.after.is_inch else 1.0)
+                    if word.address == "X" and is_diameter(effect.after, self.settings.control):
                         value /= 2.0
-                    incremental = step.after.modes["distance"] == "incremental"
+                    incremental = effect.after.modes["distance"] == "incremental"
                     value += self.at[word.address] if incremental else 0.0
-                    is_hole = step.move.kind == "other" and word.address == "Z"
+                    is_hole = effect.move.kind == "other" and word.address == "Z"
                     self.at[word.address] = self.at["Z"] if is_hole else value
         return start, dict(self.at)
 
 
 def same_cuts(
-    paired: list[tuple[Step, Step | None]], rules: Settings, *, home_ends: bool, calls_end: bool
+    paired: list[tuple[BlockEffect, BlockEffect | None]], rules: Settings, *, home_ends: bool, calls_end: bool
 ) -> None:
     """The tool cuts where it did, and comes down nowhere else and with no other offset."""
     one, other = Machine(rules, home_ends), Machine(rules, home_ends)
     for new, old in paired:
         text = new.block.text
-        is_call = "macro-call" in new.once or any(c.keyword == "O-CALL" for c in new.block.controls)
+        is_call = "macro-call" in new.non_modal or any(c.keyword == "O-CALL" for c in new.block.controls)
         if old is None:
             start, end = other.run(new, in_call=is_call, ends_offset=is_call and calls_end)
             goes_down = end["Z"] < min(TOP, start["Z"])
@@ -210,10 +211,10 @@ def same_cuts(
             break  # what follows is another program
         before, after = one.run(old, in_call=is_call)
         start, end = other.run(new, in_call=is_call)
-        if old.move is None and not old.once - {"data-setting", "shift", "dwell", "exact-stop"}:
+        if old.move is None and not old.non_modal - {"data-setting", "shift", "dwell", "exact-stop"}:
             continue
-        is_rapid = old.move is not None and old.move.kind == "rapid" and not old.once
-        if is_rapid or "home" in old.once or "machine" in old.once:
+        is_rapid = old.move is not None and old.move.kind == "rapid" and not old.non_modal
+        if is_rapid or "home" in old.non_modal or "machine" in old.non_modal:
             slanting = any(not _equal(start[a], before[a]) for a in "XY" if start["Z"] != end["Z"])
             assert not slanting, f"comes down elsewhere: {text}"
             assert start["Z"] >= min(TOP, before["Z"]) or _equal(start["Z"], before["Z"]), text
@@ -223,7 +224,7 @@ def same_cuts(
             for axis in AXES:
                 assert _equal(start[axis], before[axis]), f"cuts from elsewhere ({axis}): {text}"
                 assert _equal(end[axis], after[axis]), f"cuts to elsewhere ({axis}): {text}"
-        if start["Z"] != end["Z"] and "home" not in old.once and "machine" not in old.once:
+        if start["Z"] != end["Z"] and "home" not in old.non_modal and "machine" not in old.non_modal:
             assert one.offset_is_in_force == other.offset_is_in_force, f"length offset differs: {text}"
 
 

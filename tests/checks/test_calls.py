@@ -11,8 +11,8 @@ from chipbreak import settings
 from chipbreak.checks.call_sets import BUILT_IN, NAMED
 from chipbreak.checks.calls import CallValues, Event, calls_of
 from chipbreak.cli import cli
-from chipbreak.diagnostics import RefusalError
 from chipbreak.macros.calls import ToolValues
+from chipbreak.text.diagnostics import RefusalError
 from chipbreak.tools.data import ToolData
 
 DATA = ToolData(2, "flat end mill", 4, 12.0, 38.0, helix_deg=45.0, holder_mm=70.0)

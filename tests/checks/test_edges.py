@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from chipbreak.checks import edges
+from chipbreak.inspection import edges
 
 Floats = NDArray[np.float64]
 BALL_MM = 3.0

@@ -10,8 +10,8 @@ from hypothesis import given
 
 from checks.filtered import Filtered, check, filtered
 from checks.programs import mill_programs
-from chipbreak.restore import regions
-from chipbreak.source import read
+from chipbreak.editing.restore import regions
+from chipbreak.text.source import read
 
 CASES = sorted((Path(__file__).parents[1] / "cases" / "check_tools").glob("*.nc"))
 DIVIDER = b"; --- output\n"

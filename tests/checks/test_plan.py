@@ -47,9 +47,9 @@ def test_the_sample_checks_between_two_operations_of_one_tool() -> None:
         "CHIP CHECK T3 W0.02",
     ]
     assert result.diagnostics == []
-    assert not any(d.code == "SYN001" for d in result.trace.program.unreadable())
+    assert not any(d.code == "SYN001" for d in result.interpreted.program.unreadable())
     between, last = result.edits[4], result.edits[5]
-    assert result.trace.program.source.text(between.first) == "(2D CONTOUR3 FINISH)"
+    assert result.interpreted.program.source.text(between.first) == "(2D CONTOUR3 FINISH)"
     assert between.reason.startswith('T2 is used next for FINISH ("FINISH" in the comment')
     assert last.reason.startswith("last use of T2; the next workpiece starts with ROUGH")
 
@@ -142,7 +142,7 @@ def test_only_and_ignore() -> None:
 def test_the_beam_is_measured_straight_before_the_first_checked_tool() -> None:
     result = run(visit(1, "FACE1"), visit(2, "FACE2"), options=("checks.only=[2]",))
     assert result.titles[0] == "CALIBRATE"
-    assert result.trace.program.source.text(result.edits[0].first) == "T2 M6"
+    assert result.interpreted.program.source.text(result.edits[0].first) == "T2 M6"
 
 
 def test_nothing_happens_unless_asked() -> None:

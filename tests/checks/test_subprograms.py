@@ -39,7 +39,7 @@ def test_what_it_sets_must_be_said_again() -> None:
     assert len(chip_checks(run(branch, behind="G90 M9\n" + BEHIND))) == 2
     left_in_a_cut = run("G1 X5. F100.\nX6.\n", behind=BEHIND.removeprefix("G0 "))
     edit = next(edit for edit in left_in_a_cut.edits if edit.title.startswith("CHIP"))
-    assert left_in_a_cut.trace.program.source.text(edit.first - 1) == "G0 X1. Y2."  # not before its G0
+    assert left_in_a_cut.interpreted.program.source.text(edit.first - 1) == "G0 X1. Y2."  # not before its G0
     assert chip_checks(run("S700\n")) == []
     assert len(chip_checks(run("S700\n", behind="S900\n" + BEHIND))) == 2
     assert chip_checks(run("M98 P200\n")) == []

@@ -61,6 +61,6 @@ def test_a_check_puts_back_what_a_subprogram_left(parts: tuple[bytes, bytes]) ->
     inner = b"\n".join(line for line in lines if not line.startswith(b"IF"))
     assert result.output.endswith(sub)
     original, output = flat(program, inner), flat(result.output.removesuffix(sub), inner)
-    laid_out = replace(result, data=original, output=output, trace=traced(original, result.settings))
+    laid_out = replace(result, data=original, output=output, interpreted=traced(original, result.settings))
     assert isinstance(laid_out, Filtered)
     same_states(pairs(laid_out))

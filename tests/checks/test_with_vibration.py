@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import chipbreak
-from chipbreak.restore import restore
-from chipbreak.source import read
+from chipbreak.editing.restore import restore
+from chipbreak.text.source import read
 
 OWN = ["checks.enabled=true", "checks.calls=own", 'calls.own={chip_check="G65 P9858 T{tool} H{limit}"}']
 PROGRAM = """G28 U0 W0

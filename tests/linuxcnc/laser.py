@@ -26,8 +26,8 @@ from typing import Any
 
 import numpy as np
 
-from chipbreak.lasersim.barrier import Beam
-from chipbreak.lasersim.tool import CORE_SHARE, Kind, SimulatedTool, table
+from laser_simulator.barrier import Beam
+from laser_simulator.tool import CORE_SHARE, Kind, SimulatedTool, table
 
 from . import config, machine
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import chipbreak
-from chipbreak.restore import regions
-from chipbreak.source import read
+from chipbreak.editing.restore import regions
+from chipbreak.text.source import read
 from macros.lc_stand import LC_SETTINGS, subroutines
 
 from . import rs274

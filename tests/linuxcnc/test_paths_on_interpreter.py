@@ -19,8 +19,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import chipbreak
-from chipbreak.restore import restore
-from chipbreak.source import read
+from chipbreak.editing.restore import restore
+from chipbreak.text.source import read
 
 from . import rs274
 

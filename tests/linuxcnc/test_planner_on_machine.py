@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from chipbreak.diagnostics import RefusalError
-from chipbreak.vibration.control import ControlModel
-from chipbreak.vibration.planner import (
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.trajectory.model import ControlModel
+from chipbreak.trajectory.planner import (
     feeds_for_times,
     predict,
     reached,

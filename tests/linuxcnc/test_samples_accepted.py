@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 import chipbreak
-from chipbreak.restore import restore
-from chipbreak.source import read
+from chipbreak.editing.restore import restore
+from chipbreak.text.source import read
 
 from . import rs274
 

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 import chipbreak
-from chipbreak.measure import CheckedCut
+from chipbreak.vibration.measure import CutReport
 
 from . import machine
 from .chips import Chips, Floats, Leg, Point, Vibration, chips, follow, vibration
@@ -92,7 +92,7 @@ class Outcome:
     """The promise, and the motion of the cut from its first moment to its last."""
 
     job: Job
-    promise: CheckedCut
+    promise: CutReport
     time_s: Floats
     along_mm: Floats
     off_mm: float

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from chipbreak.lasersim.barrier import Beam
-from chipbreak.lasersim.tool import Chip, Kind, SimulatedTool
 from chipbreak.macros import MacroSettings
+from laser_simulator.barrier import Beam
+from laser_simulator.tool import Chip, Kind, SimulatedTool
 
 from .stand import BEAM, SETTINGS, Nominal
 

@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from chipbreak.lasersim.tool import SimulatedTool
 from chipbreak.macros import MacroSettings, macro_files
+from laser_simulator.tool import SimulatedTool
 from linuxcnc import laser, machine
 
 from .cases import FINISH_W, ROUGH_W, Case

@@ -7,10 +7,10 @@ from functools import cache
 
 import numpy as np
 
-from chipbreak.lasersim.barrier import Beam, Station
-from chipbreak.lasersim.tool import Kind, SimulatedTool
-from chipbreak.macro_b import Interpreter, Library, Machine, Outcome
 from chipbreak.macros import MacroSettings, ToolValues, macro_files
+from laser_simulator.barrier import Beam, Station
+from laser_simulator.tool import Kind, SimulatedTool
+from macro_interpreter import Interpreter, Library, Machine, Outcome
 
 BEAM = Beam(x_mm=120.0, y_mm=-35.0, z_mm=-400.0)
 BAR = SimulatedTool(Kind.BAR, diameter_mm=20.0, length_mm=150.0, holder_mm=0.0)

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chipbreak.checks.edges import inward_mm
-from chipbreak.lasersim.tool import Chip
-from chipbreak.macro_b import Library
+from chipbreak.inspection.edges import inward_mm
 from chipbreak.macros import ToolValues, macro_files
 from chipbreak.syntax.parse import read_block
+from laser_simulator.tool import Chip
+from macro_interpreter import Library
 
 from .cases import (
     BALL,

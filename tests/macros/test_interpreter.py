@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from chipbreak.diagnostics import RefusalError
-from chipbreak.lasersim.barrier import Beam, Station
-from chipbreak.lasersim.tool import SimulatedTool
-from chipbreak.macro_b import Interpreter, Library, Machine, Outcome
+from chipbreak.text.diagnostics import RefusalError
+from laser_simulator.barrier import Beam, Station
+from laser_simulator.tool import SimulatedTool
+from macro_interpreter import Interpreter, Library, Machine, Outcome
 
 
 def control(*programs: str, **machine: object) -> Interpreter:

@@ -8,8 +8,8 @@ from math import cos, hypot, radians, sqrt, tan
 import numpy as np
 import pytest
 
-from chipbreak.lasersim.barrier import Beam, Station, is_broken
-from chipbreak.lasersim.tool import Chip, Kind, SimulatedTool, table
+from laser_simulator.barrier import Beam, Station, is_broken
+from laser_simulator.tool import Chip, Kind, SimulatedTool, table
 
 FLAT = SimulatedTool(length_mm=50.0, holder_mm=30.0)
 BEAM = Beam(0.0, 0.0, -100.0, focus_half_mm=3.0)

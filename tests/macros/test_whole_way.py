@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import chipbreak
-from chipbreak.lasersim.tool import Chip
+from laser_simulator.tool import Chip
 from linuxcnc import laser
 
 from .cases import FLAT

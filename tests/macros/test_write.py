@@ -10,10 +10,10 @@ import click.testing
 import pytest
 
 from chipbreak.cli import cli
-from chipbreak.diagnostics import RefusalError
-from chipbreak.macro_b import Library
 from chipbreak.macros import MacroSettings, macro_files
 from chipbreak.settings import load
+from chipbreak.text.diagnostics import RefusalError
+from macro_interpreter import Library
 
 from .stand import FLAT_OK, SETTINGS, Stand
 

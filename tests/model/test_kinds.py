@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chipbreak.diagnostics import RefusalError
-from chipbreak.model.kinds import (
+from chipbreak.operations.kinds import (
     Kind,
     KindRules,
     OperationMark,
@@ -19,6 +18,7 @@ from chipbreak.model.kinds import (
     operation_title,
     tool_text,
 )
+from chipbreak.text.diagnostics import RefusalError
 
 NO_RULES = KindRules()
 HERE = Path(__file__).parent

@@ -7,18 +7,18 @@ import math
 import pytest
 
 import chipbreak
+from chipbreak.model.interpreted_program import interpret
 from chipbreak.model.modal import State
-from chipbreak.model.trace import interpret
-from chipbreak.source import read
 from chipbreak.syntax.parse import parse
+from chipbreak.text.source import read
 
 SETTINGS = chipbreak.load("fanuc-mill")
 
 
 def positions(*lines: str) -> list[float]:
     """Y behind each line."""
-    trace = interpret(parse(read("\n".join([*lines, ""]).encode())), SETTINGS)
-    return [trace.before(n).position.y for n in range(1, len(lines) + 1)]
+    interpreted = interpret(parse(read("\n".join([*lines, ""]).encode())), SETTINGS)
+    return [interpreted.before(n).position.y for n in range(1, len(lines) + 1)]
 
 
 @pytest.mark.parametrize(

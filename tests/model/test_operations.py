@@ -9,25 +9,25 @@ import numpy as np
 import pytest
 
 from chipbreak import settings
-from chipbreak.diagnostics import ProgramRejectedError
-from chipbreak.model.kinds import Kind, KindRules
-from chipbreak.model.main_program import main_program
-from chipbreak.model.operations import Operation, operations_of
-from chipbreak.model.trace import Trace, interpret
-from chipbreak.source import read
+from chipbreak.model.interpreted_program import InterpretedProgram, interpret
+from chipbreak.operations.kinds import Kind, KindRules
+from chipbreak.operations.main_program import main_program
+from chipbreak.operations.operations import Operation, operations_of
 from chipbreak.syntax.parse import parse
+from chipbreak.text.diagnostics import ProgramRejectedError
+from chipbreak.text.source import read
 
 SAMPLE = Path(__file__).parents[2] / "samples" / "fusion-mill.nc"
 
 
-def traced(program: str | bytes, profile: str = "fanuc-mill") -> Trace:
+def traced(program: str | bytes, profile: str = "fanuc-mill") -> InterpretedProgram:
     data = program if isinstance(program, bytes) else program.encode("latin-1")
     return interpret(parse(read(data)), settings.load(profile))
 
 
 def operations(program: str | bytes, profile: str = "fanuc-mill", **rules: list[str]) -> list[Operation]:
-    trace = traced(program, profile)
-    return operations_of(trace, main_program(trace), KindRules.from_profile(rules))
+    interpreted = traced(program, profile)
+    return operations_of(interpreted, main_program(interpreted), KindRules.from_profile(rules))
 
 
 def short(found: list[Operation]) -> list[tuple[int | None, str, str]]:
@@ -223,17 +223,17 @@ def test_cuts_found_by_shapes_are_the_cuts_found_block_by_block(corpus: list[Pat
         if file.stat().st_size > 60_000:
             continue
         for profile in ("fanuc-mill", "linuxcnc-mill"):
-            trace = traced(file.read_bytes(), profile)
-            main = main_program(trace)
-            plain = trace.program.plain
+            interpreted = traced(file.read_bytes(), profile)
+            main = main_program(interpreted)
+            plain = interpreted.program.plain
             slow = [
-                step.block.line
-                for step in trace.steps(main.first, main.last)
-                if main.has(step.block.line)
-                and plain[step.block.line] >= 0
-                and not step.in_contour
-                and (step.move or set("XYZABCIJK") & {w.address for w in step.block.words})
-                and step.after.modes["motion"] not in ("rapid", "none", "probe")
+                effect.block.line
+                for effect in interpreted.effects_of(main.first, main.last)
+                if main.has(effect.block.line)
+                and plain[effect.block.line] >= 0
+                and not effect.in_contour
+                and (effect.move or set("XYZABCIJK") & {w.address for w in effect.block.words})
+                and effect.after.modes["motion"] not in ("rapid", "none", "probe")
             ]
             assert slow == main.cuts[plain[main.cuts] >= 0].tolist(), file.name
             assert np.isin(main.cuts, main.works).all()

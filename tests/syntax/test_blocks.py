@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import pytest
 
-from chipbreak.source import read
 from chipbreak.syntax.nodes import (
     Assignment,
     Block,
@@ -22,6 +21,7 @@ from chipbreak.syntax.nodes import (
     Word,
 )
 from chipbreak.syntax.parse import parse, read_block, read_by_grammar, read_plain
+from chipbreak.text.source import read
 
 
 def show(block: Block) -> str:

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from chipbreak.source import BLANKS, read
 from chipbreak.syntax.grammar import terminals
 from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.parse import LONGEST_LINE, emit, parse, read_block
+from chipbreak.text.source import BLANKS, read
 
 from .fragments import lines, programs
 
@@ -123,7 +123,7 @@ def test_reading_the_corpus_drops_nothing(corpus_lines: list[str]) -> None:
 def test_the_body_is_what_a_control_reads(data: bytes, body: range) -> None:
     source = read(data)
     assert source.body == body
-    events = parse(source).events
+    events = parse(source).special_lines
     assert all(line in body for line in events)
 
 

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from chipbreak.source import Source, read
 from chipbreak.syntax import shapes
 from chipbreak.syntax.columns import read_columns, uniform_run
 from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.parse import parse, parse_changed, read_block, read_by_grammar, read_plain
 from chipbreak.syntax.shapes import PLAIN_LETTERS, Shape
+from chipbreak.text.source import Source, read
 
 from .fragments import good_lines, lines, programs
 
@@ -224,7 +224,7 @@ def test_a_changed_program_is_classified_like_a_new_one(old: bytes, new: bytes, 
         return
     kept = [(0, first, 0), (first + insert.line_count, changed.line_count, last)]
     spliced, fresh = parse_changed(changed, original, kept), parse(changed)
-    assert spliced.events.tolist() == fresh.events.tolist()
+    assert spliced.special_lines.tolist() == fresh.special_lines.tolist()
     for line in np.flatnonzero(fresh.plain >= 0).tolist():
         assert spliced.shapes[spliced.plain[line]] == fresh.shapes[fresh.plain[line]]
 
@@ -254,7 +254,7 @@ def test_every_plain_block_is_found(case: tuple[str, Shape]) -> None:
     text, shape = case
     program = parse(read(text.encode("latin-1")))
     assert [program.shapes[index] for index in program.plain] == [shape]
-    assert not len(program.events)
+    assert not len(program.special_lines)
     compare_shape_and_block(shape, read_by_grammar(0, text))
 
 
@@ -327,4 +327,4 @@ def test_a_uniform_run_ends_where_the_words_change(parts: list[tuple[str, int]])
 )
 def test_a_block_with_more_in_it_is_not_plain(text: str) -> None:
     program = parse(read(f"G1X1\n{text}\nX2\n".encode("latin-1")))
-    assert [line in program.events for line in range(3)] == [False, True, False]
+    assert [line in program.special_lines for line in range(3)] == [False, True, False]

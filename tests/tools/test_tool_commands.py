@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from chipbreak.cli import cli
-from chipbreak.tools.edge_figure import EdgeCurves, edge_figure
+from chipbreak.inspection.edge_figure import EdgeCurves, edge_figure
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 MILL = str(SAMPLES / "fusion-mill.nc")

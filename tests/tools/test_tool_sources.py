@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from chipbreak import settings
-from chipbreak.model.trace import Trace, interpret
-from chipbreak.source import read
+from chipbreak.model.interpreted_program import InterpretedProgram, interpret
 from chipbreak.syntax.parse import parse
+from chipbreak.text.source import read
 from chipbreak.tools.comments import tools_in_comments
 from chipbreak.tools.data import ToolData
 from chipbreak.tools.merge import ToolTable, merge
@@ -15,7 +15,7 @@ from chipbreak.tools.needs import Check, Tip, lacking, missing, tip_of
 from chipbreak.tools.program import called_tools
 
 
-def trace_of(text: str, profile: str = "fanuc-mill") -> Trace:
+def trace_of(text: str, profile: str = "fanuc-mill") -> InterpretedProgram:
     return interpret(parse(read(text.encode())), settings.load(profile))
 
 
@@ -114,8 +114,8 @@ def test_impossible_values_in_comments_are_none() -> None:
 
 
 def test_the_tools_that_are_called() -> None:
-    trace = trace_of("(T9 D=1. - DRILL)\nT2 M6\nT3\nG0 X1\nM6\nT2 M6\n")
-    assert called_tools(trace) == [2, 3]
+    interpreted = trace_of("(T9 D=1. - DRILL)\nT2 M6\nT3\nG0 X1\nM6\nT2 M6\n")
+    assert called_tools(interpreted) == [2, 3]
 
 
 def tool(number: int = 2, origin: str = "a.csv, line 2", **values: object) -> ToolData:

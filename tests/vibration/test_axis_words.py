@@ -19,11 +19,11 @@ from hypothesis import strategies as st
 from test_expansion import Shape, shapes
 
 import chipbreak
-from chipbreak.model.trace import interpret
+from chipbreak.model.interpreted_program import interpret
 from chipbreak.report import explain_json, explain_text
 from chipbreak.settings import SettingsError
-from chipbreak.source import read
 from chipbreak.syntax.parse import parse
+from chipbreak.text.source import read
 from machine_reader import filtered
 from twin import Mapping, twin
 
@@ -139,11 +139,11 @@ def test_long_runs_are_read_in_the_same_words(style: str) -> None:
     program = f"G0 X10. B5. F0.2\n{style}G1 X0.5 B1.\n{blocks}M30\n"
     sets = ['axes.Z.letter="B"', "axes.Z.sign=-1"]
     settings = chipbreak.load("generic-lathe", sets)
-    trace = interpret(parse(read(program.encode(), "run.nc")), settings)
-    state = trace.before(0)
-    for step in trace.steps(0, 202 + bool(style)):
-        state = step.after
-    fast = trace.before(202 + bool(style))
+    interpreted = interpret(parse(read(program.encode(), "run.nc")), settings)
+    state = interpreted.before(0)
+    for effect in interpreted.effects_of(0, 202 + bool(style)):
+        state = effect.after
+    fast = interpreted.before(202 + bool(style))
     assert fast.position.x == pytest.approx(state.position.x)
     assert fast.position.z == pytest.approx(state.position.z)
     if not style:

@@ -8,19 +8,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import chipbreak
-from chipbreak.diagnostics import RefusalError
-from chipbreak.measure import CheckedCut
+from chipbreak.kinematics.machine_demand import least_acceleration_mm_s2, servo_share
+from chipbreak.kinematics.waveform import Waveform, WaveformParameters
 from chipbreak.settings import SettingsError
-from chipbreak.vibration.control import ControlModel
-from chipbreak.vibration.load import least_acceleration_mm_s2, servo_share
-from chipbreak.vibration.planner import feed_for_time, predict, shortest_time
-from chipbreak.vibration.waveform import Cut, Waveform
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.trajectory.model import ControlModel
+from chipbreak.trajectory.planner import feed_for_time, predict, shortest_time
+from chipbreak.vibration.measure import CutReport
 
 PROGRAM = "G21 G99 G97 S1250 M3\nG0 X20. Z2.\nG1 Z-3. F0.1 N1.5\nM30\n"
 DECLARED = ("planner.model=trapezoid", "axes.Z.max_acceleration_mm_s2=5000", "checks.enabled=false")
 
 
-def cut_of(*sets: str, program: str = PROGRAM, profile: str = "fanuc-lathe") -> CheckedCut:
+def cut_of(*sets: str, program: str = PROGRAM, profile: str = "fanuc-lathe") -> CutReport:
     (cut,) = chipbreak.rewrite(program.encode(), chipbreak.load(profile, sets)).cuts
     return cut
 
@@ -81,8 +81,10 @@ def test_what_a_slow_position_loop_leaves(frequency_hz: float, share: float) -> 
     assert servo_share(frequency_hz, 50.0) == pytest.approx(share, abs=0.005)
 
 
-def swing(waveform: Waveform, frequency_hz: float, stroke_mm: float, feed_mm_rev: float = 1e-9) -> Cut:
-    return Cut(
+def swing(
+    waveform: Waveform, frequency_hz: float, stroke_mm: float, feed_mm_rev: float = 1e-9
+) -> WaveformParameters:
+    return WaveformParameters(
         length_mm=10.0,
         feed_mm_rev=feed_mm_rev,
         speed_rpm=1000.0,

@@ -13,12 +13,12 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 import chipbreak
-from chipbreak import bracket
-from chipbreak.diagnostics import SelfCheckError
+from chipbreak.editing import bracket
+from chipbreak.editing.restore import restore
+from chipbreak.kinematics.piecewise import rests_of
 from chipbreak.pipeline import verify_filtered
-from chipbreak.restore import restore
-from chipbreak.source import read
-from chipbreak.vibration.piecewise import rests_of
+from chipbreak.text.diagnostics import SelfCheckError
+from chipbreak.text.source import read
 from machine_reader import filtered, run_program
 
 DWELL = "vibration.waveform=dwell"

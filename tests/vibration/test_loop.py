@@ -11,11 +11,11 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 import chipbreak
-from chipbreak.diagnostics import SelfCheckError
-from chipbreak.restore import restore
+from chipbreak.editing.restore import restore
+from chipbreak.kinematics.waveform import sample
 from chipbreak.settings import SettingsError
-from chipbreak.source import read
-from chipbreak.vibration.waveform import sample
+from chipbreak.text.diagnostics import SelfCheckError
+from chipbreak.text.source import read
 from machine_reader import Run, filtered, points, rejected, run_program, times
 
 LOOP = "output.form=loop"
@@ -252,7 +252,7 @@ def test_a_loop_form_is_judged_as_it_stands() -> None:
     ],
 )
 def test_a_loop_that_does_something_else_is_found(text: str, other: str) -> None:
-    from chipbreak import bracket
+    from chipbreak.editing import bracket
     from chipbreak.pipeline import verify_filtered
 
     loop = filtered(TURNING, "fanuc-lathe", LOOP)

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from chipbreak.macro_b import Interpreter, Library, Machine
 from machine_reader import filtered
+from macro_interpreter import Interpreter, Library, Machine
 
 SETS = ("checks.enabled=false", "output.feed_mode=minute", "output.segments=stroke")
 

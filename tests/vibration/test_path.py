@@ -10,8 +10,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from chipbreak.diagnostics import RefusalError
-from chipbreak.vibration.path import Leg, path_of, split_at
+from chipbreak.kinematics.toolpath import Leg, path_of, split_at
+from chipbreak.text.diagnostics import RefusalError
 
 NAN = math.nan
 coordinates = st.floats(-50.0, 50.0)

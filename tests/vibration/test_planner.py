@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chipbreak.diagnostics import RefusalError
-from chipbreak.vibration.control import AxisLimits, ControlModel
-from chipbreak.vibration.planner import (
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.trajectory.model import AxisLimits, ControlModel
+from chipbreak.trajectory.planner import (
     feed_for_time,
     feeds_for_times,
     predict,

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import chipbreak
-from chipbreak.diagnostics import RefusalError
+from chipbreak.text.diagnostics import RefusalError
 from chipbreak.vibration.directive import KEYS, read_directive
 from machine_reader import filtered, rejected, run_program, vibration_of
 

@@ -8,9 +8,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from chipbreak.diagnostics import RefusalError
-from chipbreak.vibration.given import Given
-from chipbreak.vibration.solve import (
+from chipbreak.kinematics.sourced_value import SourcedValue
+from chipbreak.kinematics.speed_solver import (
     CommandGroup,
     Period,
     Solution,
@@ -19,6 +18,7 @@ from chipbreak.vibration.solve import (
     preferred_per_rev,
     solve,
 )
+from chipbreak.text.diagnostics import RefusalError
 
 GROUP = CommandGroup()
 
@@ -31,9 +31,9 @@ def solved(
     rules: SolverRules | None = None,
 ) -> Solution:
     return solve(
-        speed=None if speed is None else Given(speed, "active S, line 1"),
-        per_rev=None if per_rev is None else Given(per_rev, "N word, line 12"),
-        frequency=None if frequency is None else Given(frequency, "f word, line 13"),
+        speed=None if speed is None else SourcedValue(speed, "active S, line 1"),
+        per_rev=None if per_rev is None else SourcedValue(per_rev, "N word, line 12"),
+        frequency=None if frequency is None else SourcedValue(frequency, "f word, line 13"),
         group=group,
         rules=rules or SolverRules(),
     )

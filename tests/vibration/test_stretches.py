@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chipbreak.diagnostics import RefusalError
-from chipbreak.vibration import laws
-from chipbreak.vibration.control import ControlModel
-from chipbreak.vibration.factors import Stretch, feed_factors, feeds_of_single_blocks
-from chipbreak.vibration.planner import feed_for_time, predict
-from chipbreak.vibration.stretches import linuxcnc_many
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.trajectory import stretch_laws as laws
+from chipbreak.trajectory.feed_search import Stretch, feed_factors, feeds_of_single_blocks
+from chipbreak.trajectory.linuxcnc_stretches import linuxcnc_many
+from chipbreak.trajectory.model import ControlModel
+from chipbreak.trajectory.planner import feed_for_time, predict
 
 MODEL = ControlModel("linuxcnc", velocity_mm_s=100.0, acceleration_mm_s2=2000.0)
 

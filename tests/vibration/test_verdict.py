@@ -12,11 +12,10 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from chipbreak.diagnostics import RefusalError
-from chipbreak.vibration.verdict import Verdict, judge
-from chipbreak.vibration.waveform import (
-    Cut,
+from chipbreak.kinematics.chip_model import Verdict, judge
+from chipbreak.kinematics.waveform import (
     Waveform,
+    WaveformParameters,
     forward_ticks,
     full_window,
     largest_drop,
@@ -25,11 +24,12 @@ from chipbreak.vibration.waveform import (
     speed_band_rpm,
     wave,
 )
+from chipbreak.text.diagnostics import RefusalError
 
 Floats = npt.NDArray[np.float64]
 FEED_MM = 0.1
 REV_S = 60 / 2500
-CUT = Cut(
+CUT = WaveformParameters(
     length_mm=20.0,
     feed_mm_rev=FEED_MM,
     speed_rpm=2500.0,
@@ -425,9 +425,9 @@ def test_values_that_cannot_be(changes: dict[str, Any]) -> None:
 
 
 def test_many_passes_are_judged_alike_a_few_corners_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    cut = Cut(9.0, 0.05, 1500.0, 0.04, 10, 5, 1.5, ramp_in_s=0.12)
+    cut = WaveformParameters(9.0, 0.05, 1500.0, 0.04, 10, 5, 1.5, ramp_in_s=0.12)
     whole = judge(*sample(cut), speed_rpm=1500.0, feed_mm_rev=0.05)
-    monkeypatch.setattr("chipbreak.vibration.piecewise._HEIGHTS_AT_ONCE", 100)
+    monkeypatch.setattr("chipbreak.kinematics.piecewise._HEIGHTS_AT_ONCE", 100)
     assert judge(*sample(cut), speed_rpm=1500.0, feed_mm_rev=0.05) == whole
 
 

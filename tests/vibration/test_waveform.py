@@ -11,10 +11,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from chipbreak.diagnostics import RefusalError
-from chipbreak.vibration.waveform import (
-    Cut,
+from chipbreak.kinematics.waveform import (
     Waveform,
+    WaveformParameters,
     forward_ticks,
     full_window,
     largest_drop,
@@ -22,9 +21,10 @@ from chipbreak.vibration.waveform import (
     sample,
     wave,
 )
+from chipbreak.text.diagnostics import RefusalError
 
 # N 1.5 at 62.5 Hz, the worked example: 16 ms in four ticks, 24 ms per revolution.
-CUT = Cut(
+CUT = WaveformParameters(
     length_mm=5.0,
     feed_mm_rev=0.1,
     speed_rpm=2500.0,
@@ -233,7 +233,7 @@ def test_a_long_cut() -> None:
 
 
 CUTS = st.builds(
-    Cut,
+    WaveformParameters,
     length_mm=st.floats(0.5, 40),
     feed_mm_rev=st.floats(0.01, 0.5),
     speed_rpm=st.floats(50, 6000),
@@ -249,7 +249,9 @@ CUTS = st.builds(
 
 
 @given(cut=CUTS, share=st.floats(0.1, 0.9), per_stroke=st.booleans())
-def test_every_cut_stays_inside_and_ends_exactly(cut: Cut, share: float, per_stroke: bool) -> None:
+def test_every_cut_stays_inside_and_ends_exactly(
+    cut: WaveformParameters, share: float, per_stroke: bool
+) -> None:
     form = "stroke" if per_stroke and cut.waveform == "triangle" else "tick"
     cut = replace(cut, forward_ticks=forward_ticks(cut.ticks, share), form=form)
     try:

@@ -9,7 +9,7 @@ import pytest
 import chipbreak
 from chipbreak.vibration import plan
 from chipbreak.vibration.chain import Chain
-from chipbreak.vibration.plan import VibratedCut
+from chipbreak.vibration.plan import CutPlan
 
 HEAD = "G21 G18 G90 G8 G97 G95 S{} M3\nG0 X{} Z1\n"
 SHOULDER = "G1 Z-2 F0.1 {0}\nX12 F0.1 {0}\nM2\n"
@@ -52,7 +52,7 @@ def test_strokes_of_several_blocks_on_linuxcnc_are_advised_after_few_tries(
     """Each try plans a thousand blocks, no two strokes of them alike."""
     tried = list[object]()
 
-    def plan_cut(chain: Chain, settings: chipbreak.Settings) -> VibratedCut:
+    def plan_cut(chain: Chain, settings: chipbreak.Settings) -> CutPlan:
         cut = plan.plan_cut(chain, settings)
         tried.append(cut)
         return cut

@@ -15,11 +15,11 @@ from typing import Final, NamedTuple
 
 from chipbreak.checks.call_sets import BUILT_IN, NAMED, NAMED_DIALECT, ShippedCalls
 from chipbreak.checks.tool_values import DATA_FIELDS, data_texts
-from chipbreak.diagnostics import RefusalError
-from chipbreak.nearest import nearest
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.syntax.parse import read_block
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.nearest import nearest
 from chipbreak.tools.data import ToolData
 from chipbreak.units import MM_PER_INCH
 

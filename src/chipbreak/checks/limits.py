@@ -10,9 +10,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from chipbreak.model.kinds import Kind
-from chipbreak.model.operations import Operation
-from chipbreak.model.trace import Trace
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.operations.kinds import Kind
+from chipbreak.operations.operations import Operation
 from chipbreak.settings.sections import Settings
 
 
@@ -43,10 +43,10 @@ def limit_before(operation: Operation, settings: Settings, when: str) -> Limit:
 class Uses:
     """What the tools of a program do one after the other."""
 
-    def __init__(self, operations: Sequence[Operation], trace: Trace) -> None:
-        self._operations, self._program = operations, trace.program
+    def __init__(self, operations: Sequence[Operation], interpreted: InterpretedProgram) -> None:
+        self._operations, self._program = operations, interpreted.program
         self._jumps = [
-            s.block.line for s in trace.events if any(c.keyword == "GOTO" for c in s.block.controls)
+            s.block.line for s in interpreted.effects if any(c.keyword == "GOTO" for c in s.block.controls)
         ]
         self.cutting = [op for op in operations if op.cuts and op.kind is not Kind.PROBE]
         self.of_tool: dict[int | None, list[Operation]] = {}

@@ -14,11 +14,10 @@ from collections.abc import Sequence
 from itertools import groupby
 from typing import NamedTuple
 
-from chipbreak.checks.borders import Border, BorderFinder, NoBorder, Range
 from chipbreak.checks.calls import CallSet, CallValues, Event, calls_of
 from chipbreak.checks.clashes import clash_of
-from chipbreak.checks.ground import Ground
-from chipbreak.checks.known import (
+from chipbreak.checks.limits import Uses, limit_before
+from chipbreak.checks.tool_data_coverage import (
     NO_BORDER,
     NO_SHAPE,
     NOT_LOOKED_AT,
@@ -26,12 +25,13 @@ from chipbreak.checks.known import (
     WHICH_TOOL,
     Known,
 )
-from chipbreak.checks.limits import Uses, limit_before
-from chipbreak.diagnostics import Diagnostic
-from chipbreak.model.main_program import MainProgram
-from chipbreak.model.operations import Operation, calls_tool
-from chipbreak.model.trace import Trace
+from chipbreak.insertion.obstacles import Ground
+from chipbreak.insertion.safe_points import NoSafePoint, Range, SafePoint, SafePointFinder
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.operations.main_program import MainProgram
+from chipbreak.operations.operations import Operation, calls_tool
 from chipbreak.settings.sections import Settings
+from chipbreak.text.diagnostics import Diagnostic
 from chipbreak.tools.merge import ToolTable
 from chipbreak.tools.tips import Tip, tip_of
 
@@ -43,7 +43,7 @@ class PlannedCheck(NamedTuple):
 
     event: Event
     tool: int | None
-    border: Border
+    border: SafePoint
     blocks: tuple[str, ...]
     title: str
     reason: str
@@ -51,17 +51,21 @@ class PlannedCheck(NamedTuple):
 
 
 def plan_checks(
-    operations: Sequence[Operation], trace: Trace, main: MainProgram, settings: Settings, tools: ToolTable
+    operations: Sequence[Operation],
+    interpreted: InterpretedProgram,
+    main: MainProgram,
+    settings: Settings,
+    tools: ToolTable,
 ) -> tuple[list[PlannedCheck], list[Diagnostic]]:
     """All checks of a program, in its order, and what could not be checked.
 
     Raises RefusalError when the calls of the profile cannot be used (SET030 to SET034).
     """
-    planner = _Planner(operations, trace, main, settings, tools)
+    planner = _Planner(operations, interpreted, main, settings, tools)
     planner.run()
-    clash = clash_of(trace.program, settings) if planner.planned else None
+    clash = clash_of(interpreted.program, settings) if planner.planned else None
     if clash is not None:
-        known = Known(trace.program, settings.checks, planner.calls, tools)
+        known = Known(interpreted.program, settings.checks, planner.calls, tools)
         known.say(clash.line, SHARED_VARIABLE, clash.message, clash.help)
         return [], known.diagnostics
     return planner.planned, planner.known.diagnostics
@@ -91,25 +95,27 @@ class _Planner:
     def __init__(
         self,
         operations: Sequence[Operation],
-        trace: Trace,
+        interpreted: InterpretedProgram,
         main: MainProgram,
         settings: Settings,
         tools: ToolTable,
     ) -> None:
-        self.trace, self.main, self.tools = trace, main, tools
+        self.interpreted, self.main, self.tools = interpreted, main, tools
         self.settings, self.checks = settings, settings.checks
         self.operations = operations
         self.calls: CallSet = calls_of(settings)
-        self.finder = BorderFinder(trace, Ground(trace, self.main), calls_end_offset=self.calls.ends_offset)
+        self.finder = SafePointFinder(
+            interpreted, Ground(interpreted, self.main), calls_end_offset=self.calls.ends_offset
+        )
         # How many workpieces a check is for; the control counts them where the beam is measured.
         self.every = self.checks.every
-        self.uses = Uses(operations, trace)
+        self.uses = Uses(operations, interpreted)
         self.call_lines: list[int | None] = []  # of each operation: where its tool was called
         for operation in operations:
             before = self.call_lines[-1] if self.call_lines else None
             self.call_lines.append(before if operation.call_line is None else operation.call_line)
         self.planned: list[PlannedCheck] = []
-        self.known = Known(trace.program, self.checks, self.calls, tools)
+        self.known = Known(interpreted.program, self.checks, self.calls, tools)
         self.traced: set[int] = set()
         self.shapeless: set[int] = set()
         self.uses_tool_data = self.calls.uses_tool_data()
@@ -170,13 +176,15 @@ class _Planner:
 
     def _where_tools_are(self) -> str:
         """Of a program that calls no tool: a call in a subprogram, or a T without its M6."""
-        events, tool_change = self.trace.events, self.settings.dialect.tool_change
-        place = self.trace.program.source.place
-        inside = next((step.block.line for step in events if calls_tool(step, tool_change)), None)
+        events, tool_change = self.interpreted.effects, self.settings.dialect.tool_change
+        place = self.interpreted.program.source.place
+        inside = next((effect.block.line for effect in events if calls_tool(effect, tool_change)), None)
         if inside is not None:
             return f", and the call in line {place(inside).line} is not in the main program"
-        calls = (step for step in events if step.block.word("T") and "macro-call" not in step.once)
-        prepared = next((step.block.line for step in calls), None)
+        calls = (
+            effect for effect in events if effect.block.word("T") and "macro-call" not in effect.non_modal
+        )
+        prepared = next((effect.block.line for effect in calls), None)
         if prepared is None or tool_change != "M6":
             return ""
         return f": T in line {place(prepared).line} prepares a tool, and M6 would bring it into the spindle"
@@ -211,7 +219,7 @@ class _Planner:
             self.every,
             self._sister(tool),
         )
-        called = f"called in line {self.trace.program.source.place(call).line}"
+        called = f"called in line {self.interpreted.program.source.place(call).line}"
         wishes = []
         if self.known.allows(Event.TOOL_CHECK, values, operation.first_cut):
             reason = f"T{tool} is {called} and has not cut yet"
@@ -262,7 +270,7 @@ class _Planner:
     def _place(self, where: Range, *wishes: _Wish) -> bool:
         """Plan checks at the first safe border of a range, or say why there is none."""
         found = self.finder.find(where)
-        if isinstance(found, NoBorder):
+        if isinstance(found, NoSafePoint):
             titles = ", ".join(wish.title for wish in wishes)
             message = f"left out: {titles}; nothing can be inserted here, because {found.why}"
             self.known.say(found.line, NO_BORDER, message, found.help)

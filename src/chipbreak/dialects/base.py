@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 # Groups whose codes act in their own block only.  The interpreter and the refusals know them by value.
-ONCE = "once"
+NON_MODAL = "non_modal"
 
 
 class Code(NamedTuple):
@@ -132,7 +132,7 @@ COMMON = table(
         "G59.2": "G59.2",
         "G59.3": "G59.3",
     },
-    once={
+    non_modal={
         "G4": "dwell",
         "G9": "exact-stop",
         "G10": "data-setting",

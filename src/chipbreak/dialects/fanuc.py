@@ -27,7 +27,7 @@ _LATHE = COMMON | table(
     polygon={"G50.2 G250": "off", "G51.2 G251": "on"},
     modal_macro={"G67": "off", "G66 G66.1": "on"},
     look_ahead={"G5.1 G5": "switched"},
-    once={"G22 G23 G25 G26 G27 G36 G37 G37.1": "service"},
+    non_modal={"G22 G23 G25 G26 G27 G36 G37 G37.1": "service"},
 )
 
 _LATHE_INITIAL = MappingProxyType(
@@ -44,7 +44,7 @@ _LATHE_INITIAL = MappingProxyType(
 )
 
 _CYCLES_AB = table(
-    once={
+    non_modal={
         "G70": "finish-cycle",
         "G71 G72 G73": "rough-cycle",
         "G74 G75": "peck-cycle",
@@ -62,7 +62,7 @@ FANUC_LATHE_A = Dialect(
     | table(
         feed_mode={"G98": "minute", "G99": "rev"},
         motion={"G90 G94": "turning-cycle", "G92": "threading-cycle"},
-        once={"G50": "set-position"},
+        non_modal={"G50": "set-position"},
     ),
     initial=_LATHE_INITIAL,
     tool_change="T",
@@ -84,7 +84,7 @@ FANUC_LATHE_B = Dialect(
         distance={"G90": "absolute", "G91": "incremental"},
         return_level={"G98": "initial", "G99": "r-plane"},
         motion={"G77 G79": "turning-cycle", "G78": "threading-cycle"},
-        once={"G50 G92": "set-position"},
+        non_modal={"G50 G92": "set-position"},
     ),
     initial=_LATHE_INITIAL,
     tool_change="T",
@@ -106,7 +106,7 @@ FANUC_LATHE_C = Dialect(
         distance={"G90": "absolute", "G91": "incremental"},
         return_level={"G98": "initial", "G99": "r-plane"},
         motion={"G20 G24": "turning-cycle", "G21": "threading-cycle"},
-        once={
+        non_modal={
             "G50 G92": "set-position",
             "G72": "finish-cycle",
             "G73 G74 G75": "rough-cycle",
@@ -149,7 +149,7 @@ FANUC_MILL = Dialect(
         # The further offsets of Haas: G154 P1 to P99, of which G110 to G129 are older names.
         work_offset={"G154": "G154"} | {f"G{n}": f"G{n}" for n in range(110, 130) if n not in (112, 113)},
         look_ahead={"G5 G5.1 G5.3": "switched", "G8": "switched"},
-        once={
+        non_modal={
             "G92 G92.1": "set-position",
             "G22 G23 G25 G26 G27 G29 G37 G45 G46 G47 G48": "service",
             "G53.1": "tilt",

@@ -25,7 +25,7 @@ GENERIC_LATHE = Dialect(
         polar={"G113 G13.1": "off", "G112 G12.1": "on"},
         cylinder={"G107 G7.1": "switched"},
         modal_macro={"G67": "off", "G66": "on"},
-        once={
+        non_modal={
             "G50 G92": "set-position",
             "G70": "finish-cycle",
             "G71 G72 G73": "rough-cycle",

@@ -23,7 +23,7 @@ _CODES = COMMON | table(
     return_level={"G98": "initial", "G99": "r-plane"},
     path={"G61": "exact", "G61.1": "exact-stop", "G64": "blend"},
     diameter={"G7": "diameter", "G8": "radius"},
-    once={
+    non_modal={
         "G28.1 G30.1": "store-home",
         "G92 G92.1 G92.2 G92.3": "set-position",
         "G70": "finish-cycle",

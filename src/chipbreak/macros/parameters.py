@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
-from chipbreak.diagnostics import RefusalError
 from chipbreak.settings.sections import Checks, Macros, Settings
+from chipbreak.text.diagnostics import RefusalError
 
 NOT_SET = "MCR001"
 # Names as they stand in a profile, with what people need to measure or look up for each.

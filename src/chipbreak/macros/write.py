@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from importlib import resources
 
-from chipbreak.diagnostics import RefusalError
 from chipbreak.macros.parameters import MacroSettings
 from chipbreak.settings.axis_words import AxisWords
 from chipbreak.syntax.numbers import print_number
+from chipbreak.text.diagnostics import RefusalError
 
 NO_MACROS = "MCR004"
 _DECIMALS = 4

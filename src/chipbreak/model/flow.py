@@ -6,7 +6,7 @@ from bisect import bisect_right
 from typing import NamedTuple
 
 from chipbreak.dialects import Dialect
-from chipbreak.dialects.base import ONCE
+from chipbreak.dialects.base import NON_MODAL
 from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.parse import Program
 
@@ -61,7 +61,7 @@ def _contour_cycle(block: Block, dialect: Dialect) -> tuple[int, int] | None:
     for word in block.words:
         if word.address == "G" and word.number is not None:
             code = dialect.g_codes.get(round(word.number * 10))
-            if code and code.group == ONCE and code.value in CONTOUR_CYCLES:
+            if code and code.group == NON_MODAL and code.value in CONTOUR_CYCLES:
                 return int(first.number), int(last.number)
     return None
 

@@ -9,15 +9,14 @@ from __future__ import annotations
 
 import math
 
-from chipbreak.diagnostics import RefusalError
-from chipbreak.dialects.base import ONCE
+from chipbreak.dialects.base import NON_MODAL
+from chipbreak.model.block_effect import CUTTING, BlockEffect, Move
+from chipbreak.model.cutting_speed import cutting_speed_of
 from chipbreak.model.flow import Flow
-from chipbreak.model.machine_functions import m_code
+from chipbreak.model.m_codes import m_code
 from chipbreak.model.modal import LOOPED, UNREAD, Position, Setting, State
 from chipbreak.model.motion import move_of
-from chipbreak.model.peripheral import peripheral_of
-from chipbreak.model.requests import vibration_words
-from chipbreak.model.steps import CUTTING, Move, Step
+from chipbreak.model.vibration_words import vibration_words
 from chipbreak.model.words import (
     JUMPED,
     codes_of,
@@ -30,6 +29,7 @@ from chipbreak.model.words import (
 from chipbreak.settings.axis_words import AXES, CENTRES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
+from chipbreak.text.diagnostics import RefusalError
 
 _CALLS = (97, 98, 198)
 Words = tuple[Word, ...]
@@ -74,66 +74,66 @@ class Interpreter:
         self.dialect = settings.dialect
         self.axis_letters = frozenset(settings.axis_words.axes)
 
-    def advance(self, state: State, block: Block) -> Step:
+    def advance(self, state: State, block: Block) -> BlockEffect:
         """What a block does."""
         if state.ended and not block.is_empty:
             state = initial_state(self.settings)._replace(unknown_why="another program starts here")
         if block.line in self.flow.targets:
             state = state.forgotten(JUMPED)
         if block.opaque:
-            return Step(block, state, state.forgotten(f"line {block.line + 1} {UNREAD}"))
+            return BlockEffect(block, state, state.forgotten(f"line {block.line + 1} {UNREAD}"))
         if block.is_empty:
-            step = Step(block, state, state)
-            return self._with_peripheral(step) if block.comments else step
+            effect = BlockEffect(block, state, state)
+            return self._with_cutting_speed(effect) if block.comments else effect
         if self.flow.in_contour(block.line):
             asks = vibration_words(block, self.axis_letters, cuts=True, has_once=False)
-            return Step(block, state, state, vibration=asks, in_contour=True)
-        step = self._with_peripheral(self._execute(state, block))
+            return BlockEffect(block, state, state, vibration=asks, in_contour=True)
+        effect = self._with_cutting_speed(self._execute(state, block))
         if block.skip:
-            step = step._replace(after=_maybe(state, step.after, block.line))
-        return step
+            effect = effect._replace(after=_maybe(state, effect.after, block.line))
+        return effect
 
-    def _with_peripheral(self, step: Step) -> Step:
+    def _with_cutting_speed(self, effect: BlockEffect) -> BlockEffect:
         """V and D set the speed; a fault in them is the speeds pass's to report."""
         try:
-            asked = peripheral_of(step.block, step.after)
+            asked = cutting_speed_of(effect.block, effect.after)
         except RefusalError:
-            return step
+            return effect
         if asked is None:
-            return step
+            return effect
         text = asked.speed_text(self.settings.spindle.resolution_rpm)
-        after = step.after._replace(speed=Setting(float(text), text, step.block.line))
-        unread = tuple(w for w in step.unread if w not in asked.words)
-        return step._replace(after=after, unread=unread, peripheral=asked)
+        after = effect.after._replace(speed=Setting(float(text), text, effect.block.line))
+        unread = tuple(w for w in effect.unread if w not in asked.words)
+        return effect._replace(after=after, unread=unread, cutting_speed=asked)
 
-    def _execute(self, state: State, block: Block) -> Step:
-        changes, once, unknown = self._codes(block)
+    def _execute(self, state: State, block: Block) -> BlockEffect:
+        changes, non_modal, unknown = self._codes(block)
         motion = {**state.modes, **changes}.get("motion")
-        reads_all = bool(once & _READS_ALL)
+        reads_all = bool(non_modal & _READS_ALL)
         # A full circle may name its centre only.
         # So is an axis of another profile's: its wish must be refused, not passed over.
         moving = self.axis_letters | set(AXES) | (_CENTRE_LETTERS if motion in _ARCS else set())
         mode_words = "PQR" if changes.keys() & _MODES_WITH_WORDS else ""
         cuts = motion in CUTTING and not (unknown or mode_words)
         vibration = vibration_words(block, moving, cuts=cuts, has_once=reads_all)
-        after = self._values(state, block, changes, once, vibration)
-        if "macro-call" not in once:  # T, M and S of a G65 block are arguments
+        after = self._values(state, block, changes, non_modal, vibration)
+        if "macro-call" not in non_modal:  # T, M and S of a G65 block are arguments
             after = self._machine_functions(after, block)
         move = None
         has_centre = any(changes.get(group) == "on" for group in _CENTRE_GROUPS)
         has_centre |= changes.get("length_offset") == "by-axes"
         if not has_centre:
-            after, move = self._motion(after, block, once, unknown)
+            after, move = self._motion(after, block, non_modal, unknown)
         after = self._flow_of_control(after, block)
         mode_words += "P" if " P" in changes.get("work_offset", "") else ""
         seen = (*vibration, *(w for w in block.words if w.address in mode_words))
         unread = () if reads_all or has_centre or block.has_macro else self._unread(block, seen, after, move)
-        return Step(block, state, after, move, once, vibration, unread)
+        return BlockEffect(block, state, after, move, non_modal, vibration, unread)
 
     def _codes(self, block: Block) -> tuple[dict[str, str], frozenset[str], bool]:
         """Modal changes, non-modal codes, and whether a G code is not known."""
         changes: dict[str, str] = {}
-        once: set[str] = set()
+        non_modal: set[str] = set()
         unknown = False
         for word in block.words:
             if word.address != "G":
@@ -142,22 +142,22 @@ class Interpreter:
             code = None if math.isnan(value) else self.dialect.g_codes.get(round(value * 10))
             if code is None:
                 unknown = True
-            elif code.group == ONCE:
-                once.add(code.value)
+            elif code.group == NON_MODAL:
+                non_modal.add(code.value)
             else:
                 changes[code.group] = code.value
         if "cylinder" in changes:
             changes["cylinder"] = cylinder_of(block)
         if "work_offset" in changes:
             changes["work_offset"] = offset_of(block, changes["work_offset"])
-        return changes, frozenset(once), unknown
+        return changes, frozenset(non_modal), unknown
 
     def _values(
         self,
         state: State,
         block: Block,
         changes: dict[str, str],
-        once: frozenset[str],
+        non_modal: frozenset[str],
         vibration: Words,
     ) -> State:
         """(1) feed mode, (2) feed, (3) speed, (7) the other modal groups."""
@@ -175,7 +175,7 @@ class Interpreter:
         if "look_ahead" in changes:
             after = after._replace(smooth_words=self._group_words(block, "look_ahead"))
         limits = self._is_speed_limit(block)
-        reads_all = bool(once & _READS_ALL) and not limits
+        reads_all = bool(non_modal & _READS_ALL) and not limits
         for word in block.words:
             if word in vibration or reads_all:
                 continue
@@ -227,24 +227,24 @@ class Interpreter:
         return state._replace(tool=number, next_tool=None).lost("a tool or its offset changed")
 
     def _motion(
-        self, state: State, block: Block, once: frozenset[str], unknown: bool
+        self, state: State, block: Block, non_modal: frozenset[str], unknown: bool
     ) -> tuple[State, Move | None]:
         """(8) non-modal codes, (9) motion."""
         axis_words = [w for w in block.words if w.letter.upper() in self.axis_letters]
         if not any(w.address in _AXES_WITHOUT_V for w in block.words) and block.word("D") is not None:
             axis_words = []  # V beside D is a peripheral speed
-        limits_only = "set-position" in once and not axis_words
-        for name in sorted(once):
+        limits_only = "set-position" in non_modal and not axis_words
+        for name in sorted(non_modal):
             if name in _LOSES and not limits_only:
                 axes = [self.settings.axis_words.axes[w.address] for w in axis_words]
                 state = _lose_axes(state, axes, _LOSES[name], everything=name not in _LOSES_NAMED_AXES)
         has_centre = any(w.address in _CENTRE_LETTERS for w in block.words)
         is_circle = has_centre and state.modes.get("motion") in _ARCS
-        if not (axis_words or is_circle) or once & _READS_ALL:
+        if not (axis_words or is_circle) or non_modal & _READS_ALL:
             return state, None
         if unknown:
             return state.lost("a G code this profile does not know stands with axis words"), None
-        move = move_of(block, state, axis_words, self.settings, once)
+        move = move_of(block, state, axis_words, self.settings, non_modal)
         return state._replace(position=move.end), move
 
     def _flow_of_control(self, state: State, block: Block) -> State:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+from chipbreak.model.block_effect import Move
 from chipbreak.model.modal import Position, State
-from chipbreak.model.steps import Move
 from chipbreak.model.words import is_diameter, length_mm
 from chipbreak.settings.axis_words import AXES, CENTRES
 from chipbreak.settings.sections import Settings
@@ -18,7 +18,7 @@ _OTHER_WAY = {"cw": "ccw", "ccw": "cw"}
 
 
 def move_of(
-    block: Block, state: State, axis_words: Sequence[Word], settings: Settings, once: frozenset[str]
+    block: Block, state: State, axis_words: Sequence[Word], settings: Settings, non_modal: frozenset[str]
 ) -> Move:
     """The motion of a block.  Ends are NaN where a value or a start cannot be known."""
     words, control = settings.axis_words, settings.control
@@ -40,9 +40,9 @@ def move_of(
         named += axis
     motion = state.modes.get("motion", "none")
     kind = motion if motion in _KNOWN else "other"
-    if "machine" in once or motion not in _STRAIGHT or "skip" in once:
-        kind = "rapid" if "machine" in once and motion == "rapid" else "other"
-        ends = _ends_of_other(state.modes, starts, ends, named, once)
+    if "machine" in non_modal or motion not in _STRAIGHT or "skip" in non_modal:
+        kind = "rapid" if "machine" in non_modal and motion == "rapid" else "other"
+        ends = _ends_of_other(state.modes, starts, ends, named, non_modal)
     move_end = Position(*(ends[a] for a in AXES))
     if kind not in _OTHER_WAY:
         return Move(kind, state.position, move_end, named, relative)
@@ -57,13 +57,13 @@ def _ends_of_other(
     starts: dict[str, float],
     ends: dict[str, float],
     named: str,
-    once: frozenset[str],
+    non_modal: frozenset[str],
 ) -> dict[str, float]:
     """Cycles return to their start or to a clearance plane; the rest ends nowhere we know."""
     motion = modes.get("motion", "none")
-    if motion in ("turning-cycle", "threading-cycle", "thread-cycle") and not once:
+    if motion in ("turning-cycle", "threading-cycle", "thread-cycle") and not non_modal:
         return starts
-    if motion == "cycle" and not once and modes.get("plane") == "XY":
+    if motion == "cycle" and not non_modal and modes.get("plane") == "XY":
         return {**ends, "Z": math.nan}
     return starts | dict.fromkeys(named, math.nan)
 

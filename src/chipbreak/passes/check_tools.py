@@ -24,20 +24,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-from chipbreak.checks.borders import Border, retract_blocks
 from chipbreak.checks.plan import PlannedCheck, plan_checks
-from chipbreak.diagnostics import Diagnostic
-from chipbreak.edits import Edit
+from chipbreak.editing.edits import Edit
+from chipbreak.insertion.safe_points import SafePoint, retract_blocks
 from chipbreak.model.flow import Flow
 from chipbreak.model.interpret import Interpreter
-from chipbreak.model.main_program import MainProgram
-from chipbreak.model.operations import Operation
-from chipbreak.model.trace import Trace
+from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import is_diameter
+from chipbreak.operations.main_program import MainProgram
+from chipbreak.operations.operations import Operation
 from chipbreak.passes import CHECK_TOOLS
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.syntax.parse import read_block
+from chipbreak.text.diagnostics import Diagnostic
 from chipbreak.tools.merge import ToolTable
 from chipbreak.units import MM_PER_INCH
 
@@ -48,7 +48,7 @@ _DECIMALS = 6
 
 
 def plan(
-    trace: Trace,
+    interpreted: InterpretedProgram,
     main: MainProgram,
     operations: Sequence[Operation],
     settings: Settings,
@@ -60,7 +60,7 @@ def plan(
     """
     if not settings.checks.enabled:
         return [], []
-    checks, diagnostics = plan_checks(operations, trace, main, settings, tools)
+    checks, diagnostics = plan_checks(operations, interpreted, main, settings, tools)
     checks.sort(key=lambda check: check.border.line)
     edits = [_edit(list(group), settings) for _, group in groupby(checks, lambda check: check.border.line)]
     return edits, diagnostics
@@ -83,7 +83,7 @@ def _edit(checks: Sequence[PlannedCheck], settings: Settings) -> Edit:
 class _Blocks:
     """Writes blocks, and knows by the interpreter what each of them has changed."""
 
-    def __init__(self, border: Border, settings: Settings) -> None:
+    def __init__(self, border: SafePoint, settings: Settings) -> None:
         self.border, self.settings, self.dialect = border, settings, settings.dialect
         self.before = self.now = border.state
         self.interpreter = Interpreter(settings, Flow(frozenset(), ()))

@@ -9,10 +9,10 @@ import typing
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
-from chipbreak.diagnostics import Diagnostic, Severity
-from chipbreak.nearest import nearest
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS
-from chipbreak.span import Place
+from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.text.nearest import nearest
+from chipbreak.text.span import Place
 
 UNKNOWN_KEY, WRONG_TYPE, IMPOSSIBLE = "SET001", "SET002", "SET003"
 UNREADABLE, UNKNOWN_PROFILE = "SET004", "SET005"

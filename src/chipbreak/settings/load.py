@@ -9,9 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from chipbreak.diagnostics import Diagnostic, Severity
 from chipbreak.dialects import DIALECTS, Dialect, find
-from chipbreak.nearest import nearest
 from chipbreak.settings.axis_words import AXES, AxisWords, axis_words
 from chipbreak.settings.checking import (
     IMPOSSIBLE,
@@ -27,7 +25,9 @@ from chipbreak.settings.checking import (
 from chipbreak.settings.ranges import check_ranges
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS, Axis, Planner, Settings
 from chipbreak.settings.tool_rules import check_macros, check_sisters
-from chipbreak.span import Place
+from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.text.nearest import nearest
+from chipbreak.text.span import Place
 
 _PROFILES = Path(__file__).parents[1] / "profiles"
 

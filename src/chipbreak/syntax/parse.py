@@ -15,12 +15,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from chipbreak.diagnostics import Diagnostic, Severity
-from chipbreak.source import BLANKS, Source
 from chipbreak.syntax.build import BlockBuilder, UnreadableError, build_block, opaque
 from chipbreak.syntax.grammar import block_parser, terminals
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.syntax.shapes import LONGEST_PLAIN, Shape, ShapeTable, classify
+from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.text.source import BLANKS, Source
 
 UNREADABLE = "SYN001"
 # No control reads blocks of this length; without a bound one line could fill the memory.
@@ -32,14 +32,14 @@ class Program(NamedTuple):
     """A program as lines, without losing a byte.
 
     ``plain`` holds for every line the index of its shape in ``table.shapes``, or -1 where the line is more
-    than a plain motion block; ``events`` are those lines of the body.  ``bits`` says for every plain line
-    what it has (see ``Shape.bits``), 0 for the others.  Blocks are read when asked for.
+    than a plain motion block; ``special_lines`` are those lines of the body.  ``bits`` says for every plain
+    line what it has (see ``Shape.bits``), 0 for the others.  Blocks are read when asked for.
     """
 
     source: Source
     plain: NDArray[np.int32]
     table: ShapeTable
-    events: NDArray[np.int64]
+    special_lines: NDArray[np.int64]
     bits: NDArray[np.uint16]
     known: dict[int, Block]
 
@@ -59,7 +59,7 @@ class Program(NamedTuple):
 
     def event_blocks(self) -> Iterator[Block]:
         """Every block of the body that is more than a plain motion."""
-        return (self.block(int(line)) for line in self.events)
+        return (self.block(int(line)) for line in self.special_lines)
 
     def diagnose(
         self,
@@ -117,9 +117,9 @@ def parse_changed(source: Source, original: Program, kept: Sequence[tuple[int, i
 
 def _program(source: Source, plain: NDArray[np.int32], table: ShapeTable) -> Program:
     body = source.body
-    events = np.flatnonzero(plain[body.start : body.stop] < 0).astype(np.int64) + body.start
+    special_lines = np.flatnonzero(plain[body.start : body.stop] < 0).astype(np.int64) + body.start
     bits = np.array([shape.bits for shape in table.shapes] + [0], np.uint16)
-    return Program(source, plain, table, events, bits[plain], {})
+    return Program(source, plain, table, special_lines, bits[plain], {})
 
 
 def emit(program: Program) -> bytes:

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from chipbreak.source import Source
 from chipbreak.syntax.grammar import terminals
+from chipbreak.text.source import Source
 
 PLAIN_LETTERS = "XYZUVWABCIJKRF"
 # What a plain line has, as bits: its letters, a code of motion, a number without a point.

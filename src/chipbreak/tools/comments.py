@@ -10,12 +10,12 @@ from __future__ import annotations
 from bisect import bisect_right
 from typing import Any
 
-from chipbreak.model.kind_words import FUSION_TOOL, TOOL_FACT
-from chipbreak.model.kinds import ToolNote, tool_text
-from chipbreak.model.operations import calls_tool
-from chipbreak.model.steps import Step
-from chipbreak.model.trace import Trace
+from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of
+from chipbreak.operations.kind_words import FUSION_TOOL, TOOL_FACT
+from chipbreak.operations.kinds import ToolNote, tool_text
+from chipbreak.operations.operations import calls_tool
 from chipbreak.syntax.nodes import Block
 from chipbreak.tools.data import ToolData
 from chipbreak.tools.facts import holder_said, stick_out_said, teeth_said
@@ -24,40 +24,40 @@ from chipbreak.tools.values import name_of, number_of, type_of
 from chipbreak.units import MM_PER_INCH
 
 
-def tools_in_comments(trace: Trace) -> list[ToolData]:
+def tools_in_comments(interpreted: InterpretedProgram) -> list[ToolData]:
     """Every remark about a tool with a number, in the order of the program; a tool may come several times."""
-    reader = _Reader(trace)
-    for block in trace.program.event_blocks():
+    reader = _Reader(interpreted)
+    for block in interpreted.program.event_blocks():
         reader.read(block)
     return reader.found
 
 
-def program_unit(trace: Trace, line: int) -> tuple[float, str]:
+def program_unit(interpreted: InterpretedProgram, line: int) -> tuple[float, str]:
     """mm per unit of the program at a line, and who says so.
 
     A tool list stands above the G20 or G21 it is meant in, so the next one counts where none has come yet.
     """
-    return _unit_at(trace, _unit_codes(trace), line)
+    return _unit_at(interpreted, _unit_codes(interpreted), line)
 
 
-def _unit_at(trace: Trace, given: list[tuple[int, str]], line: int) -> tuple[float, str]:
+def _unit_at(interpreted: InterpretedProgram, given: list[tuple[int, str]], line: int) -> tuple[float, str]:
     if not given:
-        unit = trace.settings.dialect.initial.get("units", "mm")
-        who = f"{_word(unit)}, as {trace.settings.dialect.title} starts"
+        unit = interpreted.settings.dialect.initial.get("units", "mm")
+        who = f"{_word(unit)}, as {interpreted.settings.dialect.title} starts"
     else:
         at = max(bisect_right([number for number, _ in given], line) - 1, 0)
         code_line, unit = given[at]
-        who = f"{_word(unit)}, as line {trace.program.source.place(code_line).line} of the program says"
+        who = f"{_word(unit)}, as line {interpreted.program.source.place(code_line).line} of the program says"
     return (MM_PER_INCH if unit == "inch" else 1.0), who
 
 
-def _unit_codes(trace: Trace) -> list[tuple[int, str]]:
-    dialect = trace.settings.dialect
+def _unit_codes(interpreted: InterpretedProgram) -> list[tuple[int, str]]:
+    dialect = interpreted.settings.dialect
     found = []
-    for step in trace.events:
-        codes = codes_of(step.block, "units", dialect)
+    for effect in interpreted.effects:
+        codes = codes_of(effect.block, "units", dialect)
         if codes:
-            found.append((step.block.line, dialect.g_codes[codes[-1]].value))
+            found.append((effect.block.line, dialect.g_codes[codes[-1]].value))
     return found
 
 
@@ -68,24 +68,24 @@ def _word(unit: str) -> str:
 class _Reader:
     """One walk over the comments; ``current`` is the tool that facts without a number are about."""
 
-    def __init__(self, trace: Trace) -> None:
-        self.trace, self.dialect = trace, trace.settings.dialect
-        self.steps: dict[int, Step] = {step.block.line: step for step in trace.events}
+    def __init__(self, interpreted: InterpretedProgram) -> None:
+        self.interpreted, self.dialect = interpreted, interpreted.settings.dialect
+        self.effect_at: dict[int, BlockEffect] = {effect.block.line: effect for effect in interpreted.effects}
         self.found: list[ToolData] = []
         self.current: int | None = None
         self.is_called = False
         self.line = 0  # of the block before
-        self.units = _unit_codes(trace)
+        self.units = _unit_codes(interpreted)
 
     def read(self, block: Block) -> None:
         # Plain motion is no event; it shows between two of them.
-        if bool((self.trace.program.plain[self.line : block.line] >= 0).any()):
+        if bool((self.interpreted.program.plain[self.line : block.line] >= 0).any()):
             self.current = None
         self.line = block.line
-        step = self.steps.get(block.line)
-        if step and calls_tool(step, self.dialect.tool_change):
-            self.current, self.is_called = step.after.tool, True
-        elif step and (step.move or step.once):
+        effect = self.effect_at.get(block.line)
+        if effect and calls_tool(effect, self.dialect.tool_change):
+            self.current, self.is_called = effect.after.tool, True
+        elif effect and (effect.move or effect.non_modal):
             self.current = None
         elif not block.is_empty and not self.is_called:
             self.current = None  # the list of tools ends here
@@ -102,7 +102,7 @@ class _Reader:
             return
         values = self._values(line, text, note)
         if values:
-            who = f"comment in line {self.trace.program.source.place(line).line}"
+            who = f"comment in line {self.interpreted.program.source.place(line).line}"
             self.found.append(ToolData.said(self.current, who, values))
 
     def _number(self, note: ToolNote) -> int | None:
@@ -117,7 +117,7 @@ class _Reader:
 
     def _values(self, line: int, text: str, note: ToolNote | None) -> dict[str, Any]:
         """The fields that a comment gives; a value that cannot be is no value."""
-        scale = _unit_at(self.trace, self.units, line)[0]
+        scale = _unit_at(self.interpreted, self.units, line)[0]
         scales = {None: scale, "mm": 1.0, "in": MM_PER_INCH}
         values: dict[str, Any] = {"teeth": teeth_said(text)}
         for field, length in (("length_mm", stick_out_said(text)), ("holder_mm", holder_said(text))):

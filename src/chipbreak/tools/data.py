@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple, NoReturn
 
-from chipbreak.diagnostics import Diagnostic, Severity
-from chipbreak.span import Place
+from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.text.span import Place
 
 CANNOT_OPEN, NO_FORMAT, UNKNOWN_KEY, BAD_VALUE = "TOL001", "TOL002", "TOL003", "TOL004"
 NO_NUMBER, NO_UNIT, TOO_MANY = "TOL005", "TOL006", "TOL007"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final, NamedTuple
 
-from chipbreak.model.kinds import LONGEST_TEXT
+from chipbreak.operations.kinds import LONGEST_TEXT
 
 _DECIMAL: Final = r"\d+(?:\.\d*)?|\.\d+"
 # "4 FLUTE", "2-Flute", "3FL", "Number of Flutes: 4"

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from typing import Any, Final
 
-from chipbreak.model.kinds import tool_text
+from chipbreak.operations.kinds import tool_text
 from chipbreak.tools.cells import decoded
 from chipbreak.tools.data import BAD_VALUE, NO_NUMBER, UNKNOWN_KEY, Errors, ToolData
 from chipbreak.tools.facts import teeth_said

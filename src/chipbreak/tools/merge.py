@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any, Final, NamedTuple
 
-from chipbreak.diagnostics import Diagnostic, Severity
+from chipbreak.text.diagnostics import Diagnostic, Severity
 from chipbreak.tools.data import FIELDS, ToolData
 
 TWICE, AT_ODDS = "TOL008", "TOL009"

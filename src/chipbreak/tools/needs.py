@@ -6,7 +6,7 @@ import enum
 from collections.abc import Mapping
 from typing import Final
 
-from chipbreak.diagnostics import Diagnostic, Severity
+from chipbreak.text.diagnostics import Diagnostic, Severity
 from chipbreak.tools.data import ToolData
 from chipbreak.tools.merge import field_words
 from chipbreak.tools.tips import Tip, tip_of

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from chipbreak.model.operations import calls_tool
-from chipbreak.model.trace import Trace
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.operations.operations import calls_tool
 from chipbreak.tools.comments import program_unit, tools_in_comments
 from chipbreak.tools.data import FIELDS
 from chipbreak.tools.files import files_of, read_files, table_unit
@@ -16,33 +16,33 @@ from chipbreak.tools.needs import Check, lacking
 _HEADS = ("type", "teeth", "diameter", "length", "radius", "helix", "point", "holder", "name")
 
 
-def called_tools(trace: Trace) -> list[int]:
+def called_tools(interpreted: InterpretedProgram) -> list[int]:
     """The numbers of the tools that a program calls, in its order."""
-    dialect = trace.settings.dialect
-    numbers = [s.after.tool for s in trace.events if calls_tool(s, dialect.tool_change)]
+    dialect = interpreted.settings.dialect
+    numbers = [s.after.tool for s in interpreted.effects if calls_tool(s, dialect.tool_change)]
     return list(dict.fromkeys(n for n in numbers if n is not None))
 
 
-def tool_table(trace: Trace) -> ToolTable:
+def tool_table(interpreted: InterpretedProgram) -> ToolTable:
     """All that is known about the tools that a program calls, or lists without calling them.
 
     Raises ToolFileError when a file of ``[tools]`` or ``--tools`` cannot be used.
     """
-    settings = trace.settings
-    first = trace.program.source.body.start
-    unit = table_unit(settings, program_unit(trace, first))
+    settings = interpreted.settings
+    first = interpreted.program.source.body.start
+    unit = table_unit(settings, program_unit(interpreted, first))
     files = read_files(files_of(settings), unit)
-    comments = tools_in_comments(trace)
-    return merge(files, comments, [*called_tools(trace), *(tool.number for tool in comments)])
+    comments = tools_in_comments(interpreted)
+    return merge(files, comments, [*called_tools(interpreted), *(tool.number for tool in comments)])
 
 
-def tool_table_for_checks(trace: Trace) -> ToolTable:
+def tool_table_for_checks(interpreted: InterpretedProgram) -> ToolTable:
     """The same where checks will ask for it, or where files were given that must be right.
 
     Raises ToolFileError.
     """
-    settings = trace.settings
-    return tool_table(trace) if settings.checks.enabled or settings.tools.files else ToolTable({}, ())
+    settings = interpreted.settings
+    return tool_table(interpreted) if settings.checks.enabled or settings.tools.files else ToolTable({}, ())
 
 
 def table_text(table: ToolTable) -> list[str]:

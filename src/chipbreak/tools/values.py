@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable
 from typing import Any, Final, NamedTuple
 
-from chipbreak.model import kind_words as words
-from chipbreak.nearest import nearest
+from chipbreak.operations import kind_words as words
+from chipbreak.text.nearest import nearest
 
 _NUMBER: Final = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?")
 LONGEST_NAME = 80  # characters that are kept of a name

@@ -6,15 +6,15 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from chipbreak.diagnostics import RefusalError
+from chipbreak.kinematics.sourced_value import SourcedValue, shown
+from chipbreak.kinematics.speed_solver import Period
+from chipbreak.kinematics.waveform import forward_ticks
 from chipbreak.settings.sections import Settings
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.trajectory.model import ControlModel, control_model
+from chipbreak.trajectory.planner import feed_for_time
 from chipbreak.vibration.chain import Chain
-from chipbreak.vibration.control import ControlModel, control_model
-from chipbreak.vibration.given import Given, shown
-from chipbreak.vibration.plan import MOST_MOVES, VibratedCut, command_group, plan_cut
-from chipbreak.vibration.planner import feed_for_time
-from chipbreak.vibration.solve import Period
-from chipbreak.vibration.waveform import forward_ticks
+from chipbreak.vibration.plan import MOST_MOVES, CutPlan, command_group, plan_cut
 
 LIMITS = ("VIB030", "VIB031", "VIB032")
 _STEP = 0.93  # from one frequency tried to the next
@@ -28,9 +28,9 @@ _MANY_IN_STROKES = 500  # moves of a cut whose strokes are several moves each
 
 def with_advice(
     error: RefusalError,
-    cut: VibratedCut,
+    cut: CutPlan,
     settings: Settings,
-    expand: Callable[[VibratedCut, Settings], object],
+    expand: Callable[[CutPlan, Settings], object],
 ) -> RefusalError:
     """The same refusal; where a limit of the control is the cause, with a slower frequency that works.
 
@@ -67,7 +67,7 @@ def with_advice(
     return RefusalError(error.code, error.message, f"{_first_help(error, cut)}{_standing(cut)}")
 
 
-def _first_help(error: RefusalError, cut: VibratedCut) -> str:
+def _first_help(error: RefusalError, cut: CutPlan) -> str:
     """The help of a refusal, but of too many blocks that which is left with the form of this cut."""
     if error.code != "VIB032":
         return error.help
@@ -78,7 +78,7 @@ def _first_help(error: RefusalError, cut: VibratedCut) -> str:
     return "ask for a lower frequency"
 
 
-def _is_slow_to_plan(cut: VibratedCut, settings: Settings, move_count: int) -> bool:
+def _is_slow_to_plan(cut: CutPlan, settings: Settings, move_count: int) -> bool:
     """True where hardly two strokes are alike, so that each move takes milliseconds to plan.
 
     Of several blocks, which are rounded each on its own, a stroke is seldom like another.
@@ -88,7 +88,7 @@ def _is_slow_to_plan(cut: VibratedCut, settings: Settings, move_count: int) -> b
     return settings.planner.model == "linuxcnc" and (bends or is_long)
 
 
-def few(factors: Sequence[float], cut: VibratedCut, settings: Settings, move_count: int) -> Sequence[float]:
+def few(factors: Sequence[float], cut: CutPlan, settings: Settings, move_count: int) -> Sequence[float]:
     """All factors to try, or as many of them, evenly chosen, as may be tried with a cut of so many moves."""
     if not _is_slow_to_plan(cut, settings, move_count):
         return factors
@@ -96,7 +96,7 @@ def few(factors: Sequence[float], cut: VibratedCut, settings: Settings, move_cou
     return factors[step // 2 :: step]
 
 
-def _standing(cut: VibratedCut) -> str:
+def _standing(cut: CutPlan) -> str:
     """What needs no reversal: at this E half of what is left to the stand is to spare."""
     turns = 1.5 / cut.edges / (1.0 - cut.cut.alpha_share)
     has_stroke = cut.chain.requests[0].values.keys() & {"Q", "A"}
@@ -104,18 +104,18 @@ def _standing(cut: VibratedCut) -> str:
     return f"; WAVE DWELL with E {shown(round(turns, 2))}{without} never turns back and stands instead"
 
 
-def _slower(cut: VibratedCut, period: Period, settings: Settings) -> VibratedCut:
+def _slower(cut: CutPlan, period: Period, settings: Settings) -> CutPlan:
     """The cut as it would be planned with the same N and a slower f, as the advice says."""
     wish = {"N": round(cut.solution.per_rev, 4), "F": period.frequency_hz}
     requests = []
     for request in cut.chain.requests:
         values = {k: given for k, given in request.values.items() if k not in "SE"}
-        values |= {key: Given(value, "advice") for key, value in wish.items()}
+        values |= {key: SourcedValue(value, "advice") for key, value in wish.items()}
         requests.append(request._replace(values=values))
     return plan_cut(Chain(tuple(requests)), settings)
 
 
-def _runs(cut: VibratedCut, period: Period, model: ControlModel) -> bool:
+def _runs(cut: CutPlan, period: Period, model: ControlModel) -> bool:
     """True when both strokes of a full vibration can be run in a slower period."""
     ahead = forward_ticks(period.ticks, cut.cut.alpha_share)
     share = ahead / period.ticks

@@ -12,22 +12,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from chipbreak.diagnostics import RefusalError
-from chipbreak.edits import MoveTable
+from chipbreak.editing.edits import MoveTable
+from chipbreak.kinematics.toolpath import split_at
 from chipbreak.model.modal import State
 from chipbreak.model.words import is_diameter
 from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.trajectory.junctions import blocks_of
+from chipbreak.trajectory.model import control_model
+from chipbreak.trajectory.timing import feeds_for_spans
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
-from chipbreak.vibration.bends import blocks_of
-from chipbreak.vibration.content import Columns, Words, content_of
-from chipbreak.vibration.control import control_model
+from chipbreak.vibration.block_text import Columns, Words, content_of
+from chipbreak.vibration.dwell import dwell_s, printed_s, without_stands
 from chipbreak.vibration.loop import Loop, among_kept, looped_points, same_feeds
 from chipbreak.vibration.loop_names import LoopNames
-from chipbreak.vibration.path import split_at
-from chipbreak.vibration.plan import VibratedCut
-from chipbreak.vibration.stands import dwell_s, printed_s, without_stands
-from chipbreak.vibration.timing import feeds_for_spans
+from chipbreak.vibration.plan import CutPlan
 
 Floats = NDArray[np.float64]
 _SAME_MM = 1e-6
@@ -53,7 +53,7 @@ class Expansion:
     loops: Sequence[Loop] | None = None
 
 
-def moves_of(cut: VibratedCut, settings: Settings, names: LoopNames | None = None) -> Expansion:
+def moves_of(cut: CutPlan, settings: Settings, names: LoopNames | None = None) -> Expansion:
     """Turn the knots of a cut into blocks; with ``names`` its steady parts into loops.
 
     Errors: VIB023 when the whole cut rounds to nothing, VIB058 for distances finer than the output's digits,
@@ -93,7 +93,7 @@ def moves_of(cut: VibratedCut, settings: Settings, names: LoopNames | None = Non
     return Expansion(content, ends, times[1:], stand_s, loops if names is not None else None)
 
 
-def _check_digits(cut: VibratedCut, words: Words, *, is_too_fine: bool) -> None:
+def _check_digits(cut: CutPlan, words: Words, *, is_too_fine: bool) -> None:
     """Refuse a stroke of few steps, and an end that incremental words cannot reach."""
     step_mm = 10.0**-words.decimals * (MM_PER_INCH if cut.chain.before.is_inch else 1.0)
     if cut.cut.stroke_mm < _LEAST_STEPS * step_mm or is_too_fine:
@@ -111,7 +111,7 @@ def _check_digits(cut: VibratedCut, words: Words, *, is_too_fine: bool) -> None:
         raise RefusalError("VIB058", message, f"write {words.decimals} decimals, or absolute positions")
 
 
-def _knots(cut: VibratedCut, chord_mm: float) -> tuple[Floats, Floats]:
+def _knots(cut: CutPlan, chord_mm: float) -> tuple[Floats, Floats]:
     """The knots of the cut, and more at corners and in moves that would leave an arc.
 
     A stroke without a knot inside is one block, which a control runs best; so a joint without a corner gets
@@ -128,7 +128,7 @@ def _knots(cut: VibratedCut, chord_mm: float) -> tuple[Floats, Floats]:
     return np.interp(place, knots, time_s), np.interp(place, knots, distance_mm)
 
 
-def _check_feed_digits(cut: VibratedCut, spans: Floats, feeds: Floats, settings: Settings) -> None:
+def _check_feed_digits(cut: CutPlan, spans: Floats, feeds: Floats, settings: Settings) -> None:
     """Refuse feeds that lose so many digits that the cut would take another time."""
     digits, planned_s = feed_decimals(cut.chain.before, settings), cut.cut.duration_s
     with np.errstate(divide="ignore"):
@@ -139,7 +139,7 @@ def _check_feed_digits(cut: VibratedCut, spans: Floats, feeds: Floats, settings:
 
 
 def _axis_words(
-    cut: VibratedCut, time_s: Floats, distance_mm: Floats, settings: Settings, *, loops: bool
+    cut: CutPlan, time_s: Floats, distance_mm: Floats, settings: Settings, *, loops: bool
 ) -> Words:
     chain, state = cut.chain, cut.chain.before
     points = cut.path.points(distance_mm)
@@ -179,7 +179,7 @@ def _distance_letters(
     return distances if len(distances) == len(axes) else ()
 
 
-def _moving_axes(cut: VibratedCut) -> str:
+def _moving_axes(cut: CutPlan) -> str:
     """The axes whose position changes anywhere in the chain."""
     legs = cut.path.legs
     moved = {axis for i, axis in enumerate(AXES) if any(leg.start[i] != leg.end[i] for leg in legs)}
@@ -196,9 +196,7 @@ def feed_decimals(state: State, settings: Settings) -> int:
     return fine if settings.output.feed_mode == "rev" else max(1, fine - 3)
 
 
-def _feed_words(
-    cut: VibratedCut, times: Floats, distance_mm: Floats, words: Words, settings: Settings
-) -> Floats:
+def _feed_words(cut: CutPlan, times: Floats, distance_mm: Floats, words: Words, settings: Settings) -> Floats:
     """F of every block, (n - 1,), from the rounded points and the time that each block should really take.
 
     The plain revolutions at the end run at the programmed feed itself, not at one with rounding in it.
@@ -227,7 +225,7 @@ def _feed_words(
     return feeds
 
 
-def _tail_is_programmed(cut: VibratedCut, settings: Settings) -> bool:
+def _tail_is_programmed(cut: CutPlan, settings: Settings) -> bool:
     """True when the cut ends plainly and the output's feed mode is the program's own."""
     same_mode = cut.chain.before.modes["feed_mode"] == settings.output.feed_mode
     return same_mode and settings.output.feed_mode != "inverse" and cut.cut.end_revolutions > 0.0

@@ -6,15 +6,15 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from chipbreak.diagnostics import Diagnostic, RefusalError
+from chipbreak.kinematics.toolpath import Leg
+from chipbreak.model.block_effect import BlockEffect, Move
+from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import NOWHERE, State
-from chipbreak.model.steps import Move, Step
-from chipbreak.model.trace import Trace
 from chipbreak.model.words import JUMPED, length_mm
 from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.syntax.nodes import Word
+from chipbreak.text.diagnostics import Diagnostic, RefusalError
 from chipbreak.vibration.directive import KEYS
-from chipbreak.vibration.path import Leg
 from chipbreak.vibration.request import Request
 
 # Modal groups that must be at rest, with what the user knows them as.
@@ -43,30 +43,30 @@ class Chain:
     @property
     def first(self) -> int:
         """The first line."""
-        return self.requests[0].step.block.line
+        return self.requests[0].effect.block.line
 
     @property
     def last(self) -> int:
         """The line behind the last."""
-        return self.requests[-1].step.block.line + 1
+        return self.requests[-1].effect.block.line + 1
 
     @property
     def before(self) -> State:
         """The state when the tool starts to move: modal words of the first block have acted."""
-        step = self.requests[0].step
-        return step.after._replace(position=step.before.position, unknown_why=step.before.unknown_why)
+        effect = self.requests[0].effect
+        return effect.after._replace(position=effect.before.position, unknown_why=effect.before.unknown_why)
 
     @property
     def after(self) -> State:
         """The state behind the last block, as programmed."""
-        return self.requests[-1].step.after
+        return self.requests[-1].effect.after
 
     @property
     def moves(self) -> Iterator[Move]:
         """The moves, in order."""
         for request in self.requests:
-            assert request.step.move is not None
-            yield request.step.move
+            assert request.effect.move is not None
+            yield request.effect.move
 
     @property
     def axes(self) -> str:
@@ -81,7 +81,7 @@ class Chain:
 
     def preamble(self) -> str:
         """Words of the first block that act before its move and are no part of its move or speed."""
-        block = self.requests[0].step.block
+        block = self.requests[0].effect.block
         kept = [w for w in block.words if _is_preamble(w) and (w.address, w.number) not in SPEED_MODES]
         return " ".join(block.text[w.start : w.end] for w in kept)
 
@@ -92,47 +92,55 @@ def _is_preamble(word: Word) -> bool:
     return word.address == "G" and word.number not in (0.0, 1.0, 2.0, 3.0)
 
 
-def chains_of(trace: Trace, requests: Sequence[Request]) -> tuple[list[Chain], list[Diagnostic]]:
+def chains_of(
+    interpreted: InterpretedProgram, requests: Sequence[Request]
+) -> tuple[list[Chain], list[Diagnostic]]:
     """Group requests into chains, and say which of them must not vibrate."""
     diagnostics: list[Diagnostic] = []
     groups: list[list[Request]] = []
     for request in requests:
-        refusal = refusal_of(request, trace)
+        refusal = refusal_of(request, interpreted)
         if refusal is not None:
             error, at = refusal
-            line = request.step.block.line
-            diagnostics.append(trace.program.diagnose(line, error.code, error.message, error.help, at=at))
-        elif groups and _joins(trace, groups[-1][-1], request):
+            line = request.effect.block.line
+            diagnostics.append(
+                interpreted.program.diagnose(line, error.code, error.message, error.help, at=at)
+            )
+        elif groups and _joins(interpreted, groups[-1][-1], request):
             groups[-1].append(request)
         else:
             groups.append([request])
     return [Chain(tuple(group)) for group in groups], diagnostics
 
 
-def _joins(trace: Trace, one: Request, other: Request) -> bool:
+def _joins(interpreted: InterpretedProgram, one: Request, other: Request) -> bool:
     """True when a cut goes on in the next block: nothing between them, nothing changed, the same wish."""
-    between = range(one.step.block.line + 1, other.step.block.line)
-    if not all(trace.program.block(line).is_empty for line in between):
+    between = range(one.effect.block.line + 1, other.effect.block.line)
+    if not all(interpreted.program.block(line).is_empty for line in between):
         return False
-    if other.step.block.line in trace.flow.targets or any(_is_preamble(w) for w in other.step.block.words):
+    if other.effect.block.line in interpreted.flow.targets or any(
+        _is_preamble(w) for w in other.effect.block.words
+    ):
         return False
-    a, b = one.step.after, other.step.after
+    a, b = one.effect.after, other.effect.after
     same_feed = a.feed is not None and b.feed is not None and a.feed.value == b.feed.value
     return same_feed and a.speed == b.speed and one.same_wish(other)
 
 
-def refusal_of(request: Request, trace: Trace) -> tuple[RefusalError, tuple[int, int] | None] | None:
+def refusal_of(
+    request: Request, interpreted: InterpretedProgram
+) -> tuple[RefusalError, tuple[int, int] | None] | None:
     """Why a block must not vibrate, with the place in the block, or None."""
-    step, axis_words = request.step, trace.settings.axis_words
-    move, state = step.move, step.after
-    at = (step.vibration[0].start, step.vibration[-1].end) if step.vibration else None
-    if step.in_contour:
+    effect, axis_words = request.effect, interpreted.settings.axis_words
+    move, state = effect.move, effect.after
+    at = (effect.vibration[0].start, effect.vibration[-1].end) if effect.vibration else None
+    if effect.in_contour:
         message = "this block is the shape of a cycle (G70 to G73); the control cuts it in its own way"
         help_text = f"write the passes as G1 without the cycle, or {_without(request)}"
         return RefusalError("VIB043", message, help_text), at
     if move is None or not move.is_cut:
-        return _foreign_axis(step, axis_words) or (_not_a_cut(move, _without(request)), at)
-    if step.block.skip:
+        return _foreign_axis(effect, axis_words) or (_not_a_cut(move, _without(request)), at)
+    if effect.block.skip:
         message = "a block with block delete (/) cannot vibrate: the cut would start elsewhere without it"
         return RefusalError("VIB045", message, f"take the / away, or {_without(request)}"), (0, 1)
     for group, (rest, code, what, end) in _AT_REST.items():
@@ -143,9 +151,9 @@ def refusal_of(request: Request, trace: Trace) -> tuple[RefusalError, tuple[int,
         message = "the spindle is not turning (no M3 or M4 before this block)"
         return RefusalError("VIB046", message, "start the spindle before the cut"), at
     return (
-        _words_refusal(step, axis_words)
-        or _position_refusal(trace, step, move)
-        or _feed_refusal(trace, state)
+        _words_refusal(effect, axis_words)
+        or _position_refusal(interpreted, effect, move)
+        or _feed_refusal(interpreted, state)
     )
 
 
@@ -154,10 +162,10 @@ def _without(request: Request) -> str:
     return "take N, f, E and Q out of it" if request.by_word else "write (VIB OFF) before it"
 
 
-def _foreign_axis(step: Step, axis_words: AxisWords) -> tuple[RefusalError, tuple[int, int]] | None:
+def _foreign_axis(effect: BlockEffect, axis_words: AxisWords) -> tuple[RefusalError, tuple[int, int]] | None:
     """An X, Y or Z in a profile that names this axis otherwise."""
-    for word in step.unread:
-        if word.address in AXES and step.move is None:
+    for word in effect.unread:
+        if word.address in AXES and effect.move is None:
             named = ", ".join(f"{axis} by {letter} words" for axis, letter in axis_words.letters.items())
             message = f"no axis of this profile has the letter {word.address}"
             help_text = f"this profile moves {named}: write these, or correct [axes.{word.address}]"
@@ -174,18 +182,18 @@ def _not_a_cut(move: Move | None, without: str) -> RefusalError:
     return RefusalError("VIB043", message, help_text)
 
 
-def _words_refusal(step: Step, axis_words: AxisWords) -> tuple[RefusalError, tuple[int, int]] | None:
+def _words_refusal(effect: BlockEffect, axis_words: AxisWords) -> tuple[RefusalError, tuple[int, int]] | None:
     """Words that the expansion could not carry over."""
     foreign_letters = frozenset("TABCDHVOP") - {a for a, axis in axis_words.axes.items() if axis in AXES}
-    for word in step.block.words:
+    for word in effect.block.words:
         at = (word.start, word.end)
-        shown = step.block.text[word.start : word.end]
+        shown = effect.block.text[word.start : word.end]
         if word.expression is not None:
             message = f"{shown} is computed on the machine; the cut cannot be planned"
             return RefusalError("VIB047", message, "write the number itself"), at
         late_m = word.address == "M" and word.number not in _SPEAKS_BEFORE
-        foreign = word in step.unread or word.address in foreign_letters or word.letter.startswith(",")
-        if late_m or foreign or (word.address == "G" and step.once):
+        foreign = word in effect.unread or word.address in foreign_letters or word.letter.startswith(",")
+        if late_m or foreign or (word.address == "G" and effect.non_modal):
             message = f"{shown} cannot stand in a block that vibrates"
             return RefusalError("VIB048", message, _way_out_of(word)), at
     return None
@@ -203,7 +211,7 @@ def _way_out_of(word: Word) -> str:
     return f"put it into a block of its own {place} this one{stroke}"
 
 
-def _feed_refusal(trace: Trace, state: State) -> tuple[RefusalError, None] | None:
+def _feed_refusal(interpreted: InterpretedProgram, state: State) -> tuple[RefusalError, None] | None:
     if state.modes["feed_mode"] == "inverse":
         message = "inverse-time feed (G93) gives each block its own time; it cannot be vibrated"
         return RefusalError("VIB049", message, "program the cut in G95 or G94"), None
@@ -212,24 +220,26 @@ def _feed_refusal(trace: Trace, state: State) -> tuple[RefusalError, None] | Non
         return RefusalError("VIB050", message, "give F on this block or before it"), None
     if not state.feed.value > 0.0:
         why = "is zero or negative" if state.feed.value <= 0.0 else "has no decimal point or is a variable"
-        said = trace.program.source.place(state.feed.line).line
+        said = interpreted.program.source.place(state.feed.line).line
         message = f"the feed F{state.feed.text} (line {said}) {why}"
         return RefusalError("VIB050", message, "give F with a decimal point, above zero"), None
     return None
 
 
-def _position_refusal(trace: Trace, step: Step, move: Move) -> tuple[RefusalError, None] | None:
+def _position_refusal(
+    interpreted: InterpretedProgram, effect: BlockEffect, move: Move
+) -> tuple[RefusalError, None] | None:
     wanted = set(move.axes)
     if move.kind in ("cw", "ccw"):
         wanted |= set(move.plane)
     for axis in sorted(wanted):
         at = AXES.index(axis)
         if math.isnan(move.start[at]):
-            pointless = _without_point(trace, step, axis)
-            why = f"{pointless} has no decimal point" if pointless else step.before.unknown_why
+            pointless = _without_point(interpreted, effect, axis)
+            why = f"{pointless} has no decimal point" if pointless else effect.before.unknown_why
             message = f"where {axis} stands before this cut cannot be known: {why}"
             help_text = f"move {axis} to an absolute position with G0 before the cut"
-            if step.before.unknown_why == JUMPED:
+            if effect.before.unknown_why == JUMPED:
                 help_text += ", and let the jump arrive there"
             elif pointless:
                 help_text = _WRITE_THE_POINT
@@ -240,16 +250,16 @@ def _position_refusal(trace: Trace, step: Step, move: Move) -> tuple[RefusalErro
     return None
 
 
-def _without_point(trace: Trace, step: Step, axis: str) -> str:
+def _without_point(interpreted: InterpretedProgram, effect: BlockEffect, axis: str) -> str:
     """The word, with its line, that took an axis to an unknown place for want of a point; or nothing."""
-    letter = trace.settings.axis_words.letters[axis]
-    for line in range(step.block.line - 1, -1, -1):
-        word = trace.program.block(line).word(letter)
+    letter = interpreted.settings.axis_words.letters[axis]
+    for line in range(effect.block.line - 1, -1, -1):
+        word = interpreted.program.block(line).word(letter)
         if word is not None:
-            is_last = trace.before(line).unknown_why == step.before.unknown_why
-            is_unknown = math.isnan(length_mm(word, trace.before(line), trace.settings.control))
+            is_last = interpreted.before(line).unknown_why == effect.before.unknown_why
+            is_unknown = math.isnan(length_mm(word, interpreted.before(line), interpreted.settings.control))
             was = is_last and is_unknown and word.number is not None
-            said = trace.program.source.place(line).line
+            said = interpreted.program.source.place(line).line
             return f"{letter}{word.value_text} in line {said}" if was else ""
     return ""
 

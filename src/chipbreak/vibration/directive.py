@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
-from chipbreak.diagnostics import RefusalError
-from chipbreak.nearest import nearest
-from chipbreak.vibration.given import Given
+from chipbreak.kinematics.sourced_value import SourcedValue
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.nearest import nearest
 
 # What each key means, for messages and the manual.
 KEYS = {
@@ -35,7 +35,7 @@ class Directive(NamedTuple):
     """What one directive says; ``on`` is False for ``(VIB OFF)``."""
 
     on: bool
-    values: Mapping[str, Given] = MappingProxyType({})
+    values: Mapping[str, SourcedValue] = MappingProxyType({})
     waveform: str = ""
 
 
@@ -53,7 +53,7 @@ def read_directive(text: str, line_number: int) -> Directive | None:
         return Directive(True)
     if rest == "OFF":
         return Directive(False)
-    values: dict[str, Given] = {}
+    values: dict[str, SourcedValue] = {}
     waveform = ""
     at = 0
     while at < len(rest):
@@ -66,7 +66,7 @@ def read_directive(text: str, line_number: int) -> Directive | None:
         if key == "WAVE":
             waveform = item[2].lower()
         else:
-            values[key] = Given(float(item[2]), f"directive, line {line_number}")
+            values[key] = SourcedValue(float(item[2]), f"directive, line {line_number}")
         at = item.end()
     return Directive(True, values, waveform)
 

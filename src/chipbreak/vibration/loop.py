@@ -15,14 +15,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from chipbreak.diagnostics import RefusalError
+from chipbreak.kinematics.waveform import full_window
 from chipbreak.settings.sections import Settings
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.trajectory.junctions import Blocks
+from chipbreak.trajectory.model import ControlModel
+from chipbreak.trajectory.timing import motion_of
 from chipbreak.units import MS_PER_S
-from chipbreak.vibration.bends import Blocks
-from chipbreak.vibration.control import ControlModel
-from chipbreak.vibration.plan import VibratedCut
-from chipbreak.vibration.timing import motion_of
-from chipbreak.vibration.waveform import full_window
+from chipbreak.vibration.plan import CutPlan
 
 Floats = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ class Loop:
 
 
 def looped_points(
-    cut: VibratedCut, time_s: Floats, exact_steps: Floats, settings: Settings
+    cut: CutPlan, time_s: Floats, exact_steps: Floats, settings: Settings
 ) -> tuple[Floats, list[Loop]]:
     """Whole steps for all knots, (n, axes), and the loops among them, ``first`` and ``count`` being knots.
 
@@ -95,7 +95,7 @@ def _next_multiple(number: int, of: int) -> int:
     return -(-number // of) * of
 
 
-def _stretches(cut: VibratedCut) -> Iterator[tuple[int, int]]:
+def _stretches(cut: CutPlan) -> Iterator[tuple[int, int]]:
     """First and behind-last of the vibrations of full stroke that lie in one straight leg.
 
     The first and the last vibration of the cut are none of them: start and end keep their own points.
@@ -115,7 +115,7 @@ def _stretches(cut: VibratedCut) -> Iterator[tuple[int, int]]:
             yield first + int(inside[0]), first + int(inside[-1]) + 1
 
 
-def _closing(cut: VibratedCut, settings: Settings) -> int:
+def _closing(cut: CutPlan, settings: Settings) -> int:
     """How many vibrations take whole servo periods, where the control runs whole ones."""
     if settings.planner.model != "linuxcnc" or cut.keeps_feed:
         return 1
@@ -132,7 +132,7 @@ def _closing(cut: VibratedCut, settings: Settings) -> int:
     return int(whole[0]) + 1
 
 
-def _fewest(cut: VibratedCut, settings: Settings) -> int:
+def _fewest(cut: CutPlan, settings: Settings) -> int:
     """How many vibrations a pass needs so that its statements can be read beside its blocks."""
     words, rate = settings.dialect.loop, settings.planner.max_blocks_per_s
     if rate is None or words is None:

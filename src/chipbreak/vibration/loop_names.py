@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from chipbreak.diagnostics import RefusalError
 from chipbreak.dialects.base import Loop
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.parse import Program
 from chipbreak.syntax.variables import variables_of
+from chipbreak.text.diagnostics import RefusalError
 
 
 @dataclass(frozen=True)

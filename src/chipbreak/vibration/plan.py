@@ -10,17 +10,24 @@ from typing import Literal, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from chipbreak.diagnostics import RefusalError
+from chipbreak.kinematics.sourced_value import SourcedValue, shown
+from chipbreak.kinematics.speed_solver import (
+    NEVER_BREAKS,
+    TOO_FEW,
+    CommandGroup,
+    Solution,
+    SolverRules,
+    solve,
+)
+from chipbreak.kinematics.toolpath import Path, path_of
+from chipbreak.kinematics.waveform import Waveform, WaveformParameters, forward_ticks, least_stroke_mm, sample
 from chipbreak.model.modal import LOOPED, UNREAD, State
 from chipbreak.model.words import JUMPED
 from chipbreak.settings.sections import Settings
+from chipbreak.text.diagnostics import RefusalError
 from chipbreak.units import MM_PER_INCH, MS_PER_S, S_PER_MIN, spindle_speed_rpm
 from chipbreak.vibration.chain import Chain, legs_of
-from chipbreak.vibration.given import Given, shown
-from chipbreak.vibration.path import Path, path_of
 from chipbreak.vibration.request import OUT_OF_RANGE, solver_inputs
-from chipbreak.vibration.solve import NEVER_BREAKS, TOO_FEW, CommandGroup, Solution, SolverRules, solve
-from chipbreak.vibration.waveform import Cut, Waveform, forward_ticks, least_stroke_mm, sample
 
 _MOST_RPM = 1e7
 MOST_MOVES = 10_000_000
@@ -29,7 +36,7 @@ _FEET_PER_M = 1000.0 / 304.8
 
 
 @dataclass(frozen=True, eq=False)
-class VibratedCut:
+class CutPlan:
     """A chain with everything decided.
 
     ``given`` keeps what was asked, for the report; ``time_s`` and ``distance_mm`` are the knots of the
@@ -39,8 +46,8 @@ class VibratedCut:
     chain: Chain
     path: Path
     solution: Solution
-    given: Mapping[str, Given]
-    cut: Cut
+    given: Mapping[str, SourcedValue]
+    cut: WaveformParameters
     edges: int
     time_s: NDArray[np.float64]
     distance_mm: NDArray[np.float64]
@@ -66,7 +73,7 @@ def command_group(settings: Settings) -> CommandGroup:
     )
 
 
-def plan_cut(chain: Chain, settings: Settings) -> VibratedCut:
+def plan_cut(chain: Chain, settings: Settings) -> CutPlan:
     """Decide speed, count, frequency and stroke of a chain and sample its motion.
 
     Errors: RefusalError with the codes of the solver, the path and the waveform, VIB021 for a cut of too many
@@ -109,12 +116,10 @@ def plan_cut(chain: Chain, settings: Settings) -> VibratedCut:
     end_stand_s = 0.0
     if settings.vibration.end == "dwell":
         end_stand_s = settings.vibration.end_revolutions * S_PER_MIN / solution.speed_rpm
-    return VibratedCut(
-        chain, path, solution, given, cut, edges, time_s, distance_mm, all_reasons, end_stand_s
-    )
+    return CutPlan(chain, path, solution, given, cut, edges, time_s, distance_mm, all_reasons, end_stand_s)
 
 
-def _cut_of(chain: Chain, length_mm: float, solution: Solution, settings: Settings) -> Cut:
+def _cut_of(chain: Chain, length_mm: float, solution: Solution, settings: Settings) -> WaveformParameters:
     """The wave of a chain: its stroke, its ramp, and the form of its moves."""
     request = chain.requests[0]
     values, waveform = request.values, cast(Waveform, request.waveform)
@@ -133,7 +138,7 @@ def _cut_of(chain: Chain, length_mm: float, solution: Solution, settings: Settin
         edges=int(values["EDGES"].value),
         margin=settings.vibration.margin,
     )
-    return Cut(
+    return WaveformParameters(
         length_mm=length_mm,
         feed_mm_rev=feed_mm_rev,
         speed_rpm=solution.speed_rpm,
@@ -149,14 +154,14 @@ def _cut_of(chain: Chain, length_mm: float, solution: Solution, settings: Settin
     )
 
 
-def _check_size(cut: Cut) -> None:
+def _check_size(cut: WaveformParameters) -> None:
     moves = cut.vibrations * cut.knots_per_vibration
     if moves > MOST_MOVES:
         message = f"this cut would become {moves} blocks; no program may have more than {MOST_MOVES} of them"
         raise RefusalError("VIB021", message, 'take output.segments "stroke", a lower f, or a higher feed')
 
 
-def _check_passes(cut: Cut, edges: int) -> None:
+def _check_passes(cut: WaveformParameters, edges: int) -> None:
     """Refuse a stroke over so many passes that judging its chips would take minutes.
 
     Nearer than that to a whole N no stroke is asked for, so it is a feed or a stroke in another unit.
@@ -173,7 +178,9 @@ def _check_passes(cut: Cut, edges: int) -> None:
         raise RefusalError(OUT_OF_RANGE, message, help_text)
 
 
-def _active_speed(chain: Chain, state: State, speed: Given, settings: Settings, reasons: list[str]) -> Given:
+def _active_speed(
+    chain: Chain, state: State, speed: SourcedValue, settings: Settings, reasons: list[str]
+) -> SourcedValue:
     """The modal S as rpm; under constant surface speed, the speed at the start of the cut."""
     if not 0.0 < speed.value < _MOST_RPM:
         message = f"the spindle speed ({speed.origin}) cannot be known, is zero, or is none of a spindle"
@@ -193,7 +200,7 @@ def _active_speed(chain: Chain, state: State, speed: Given, settings: Settings, 
         rpm = math.floor(limit / step) * step
     rpm = round(rpm, 9)  # 25862 * 0.1 is not 2586.2 in binary
     reasons.append(f"G96 S{speed.value:g} -> G97 at the start diameter {diameter_mm:g} mm: {rpm:.0f} rpm")
-    return Given(rpm, f"G96 at diameter {diameter_mm:g} mm, {speed.origin}")
+    return SourcedValue(rpm, f"G96 at diameter {diameter_mm:g} mm, {speed.origin}")
 
 
 def _limit_rpm(state: State, settings: Settings) -> float | None:
@@ -218,7 +225,7 @@ def _rules(settings: Settings, state: State, alpha: float, edges: int) -> Solver
     )
 
 
-def _forward_share(alpha: Given, waveform: Waveform) -> float:
+def _forward_share(alpha: SourcedValue, waveform: Waveform) -> float:
     if waveform == "sine" and alpha.value != 0.5:
         message = f"a sine goes forward and back in equal times; ALPHA {alpha.value:g} ({alpha.origin})"
         raise RefusalError("VIB055", message, "take WAVE TRIANGLE, or leave ALPHA at 0.5")
@@ -232,7 +239,7 @@ def _feed_mm_rev(state: State, speed_rpm: float) -> float:
 
 
 def _stroke_mm(
-    values: Mapping[str, Given],
+    values: Mapping[str, SourcedValue],
     solution: Solution,
     *,
     waveform: Waveform,
@@ -264,7 +271,7 @@ def _stroke_mm(
     )
 
 
-def _ramp_s(values: Mapping[str, Given], solution: Solution, settings: Settings) -> float:
+def _ramp_s(values: Mapping[str, SourcedValue], solution: Solution, settings: Settings) -> float:
     if "RAMP" in values:
         return values["RAMP"].value * solution.period.period_s
     return settings.vibration.ramp_s or 0.0

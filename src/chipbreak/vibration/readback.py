@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from chipbreak.kinematics.toolpath import Path
+from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
-from chipbreak.model.steps import Step
-from chipbreak.model.trace import Trace
 from chipbreak.model.words import is_diameter, plain_value
 from chipbreak.settings.axis_words import AXES
 from chipbreak.syntax.columns import read_columns, uniform_run
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
-from chipbreak.vibration.path import Path
 
 Floats = NDArray[np.float64]
 _SHORT_RUN = 16
@@ -52,9 +52,9 @@ class ReadBack:
         return meant_mm + ahead, np.sqrt(np.einsum("ij,ij->i", away, away))
 
 
-def read_moves(trace: Trace, first: int, last: int) -> ReadBack:
+def read_moves(interpreted: InterpretedProgram, first: int, last: int) -> ReadBack:
     """All feed moves of lines ``first`` to ``last`` (exclusive), with the feed of each."""
-    state = trace.before(first)
+    state = interpreted.before(first)
     points: list[Floats] = []
     lengths: list[Floats] = []
     feeds: list[Floats] = []
@@ -62,26 +62,26 @@ def read_moves(trace: Trace, first: int, last: int) -> ReadBack:
     strangers = count = 0
     line = first
     while line < last:
-        run = uniform_run(trace.program, line, last)
-        table = read_columns(trace.program, line, run) if run - line >= _SHORT_RUN else None
+        run = uniform_run(interpreted.program, line, last)
+        table = read_columns(interpreted.program, line, run) if run - line >= _SHORT_RUN else None
         if table is not None:
-            ends, words = _table_moves(trace, state, *table)
+            ends, words = _table_moves(interpreted, state, *table)
             _add(state, ends, words, (points, lengths, feeds))
             count += len(words)
-            state = trace.skip(state, line, run)
+            state = interpreted.skip(state, line, run)
             line = run
             continue
-        step = trace.interpreter.advance(state, trace.program.block(line))
-        if step.move is not None and step.move.is_cut:
-            ends = _clean(np.array([step.move.start, step.move.end]))
-            words = np.array([step.after.feed.value if step.after.feed else np.nan])
-            _add(step.after, ends, words, (points, lengths, feeds))
+        effect = interpreted.interpreter.advance(state, interpreted.program.block(line))
+        if effect.move is not None and effect.move.is_cut:
+            ends = _clean(np.array([effect.move.start, effect.move.end]))
+            words = np.array([effect.after.feed.value if effect.after.feed else np.nan])
+            _add(effect.after, ends, words, (points, lengths, feeds))
             count += 1
-        elif step.move is not None:
+        elif effect.move is not None:
             strangers += 1
-        elif "dwell" in step.once and count:  # before the first move it is no part of the cut
-            stands[count - 1] = stands.get(count - 1, 0.0) + _dwell_s(trace, step)
-        state = step.after
+        elif "dwell" in effect.non_modal and count:  # before the first move it is no part of the cut
+            stands[count - 1] = stands.get(count - 1, 0.0) + _dwell_s(interpreted, effect)
+        state = effect.after
         line += 1
     if not points:
         return ReadBack(np.empty((0, 3)), np.empty(0), np.empty(0), np.empty(0), strangers)
@@ -91,15 +91,17 @@ def read_moves(trace: Trace, first: int, last: int) -> ReadBack:
     return ReadBack(points_mm, lengths_mm, feed_mm_s, stand_s, strangers)
 
 
-def _dwell_s(trace: Trace, step: Step) -> float:
+def _dwell_s(interpreted: InterpretedProgram, effect: BlockEffect) -> float:
     """The seconds of a G4 block as this control reads them."""
-    word = step.block.word(trace.settings.dialect.dwell_word)
+    word = effect.block.word(interpreted.settings.dialect.dwell_word)
     return plain_value(word) if word is not None else math.nan
 
 
-def _table_moves(trace: Trace, state: State, letters: str, numbers: Floats) -> tuple[Floats, Floats]:
+def _table_moves(
+    interpreted: InterpretedProgram, state: State, letters: str, numbers: Floats
+) -> tuple[Floats, Floats]:
     """Start and ends of the moves of a table, (n + 1, 3), and their F words, (n,)."""
-    settings, words = trace.settings, trace.settings.axis_words
+    settings, words = interpreted.settings, interpreted.settings.axis_words
     unit = MM_PER_INCH if state.is_inch else 1.0
     start = _clean(np.array([state.position]))
     points = np.tile(start, (len(numbers), 1))

@@ -6,14 +6,14 @@ import re
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from chipbreak.diagnostics import Diagnostic, RefusalError
+from chipbreak.kinematics.sourced_value import SourcedValue
+from chipbreak.model.block_effect import CUTTING, BlockEffect
+from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
-from chipbreak.model.steps import CUTTING, Step
-from chipbreak.model.trace import Trace
 from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
+from chipbreak.text.diagnostics import Diagnostic, RefusalError
 from chipbreak.vibration.directive import KEYS, Directive, read_directive
-from chipbreak.vibration.given import Given
 
 OUT_OF_RANGE = "VIB017"
 _FROM_PROFILE = {
@@ -44,8 +44,8 @@ class Request(NamedTuple):
     user's file, 0 without one.
     """
 
-    step: Step
-    values: dict[str, Given]
+    effect: BlockEffect
+    values: dict[str, SourcedValue]
     waveform: str
     by_word: bool
     speed_line: int
@@ -59,9 +59,9 @@ class Request(NamedTuple):
 class RequestReader:
     """Walks through the program once and collects requests and complaints."""
 
-    def __init__(self, trace: Trace) -> None:
-        self.trace, self.program, self.settings = trace, trace.program, trace.settings
-        self.default = profile_directive(trace.settings)
+    def __init__(self, interpreted: InterpretedProgram) -> None:
+        self.interpreted, self.program, self.settings = interpreted, interpreted.program, interpreted.settings
+        self.default = profile_directive(interpreted.settings)
         self.directive = self.default
         self.requests: list[Request] = []
         self.diagnostics: list[Diagnostic] = []
@@ -70,15 +70,15 @@ class RequestReader:
     def read(self) -> None:
         """Fill ``requests`` and ``diagnostics``."""
         line = self.program.source.body.start
-        events = {step.block.line: step for step in self.trace.events}
-        for event in self.program.events.tolist():
+        events = {effect.block.line: effect for effect in self.interpreted.effects}
+        for event in self.program.special_lines.tolist():
             self._run(line, event)
             line = event + 1
             block = self.program.block(event)
             self._comments(event)
-            step = events.get(event)
-            if step is not None:
-                self._event(step)
+            effect = events.get(event)
+            if effect is not None:
+                self._event(effect)
             elif block.opaque:
                 self._opaque(event)
         self._run(line, self.program.source.body.stop)
@@ -87,35 +87,35 @@ class RequestReader:
 
     def _run(self, first: int, last: int) -> None:
         if self.directive.on and last > first:
-            for step in self.trace.steps(first, last):
-                self._cut(step)
+            for effect in self.interpreted.effects_of(first, last):
+                self._cut(effect)
 
-    def _event(self, step: Step) -> None:
-        if step.block.opaque:
-            self._opaque(step.block.line)
+    def _event(self, effect: BlockEffect) -> None:
+        if effect.block.opaque:
+            self._opaque(effect.block.line)
             return
-        if self._calls_a_tool(step):
+        if self._calls_a_tool(effect):
             self.directive = self.default
-        if step.vibration:
-            self._asked_by_words(step)
+        if effect.vibration:
+            self._asked_by_words(effect)
         elif self.directive.on:
-            self._cut(step)
-        if not step.vibration:
-            for word in step.block.words:
-                if word.letter == "f" and (_has_upper_case_f(step) or (step.move and step.move.is_cut)):
-                    self.stray.append((step.block.line, (word.start, word.end)))
+            self._cut(effect)
+        if not effect.vibration:
+            for word in effect.block.words:
+                if word.letter == "f" and (_has_upper_case_f(effect) or (effect.move and effect.move.is_cut)):
+                    self.stray.append((effect.block.line, (word.start, word.end)))
 
-    def _calls_a_tool(self, step: Step) -> bool:
+    def _calls_a_tool(self, effect: BlockEffect) -> bool:
         """True for the T word or the M6 that this control changes tools by, also to the tool it has."""
         called = ("M", 6.0) if self.settings.dialect.tool_change == "M6" else ("T", None)
-        return any(w.address == called[0] and called[1] in (None, w.number) for w in step.block.words)
+        return any(w.address == called[0] and called[1] in (None, w.number) for w in effect.block.words)
 
-    def _cut(self, step: Step) -> None:
+    def _cut(self, effect: BlockEffect) -> None:
         # An X, Y or Z that no axis of the profile has: refused later, with what the profile says.
-        is_foreign = any(w.address in AXES for w in step.unread) and step.after.modes["motion"] in CUTTING
-        is_cut = is_foreign if step.move is None else step.move.is_cut
-        if is_cut and not step.in_contour:
-            self.requests.append(self._request(step, {}, by_word=False))
+        is_foreign = any(w.address in AXES for w in effect.unread) and effect.after.modes["motion"] in CUTTING
+        is_cut = is_foreign if effect.move is None else effect.move.is_cut
+        if is_cut and not effect.in_contour:
+            self.requests.append(self._request(effect, {}, by_word=False))
 
     def _comments(self, line: int) -> None:
         for comment in self.program.block(line).comments:
@@ -128,45 +128,45 @@ class RequestReader:
                 fits = self._check_values(line, found.values, (comment.start, comment.end))
                 self.directive = found if fits else _OFF
 
-    def _asked_by_words(self, step: Step) -> None:
-        values: dict[str, Given] = {}
-        line_number = self.program.source.place(step.block.line).line
-        for word in step.vibration:
+    def _asked_by_words(self, effect: BlockEffect) -> None:
+        values: dict[str, SourcedValue] = {}
+        line_number = self.program.source.place(effect.block.line).line
+        for word in effect.vibration:
             key = "F" if word.letter == "f" else word.letter
             at = (word.start, word.end)
             if word.number is None:
                 message = f"{word.letter} is a variable; its value is known only on the machine"
                 error = RefusalError("VIB015", message, "write the number itself")
-                self._error(step.block.line, error, at)
+                self._error(effect.block.line, error, at)
                 return
             if key in values:
                 error = RefusalError("VIB016", f"{word.letter} stands twice in this block", "give it once")
-                self._error(step.block.line, error, at)
+                self._error(effect.block.line, error, at)
                 return
-            values[key] = Given(word.number, f"{word.letter} word, line {line_number}")
-            if not self._check_values(step.block.line, {key: values[key]}, at):
+            values[key] = SourcedValue(word.number, f"{word.letter} word, line {line_number}")
+            if not self._check_values(effect.block.line, {key: values[key]}, at):
                 return
-        speed = step.block.word("S")
-        is_rpm = step.after.modes["speed_mode"] == "rpm"  # under G96 an S is metres per minute
+        speed = effect.block.word("S")
+        is_rpm = effect.after.modes["speed_mode"] == "rpm"  # under G96 an S is metres per minute
         if speed is not None and speed.number is not None and is_rpm:
-            values["S"] = Given(speed.number, f"S word, line {line_number}")
-        self.requests.append(self._request(step, values, by_word=True))
+            values["S"] = SourcedValue(speed.number, f"S word, line {line_number}")
+        self.requests.append(self._request(effect, values, by_word=True))
 
-    def _request(self, step: Step, words: dict[str, Given], *, by_word: bool) -> Request:
+    def _request(self, effect: BlockEffect, words: dict[str, SourcedValue], *, by_word: bool) -> Request:
         """Merge block over directive over profile; N and E, Q and A stand for each other."""
         said = self.directive if self.directive.on else Directive(True)
-        merged: dict[str, Given] = {}
+        merged: dict[str, SourcedValue] = {}
         for source in (words, said.values):
             for key, given in source.items():
                 if key not in merged and _INSTEAD.get(key) not in merged:
                     merged[key] = given
         merged = _fill_from_profile(merged, self.settings)
         waveform = said.waveform or self.settings.vibration.waveform
-        speed = step.after.speed
+        speed = effect.after.speed
         speed_line = self.program.source.place(speed.line).line if speed is not None else 0
-        return Request(step, merged, waveform, by_word, speed_line)
+        return Request(effect, merged, waveform, by_word, speed_line)
 
-    def _check_values(self, line: int, values: Mapping[str, Given], at: tuple[int, int]) -> bool:
+    def _check_values(self, line: int, values: Mapping[str, SourcedValue], at: tuple[int, int]) -> bool:
         for key, given in values.items():
             low, high = _LIMITS.get(key, _POSSIBLE)
             zero_is_fine = key == "RAMP"
@@ -210,7 +210,7 @@ def profile_directive(settings: Settings) -> Directive:
     return Directive(any(v is not None for v in (vibration.n, vibration.e, vibration.f_hz)))
 
 
-def _fill_from_profile(values: dict[str, Given], settings: Settings) -> dict[str, Given]:
+def _fill_from_profile(values: dict[str, SourcedValue], settings: Settings) -> dict[str, SourcedValue]:
     """Add what was not said.  Of S, N and f the profile adds no third."""
     filled = dict(values)
     for key, name in _FROM_PROFILE.items():
@@ -219,17 +219,21 @@ def _fill_from_profile(values: dict[str, Given], settings: Settings) -> dict[str
             continue
         if key in "NEF" and sum(k in filled for k in "SNEF") >= 2:
             continue
-        filled[key] = Given(float(value), f"profile vibration.{name}, {settings.origin(f'vibration.{name}')}")
+        filled[key] = SourcedValue(
+            float(value), f"profile vibration.{name}, {settings.origin(f'vibration.{name}')}"
+        )
     if settings.vibration.ramp_s is not None and "RAMP" not in values:
         del filled["RAMP"]
     return filled
 
 
-def _has_upper_case_f(step: Step) -> bool:
-    return any(w.letter == "F" for w in step.block.words)
+def _has_upper_case_f(effect: BlockEffect) -> bool:
+    return any(w.letter == "F" for w in effect.block.words)
 
 
-def solver_inputs(request: Request, state: State) -> tuple[Given | None, Given | None, Given | None]:
+def solver_inputs(
+    request: Request, state: State
+) -> tuple[SourcedValue | None, SourcedValue | None, SourcedValue | None]:
     """S, N and f as given for a cut; E is turned into N.
 
     The modal S counts only when N and f are not both given.
@@ -240,13 +244,13 @@ def solver_inputs(request: Request, state: State) -> tuple[Given | None, Given |
         per_rev = values["E"]._replace(value=1.0 / values["E"].value)
     frequency, speed = values.get("F"), values.get("S")
     if speed is None and not (per_rev and frequency) and state.speed is not None:
-        speed = Given(state.speed.value, f"active S, line {request.speed_line}")
+        speed = SourcedValue(state.speed.value, f"active S, line {request.speed_line}")
     return speed, per_rev, frequency
 
 
-def requests_of(trace: Trace) -> tuple[list[Request], list[Diagnostic]]:
+def requests_of(interpreted: InterpretedProgram) -> tuple[list[Request], list[Diagnostic]]:
     """All requests of a program in order, and what is wrong with them."""
-    reader = RequestReader(trace)
+    reader = RequestReader(interpreted)
     reader.read()
     return reader.requests, reader.diagnostics
 

@@ -10,17 +10,19 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from chipbreak.diagnostics import RefusalError
+from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import Setting, State
-from chipbreak.model.steps import Step
-from chipbreak.model.trace import Trace
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
+from chipbreak.text.diagnostics import RefusalError
 from chipbreak.vibration.chain import SPEED_MODES
-from chipbreak.vibration.plan import VibratedCut
+from chipbreak.vibration.plan import CutPlan
 
 _CALLS = (97.0, 98.0, 198.0, 2.0, 30.0, 99.0, 3.0, 4.0)
-_FREE_ONCE = frozenset({"dwell", "home", "machine", "exact-stop", "set-position", "data-setting", "shift"})
+_FREE_NON_MODAL = frozenset(
+    {"dwell", "home", "machine", "exact-stop", "set-position", "data-setting", "shift"}
+)
 
 
 @dataclass(frozen=True)
@@ -29,11 +31,14 @@ class SpeedChange:
 
     line: int
     text: str
-    for_cut: VibratedCut | None
+    for_cut: CutPlan | None
 
 
 def speed_changes(
-    trace: Trace, cuts: Sequence[VibratedCut], settings: Settings, checks_at: Collection[int] = ()
+    interpreted: InterpretedProgram,
+    cuts: Sequence[CutPlan],
+    settings: Settings,
+    checks_at: Collection[int] = (),
 ) -> list[SpeedChange]:
     """All speed commands that the vibrated cuts need, in order.
 
@@ -44,16 +49,16 @@ def speed_changes(
     commanded: tuple[str, float] | None = None  # mode and speed, None while the program's own is active
     for index, cut in enumerate(cuts):
         # An S in the block itself goes with the block; what the spindle turns is what stood before it.
-        now = _programmed(cut.chain.requests[0].step.before) if commanded is None else commanded
+        now = _programmed(cut.chain.requests[0].effect.before) if commanded is None else commanded
         wanted = ("rpm", cut.solution.speed_rpm)
         if now != wanted:
             changes.append(SpeedChange(cut.chain.first, speed_words(now, wanted, settings), cut))
         commanded = None if wanted == _programmed(cut.chain.after) else wanted
         if commanded is None:
             continue
-        stop = cuts[index + 1].chain.first if index + 1 < len(cuts) else trace.program.source.body.stop
+        stop = cuts[index + 1].chain.first if index + 1 < len(cuts) else interpreted.program.source.body.stop
         checks = [line for line in checks_at if cut.chain.last <= line <= stop]
-        back = _needs_programmed(trace, cut.chain.last, stop, min(checks, default=None))
+        back = _needs_programmed(interpreted, cut.chain.last, stop, min(checks, default=None))
         if back is not None:
             if back.text:
                 changes.append(back)
@@ -76,37 +81,39 @@ def speed_words(now: tuple[str, float] | None, wanted: tuple[str, float], settin
     return f"{settings.dialect.code('speed_mode', wanted[0])} {speed}"
 
 
-def _needs_programmed(trace: Trace, first: int, stop: int, check: int | None) -> SpeedChange | None:
+def _needs_programmed(
+    interpreted: InterpretedProgram, first: int, stop: int, check: int | None
+) -> SpeedChange | None:
     """Where the programmed speed must be back; an empty text where the program commands a speed itself.
 
     ``check`` is the line before which the first tool check stands, None where none does.
     """
-    state = trace.before(first)
-    for step in trace.steps(first, stop):
-        if step.block.line == check and state.speed is not None:
-            return SpeedChange(check, _own_words(state, trace.settings), None)
-        if step.block.line in trace.flow.targets:  # who jumps here comes with the programmed speed
-            return SpeedChange(step.block.line, _own_words(state, trace.settings), None)
-        state = step.after
-        if step.after.speed != step.before.speed and step.after.speed is not None:
+    state = interpreted.before(first)
+    for effect in interpreted.effects_of(first, stop):
+        if effect.block.line == check and state.speed is not None:
+            return SpeedChange(check, _own_words(state, interpreted.settings), None)
+        if effect.block.line in interpreted.flow.targets:  # who jumps here comes with the programmed speed
+            return SpeedChange(effect.block.line, _own_words(state, interpreted.settings), None)
+        state = effect.after
+        if effect.after.speed != effect.before.speed and effect.after.speed is not None:
             # An S under G96 is metres per minute: it must not meet the G97 of the cut before it.
-            own_mode = step.after.modes["speed_mode"] == "rpm" or _says_speed_mode(step)
-            text = "" if own_mode else _own_words(step.before, trace.settings)
-            return SpeedChange(step.block.line, text, None)
-        if _depends_on_speed(step):
-            if step.before.speed is None and step.move is not None:
-                said = trace.program.source.place(step.block.line).line
+            own_mode = effect.after.modes["speed_mode"] == "rpm" or _says_speed_mode(effect)
+            text = "" if own_mode else _own_words(effect.before, interpreted.settings)
+            return SpeedChange(effect.block.line, text, None)
+        if _depends_on_speed(effect):
+            if effect.before.speed is None and effect.move is not None:
+                said = interpreted.program.source.place(effect.block.line).line
                 message = f"line {said} needs the spindle speed from before this cut,"
                 way_out = "give S before the cut, even when N and f make another of it, or behind it"
                 raise RefusalError("VIB057", f"{message} which the program does not say", way_out)
-            return SpeedChange(step.block.line, _own_words(step.before, trace.settings), None)
+            return SpeedChange(effect.block.line, _own_words(effect.before, interpreted.settings), None)
     if check == stop and state.speed is not None:
-        return SpeedChange(check, _own_words(state, trace.settings), None)
+        return SpeedChange(check, _own_words(state, interpreted.settings), None)
     return None
 
 
-def _says_speed_mode(step: Step) -> bool:
-    return any((w.address, w.number) in SPEED_MODES for w in step.block.words)
+def _says_speed_mode(effect: BlockEffect) -> bool:
+    return any((w.address, w.number) in SPEED_MODES for w in effect.block.words)
 
 
 def _own_words(state: State, settings: Settings) -> str:
@@ -121,12 +128,12 @@ def _own_words(state: State, settings: Settings) -> str:
     return " ".join([*words, text]).rstrip()
 
 
-def _depends_on_speed(step: Step) -> bool:
+def _depends_on_speed(effect: BlockEffect) -> bool:
     """True for a block whose effect depends on the spindle speed, or that hands the speed on."""
-    if step.block.is_empty or step.in_contour:
+    if effect.block.is_empty or effect.in_contour:
         return False
-    if step.block.opaque or step.block.controls or step.once - _FREE_ONCE:
+    if effect.block.opaque or effect.block.controls or effect.non_modal - _FREE_NON_MODAL:
         return True
-    if step.move is not None and step.move.kind != "rapid":
+    if effect.move is not None and effect.move.kind != "rapid":
         return True
-    return any(w.address == "M" and w.number in _CALLS for w in step.block.words)
+    return any(w.address == "M" and w.number in _CALLS for w in effect.block.words)

@@ -1,0 +1,1 @@
+"""Changes to a program, and the way back.  The only writers of program text."""

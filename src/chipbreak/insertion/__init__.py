@@ -1,0 +1,1 @@
+"""Where blocks may be inserted into a program, and what has to be as it was behind them."""

@@ -1,0 +1,221 @@
+"""What the blocks behind a border rely on: the place of the tool there, and its length offset.
+
+An inserted check leaves the tool retracted, somewhere over the laser.  Blocks that first bring it into place
+by themselves (rapid, absolute: first X and Y, then Z) rely on nothing.  Everything else does: a cut or a
+distance from where it stands, a way down before X and Y are in place, a slanting way down that would now
+start elsewhere.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from chipbreak.dialects import Dialect
+from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.words import codes_of, plain_value
+from chipbreak.operations.main_program import calls_subprogram
+from chipbreak.operations.operations import calls_tool
+from chipbreak.settings.axis_words import AXES
+from chipbreak.settings.sections import Settings
+from chipbreak.syntax.variables import variables_of
+
+# Who has not come to a decision after this many blocks relies on everything.
+HORIZON = 400
+_HARMLESS = frozenset({"dwell", "exact-stop", "tuning", "data-setting", "data-setting-end", "shift"})
+# Where these are on, a word of one axis moves another.
+_BENT = ("rotation", "polar", "interpolation", "cylinder", "mirror", "scaling", "modal_macro")
+
+
+class Reliance(NamedTuple):
+    """``axes`` that must stand where they stood; whether the length offset must be in force again."""
+
+    axes: frozenset[str]
+    length_offset: bool
+
+
+def reliance(
+    interpreted: InterpretedProgram,
+    line: int,
+    homed: Collection[str],
+    *,
+    has_offset: bool,
+    home_ends_offset: bool = True,
+) -> Reliance:
+    """What the blocks from ``line`` on rely on.
+
+    ``homed`` are axes the program itself has sent to a fixed place: a tool change and the end of the
+    program may count on that.  ``has_offset`` is True where a length offset is in force that the retract
+    would end.  ``home_ends_offset`` is False for calls that end it also on a control whose own way home does
+    not: what stands behind that way home may then still rely on it.
+    """
+    look = _Look(
+        interpreted, frozenset(homed), offset_is_decided=not has_offset, home_ends_offset=home_ends_offset
+    )
+    last = min(line + HORIZON, interpreted.program.source.body.stop)
+    for effect in interpreted.effects_of(line, last):
+        if look.is_decided_by(effect):
+            break
+    else:
+        if last < interpreted.program.source.body.stop:
+            look.rely_on_all()
+    return Reliance(frozenset(look.axes), look.length_offset)
+
+
+def named_axes(effect: BlockEffect, settings: Settings) -> frozenset[str]:
+    """The linear axes that a block names."""
+    axes = settings.axis_words.axes
+    return frozenset(axes.get(w.address, "") for w in effect.block.words) & frozenset(AXES)
+
+
+def homed_axes(effect: BlockEffect, settings: Settings) -> frozenset[str]:
+    """The axes a reference return takes home; one that names none, not even a rotary axis, means all."""
+    linear = settings.axis_words.axes
+    rotary = any(word.address in "ABC" and word.address not in linear for word in effect.block.words)
+    return named_axes(effect, settings) or frozenset("" if rotary else AXES)
+
+
+def reads_position(effect: BlockEffect, dialect: Dialect) -> bool:
+    """True for a block that works with the place where the tool stands.
+
+    ``X[#5420+5]``, ``#100=#5041``, and LinuxCNC's G28.1 and G30.1, which keep that place, or G10 L10,
+    L11 and L20, which give it other numbers.
+    """
+    if "store-home" in effect.non_modal:
+        return True
+    if dialect.place_settings and "data-setting" in effect.non_modal:
+        kind = effect.block.word("L")
+        setting = math.nan if kind is None else plain_value(kind)
+        return math.isnan(setting) or setting in dialect.place_settings
+    if not effect.block.has_macro and not effect.block.assignments and not effect.block.controls:
+        return False
+    return any(key is None or key in dialect.place_variables for key in variables_of(effect.block))
+
+
+def relies_on_speed(interpreted: InterpretedProgram, line: int) -> bool:
+    """True when the spindle is started behind ``line`` without a new S."""
+    for effect in interpreted.effects_of(line, min(line + HORIZON, interpreted.program.source.body.stop)):
+        words = effect.block.words
+        if any(w.address == "S" for w in words) or effect.after.ended:
+            return False
+        if any(w.address == "M" and w.number in (3.0, 4.0) for w in words):
+            return True
+    return False
+
+
+@dataclass
+class _Look:
+    """The walk along the blocks.  The methods that look at axes return True when those are decided."""
+
+    interpreted: InterpretedProgram
+    homed: frozenset[str]
+    offset_is_decided: bool
+    home_ends_offset: bool
+    axes_are_decided: bool = False
+    axes: set[str] = field(default_factory=set)
+    placed: set[str] = field(default_factory=set)
+    length_offset: bool = False
+
+    def __post_init__(self) -> None:
+        self.dialect, self.words = self.interpreted.settings.dialect, self.interpreted.settings.axis_words
+        self.all_axes = frozenset("XZ" if self.dialect.is_lathe else "XYZ")
+
+    def is_decided_by(self, effect: BlockEffect) -> bool:
+        """True when this and the blocks before it say all there is to know."""
+        if not effect.block.is_empty:
+            if not self.offset_is_decided:
+                self._look_at_offset(effect)
+            if not self.axes_are_decided:
+                self.axes_are_decided = self._look_at_axes(effect)
+        return self.offset_is_decided and self.axes_are_decided
+
+    def rely_on_all(self) -> None:
+        """Whatever is still open."""
+        self.length_offset |= not self.offset_is_decided
+        if not self.axes_are_decided:
+            self._rely_on_rest()
+
+    def _look_at_offset(self, effect: BlockEffect) -> None:
+        """A new offset or the way home ends the old one; a move of Z in the program's coordinates uses it."""
+        block, move = effect.block, effect.move
+        is_home = "home" in effect.non_modal and "Z" in homed_axes(effect, self.interpreted.settings)
+        ends_it = effect.after.ended or bool(codes_of(block, "length_offset", self.dialect))
+        if ends_it or (is_home and self.home_ends_offset):
+            self.offset_is_decided = True
+        elif move is not None and "machine" not in effect.non_modal:
+            self.length_offset = "Z" in move.axes or move.kind != "rapid"
+        else:
+            acts = effect.non_modal - _HARMLESS - {"machine", "home"}
+            acts |= {"data-setting"} & effect.non_modal if reads_position(effect, self.dialect) else set()
+            self.length_offset = bool(block.opaque or block.controls or acts) or calls_subprogram(effect)
+        self.offset_is_decided |= self.length_offset
+
+    def _look_at_axes(self, effect: BlockEffect) -> bool:
+        block = effect.block
+        if block.opaque or block.controls or calls_subprogram(effect) or reads_position(effect, self.dialect):
+            return self._rely_on_rest()
+        if block.skip and effect.before.modes != effect.after.modes:
+            return self._rely_on_rest()  # it may be skipped: G91, and what comes is a distance
+        named = named_axes(effect, self.interpreted.settings)
+        if effect.after.ended or calls_tool(effect, self.dialect.tool_change):
+            self.axes |= self.homed - self.placed - named
+            # M6 takes Z home on most machines, on a LinuxCNC without a changer nothing at all: X and Y
+            # that nobody names behind it are those from before.
+            if effect.after.ended or self.dialect.tool_change != "M6":
+                return effect.after.ended or not block.skip
+        if "home" in effect.non_modal:
+            return self._home(effect)
+        if "machine" in effect.non_modal:
+            return self._machine(effect)
+        is_limit = "set-position" in effect.non_modal and not named  # G50 S2000
+        bent = any(effect.after.modes.get(group, "off") != "off" for group in _BENT)
+        if bent or (effect.non_modal - _HARMLESS and not is_limit):
+            return self._rely_on_rest()
+        if effect.move is None:
+            # Axis words that nobody has read: a G code the profile does not know.
+            return bool(named) and not effect.non_modal and self._rely_on_rest()
+        if effect.move.kind != "rapid" or effect.move.incremental:
+            return self._rely_on_rest()
+        return self._rapid(frozenset(effect.move.axes), bool(block.skip))
+
+    def _rely_on_rest(self) -> bool:
+        """All axes that are not in place yet."""
+        self.axes |= self.all_axes - self.placed
+        return True
+
+    def _rapid(self, named: AbstractSet[str], may_be_skipped: bool) -> bool:
+        if not self.dialect.is_lathe and "Z" in named:
+            away = {"X", "Y"} - self.placed
+            if away & named:
+                return self._rely_on_rest()  # slanting down from elsewhere
+            self.axes |= away
+        if not may_be_skipped:
+            self.placed |= named
+        return self.placed >= self.all_axes
+
+    def _home(self, effect: BlockEffect) -> bool:
+        """``G91 G28 Z0.`` goes straight home; with other values it is a move to a point first."""
+        named = homed_axes(effect, self.interpreted.settings)
+        incremental = effect.after.modes.get("distance") == "incremental"
+        words = [w for w in effect.block.words if self.words.axes.get(w.address, "") in self.words.signs]
+        distances = [w for w in words if incremental or w.address in self.words.distances]
+        if len(distances) < len(words):
+            return self._rapid(named, bool(effect.block.skip))
+        if any(plain_value(word) != 0.0 for word in distances):
+            return self._rely_on_rest()
+        self.placed |= set() if effect.block.skip else named
+        return self.placed >= self.all_axes
+
+    def _machine(self, effect: BlockEffect) -> bool:
+        named = named_axes(effect, self.interpreted.settings)
+        depth = effect.block.word(self.words.letters["Z"])
+        if effect.after.modes["motion"] != "rapid":
+            return self._rely_on_rest()
+        if depth and plain_value(depth) != 0.0:
+            return self._rapid(named, bool(effect.block.skip))
+        self.placed |= set() if effect.block.skip else named
+        return self.placed >= self.all_axes

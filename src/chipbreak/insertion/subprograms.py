@@ -1,0 +1,135 @@
+"""What the subprograms that a program calls leave switched.
+
+One that stands in the same file is followed, from the state of its caller.  Where it branches, all that its
+blocks set counts as perhaps set.  Of one that is not in the file, or that calls tools itself, nothing is
+known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+from chipbreak.insertion.sure_effects import differing, set_by
+from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.flow import Flow
+from chipbreak.model.interpret import Interpreter
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.modal import State
+from chipbreak.operations.main_program import calls_subprogram
+from chipbreak.operations.operations import calls_tool
+
+_ONE_PROGRAM = 10_000  # P51234 calls O1234 five times
+# Longer ones are whole programs: nobody waits for them to be followed at each call.
+_LONGEST = 5_000
+_Key = str | int
+
+
+class _Return(NamedTuple):
+    """The state behind a call, and what branches may have set besides."""
+
+    state: State
+    perhaps: frozenset[str]
+
+
+class Subprograms:
+    """The bodies that stand in a file, by label or number."""
+
+    def __init__(self, interpreted: InterpretedProgram) -> None:
+        self.interpreted = interpreted
+        self.bodies: Mapping[_Key, range] = _bodies(interpreted)
+        self._interpreter = Interpreter(interpreted.settings, Flow(frozenset(), ()))
+        self._seen: dict[int, frozenset[str] | None] = {}
+        self._runs: dict[tuple[object, ...], _Return | None] = {}
+
+    def changes(self, effect: BlockEffect) -> frozenset[str] | None:
+        """What the call in a block sets or may set; None where nobody knows, empty where there is no call."""
+        line = effect.block.line
+        if line not in self._seen:
+            end = self._behind(effect, ())
+            self._seen[line] = end and differing(effect.after, end.state) | end.perhaps
+        return self._seen[line]
+
+    def call_tools(self, effect: BlockEffect) -> bool:
+        """True when a subprogram in this file, called by a block, calls tools."""
+        tool_change = self.interpreted.settings.dialect.tool_change
+        bodies = [self._body(key) for key in _called(effect)]
+        return any(
+            calls_tool(inner, tool_change)
+            for inner in self.interpreted.effects
+            if any(body is not None and inner.block.line in body for body in bodies)
+        )
+
+    def _body(self, key: _Key) -> range | None:
+        if isinstance(key, int) and key not in self.bodies:
+            key %= _ONE_PROGRAM
+        return self.bodies.get(key)
+
+    def _behind(self, effect: BlockEffect, callers: tuple[_Key, ...]) -> _Return | None:
+        """Behind a block with all that it calls."""
+        found = _Return(effect.after, frozenset())
+        for key in _called(effect):
+            end = self._run(key, found.state, callers)
+            if end is None:
+                return None
+            found = _Return(end.state, found.perhaps | end.perhaps)
+        return found
+
+    def _run(self, key: _Key, state: State, callers: tuple[_Key, ...]) -> _Return | None:
+        if key in callers:
+            return None
+        speed = state.speed and state.speed.text
+        here = (key, frozenset(state.modes.items()), state.spindle, state.coolant, speed)
+        if here not in self._runs:
+            self._runs[here] = self._follow(key, state, callers)
+        return self._runs[here]
+
+    def _follow(self, key: _Key, state: State, callers: tuple[_Key, ...]) -> _Return | None:
+        body = self._body(key)
+        if body is None or len(body) > _LONGEST:
+            return None
+        program, tool_change = self.interpreted.program, self.interpreted.settings.dialect.tool_change
+        is_straight = True
+        perhaps: set[str] = set()
+        for line in body:
+            effect = self._interpreter.advance(state, program.block(line))
+            end = self._behind(effect, (*callers, key))
+            if effect.block.opaque or effect.after.ended or calls_tool(effect, tool_change) or end is None:
+                return None
+            branches = any(control.keyword != "O-CALL" for control in effect.block.controls)
+            is_straight = is_straight and not branches and not effect.block.skip
+            perhaps |= set_by(effect, self.interpreted) | differing(state, effect.after) | end.perhaps
+            state = end.state
+        return _Return(state, frozenset() if is_straight else frozenset(perhaps))
+
+
+def _called(effect: BlockEffect) -> Iterator[_Key]:
+    """The labels or numbers of what a block calls; an empty text where it has no name that can be read."""
+    for control in effect.block.controls:
+        if control.keyword == "O-CALL":
+            yield control.label.lower()
+    is_macro = "macro-call" in effect.non_modal or effect.after.modes.get("modal_macro") == "on"
+    if is_macro or (calls_subprogram(effect) and not effect.block.controls):
+        word = effect.block.word("P")
+        is_local = any(w.address == "M" and w.number == 97.0 for w in effect.block.words)
+        known = word is not None and word.number is not None and not is_local
+        yield int(word.number) if known and word is not None and word.number is not None else ""
+
+
+def _bodies(interpreted: InterpretedProgram) -> dict[_Key, range]:
+    """The lines of ``o<name> sub`` to ``endsub``, and of ``O1000`` to M99, without these."""
+    found: dict[_Key, range] = {}
+    opened: tuple[_Key, int] | None = None
+    for effect in interpreted.effects:
+        line = effect.block.line
+        labels = {control.keyword: control.label.lower() for control in effect.block.controls}
+        number = effect.block.word("O")
+        ends = any(w.address == "M" and w.number == 99.0 for w in effect.block.words)
+        if opened and (ends or "O-ENDSUB" in labels):
+            found.setdefault(opened[0], range(opened[1], line))
+            opened = None
+        if "O-SUB" in labels:
+            opened = labels["O-SUB"], line + 1
+        elif number is not None and number.number is not None and not effect.block.controls:
+            opened = int(number.number), line + 1
+    return found

@@ -1,0 +1,1 @@
+"""Traced tool edges: measures, limits and figures."""

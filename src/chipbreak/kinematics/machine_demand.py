@@ -1,0 +1,54 @@
+"""What a vibration asks of the machine and of the tool: acceleration, servo, flank clearance."""
+
+from __future__ import annotations
+
+import math
+
+from chipbreak.kinematics.waveform import WaveformParameters
+from chipbreak.units import S_PER_MIN
+
+
+def least_acceleration_mm_s2(cut: WaveformParameters, per_rev: float) -> float:
+    """The acceleration below which no control can run the strokes [mm/s^2].
+
+    A sine needs (2 pi V)^2 P / 2.  A straight stroke of length d from rest to rest in time t needs 4 d / t^2;
+    the forward stroke is P + alpha f_r / N long and takes alpha / V, the return P - (1 - alpha) f_r / N and
+    (1 - alpha) / V.
+    """
+    if cut.waveform == "dwell":
+        return 0.0  # it may take its time
+    frequency_hz = 1.0 / cut.period_s
+    if cut.waveform == "sine":
+        return (2.0 * math.pi * frequency_hz) ** 2 * cut.stroke_mm / 2.0
+    alpha, advance_mm = cut.alpha_share, cut.feed_mm_rev / per_rev
+    forward = 4.0 * (cut.stroke_mm + alpha * advance_mm) * (frequency_hz / alpha) ** 2
+    back = 4.0 * (cut.stroke_mm - (1.0 - alpha) * advance_mm) * (frequency_hz / (1.0 - alpha)) ** 2
+    return max(forward, back)
+
+
+def servo_share(
+    frequency_hz: float, position_gain_1_s: float | None, acc_dec_s: float | None = None
+) -> float:
+    """What is left of an oscillation behind the position loop and the control's acc/dec filter.
+
+    A loop of gain Kp leaves 1 / sqrt(1 + (2 pi V / Kp)^2), a moving average over the time T |sinc(V T)|: an
+    acc/dec time of one vibration leaves nothing.
+
+    >>> round(servo_share(62.5, 50.0), 2), round(servo_share(31.25, None, 0.032), 6)
+    (0.13, 0.0)
+    """
+    share = 1.0
+    if position_gain_1_s is not None:
+        share /= math.hypot(1.0, 2.0 * math.pi * frequency_hz / position_gain_1_s)
+    if acc_dec_s is not None:
+        turn = math.pi * frequency_hz * acc_dec_s
+        share *= abs(math.sin(turn) / turn)
+    return share
+
+
+def flank_clearance_deg(forward_mm_s: float, diameter_mm: float, speed_rpm: float) -> float:
+    """How far the forward stroke turns the path of the edge into the flank: atan(v / (pi D S / 60)) [deg].
+
+    The tool's clearance angle must be larger.
+    """
+    return math.degrees(math.atan2(forward_mm_s, math.pi * diameter_mm * speed_rpm / S_PER_MIN))

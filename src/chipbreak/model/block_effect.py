@@ -1,0 +1,57 @@
+"""What one block does: the values the interpreter hands on."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from chipbreak.model.cutting_speed import CuttingSpeed
+from chipbreak.model.modal import Position, State
+from chipbreak.syntax.nodes import Block, Word
+
+CUTTING = ("line", "cw", "ccw")
+
+
+class Move(NamedTuple):
+    """A motion from ``start`` to ``end`` [mm, X as radius].
+
+    ``kind``         rapid, line, cw, ccw, thread or other
+    ``axes``         the axes the block names, in its order
+    ``incremental``  True where the block gives nothing but distances (G91, U, W)
+    ``offsets``      from the start to the centre of an arc [mm], NaN where not given
+    ``radius_mm``    its R, NaN without;  ``plane`` the plane it turns in: XY, ZX or YZ
+    """
+
+    kind: str
+    start: Position
+    end: Position
+    axes: str
+    incremental: bool
+    offsets: Position | None = None
+    radius_mm: float = float("nan")
+    plane: str = ""
+
+    @property
+    def is_cut(self) -> bool:
+        """True for a feed move that can be vibrated in principle."""
+        return self.kind in CUTTING
+
+
+class BlockEffect(NamedTuple):
+    """A block with the state before and after it.
+
+    ``once``        what its non-modal codes do (dwell, home, macro-call, ...)
+    ``vibration``   the words that ask for vibration, in the block's order
+    ``unread``      words nothing reads here
+    ``in_contour``  True for a line that is only the shape of a cycle
+    ``peripheral``  a spindle speed asked by V and D
+    """
+
+    block: Block
+    before: State
+    after: State
+    move: Move | None = None
+    non_modal: frozenset[str] = frozenset()
+    vibration: tuple[Word, ...] = ()
+    unread: tuple[Word, ...] = ()
+    in_contour: bool = False
+    cutting_speed: CuttingSpeed | None = None

@@ -1,0 +1,206 @@
+"""The whole program, interpreted.
+
+Blocks that are more than plain motion (special lines) are stepped through one by one.  A run of plain motion
+between two of them is skipped over: its end needs only the last word of each axis.
+``InterpretedProgram.skip`` must give what advancing block by block gives; a property test holds them equal.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.flow import Flow, read_flow
+from chipbreak.model.interpret import Interpreter, initial_state
+from chipbreak.model.modal import Position, Setting, State
+from chipbreak.model.words import feed_value, is_diameter, length_mm
+from chipbreak.settings.sections import Settings
+from chipbreak.syntax.columns import read_columns, uniform_run
+from chipbreak.syntax.parse import Program
+from chipbreak.syntax.shapes import MOTION_CODE, NO_POINT, bits_of
+from chipbreak.units import MM_PER_INCH
+
+_MOTION = ("rapid", "line", "cw", "ccw")
+_SHORT_RUN = 8
+
+
+class InterpretedProgram(NamedTuple):
+    """The states of a program between its blocks, and what its blocks do.
+
+    ``lines`` and ``states`` hold the state before each line that is no plain motion, and before the line
+    after it, so that the state anywhere is a short walk away.  ``effects`` are those of blocks that do
+    something.
+    """
+
+    program: Program
+    settings: Settings
+    flow: Flow
+    interpreter: Interpreter
+    lines: list[int]
+    states: list[State]
+    effects: list[BlockEffect]
+
+    def before(self, line: int) -> State:
+        """The state before a line."""
+        at = bisect_right(self.lines, line) - 1
+        return self.skip(self.states[at], self.lines[at], line)
+
+    def effects_of(self, first: int, last: int) -> Iterator[BlockEffect]:
+        """The effects of lines ``first`` to ``last`` (exclusive), one by one."""
+        state = self.before(first)
+        for line in range(first, last):
+            effect = self.interpreter.advance(state, self.program.block(line))
+            if _says(effect, "O-ENDSUB"):
+                effect = effect._replace(after=self.before(line + 1))
+            state = effect.after
+            yield effect
+
+    def effect(self, line: int) -> BlockEffect:
+        """The effect of one line."""
+        return next(self.effects_of(line, line + 1))
+
+    def end(self) -> State:
+        """The state behind the last line."""
+        return self.before(self.program.source.body.stop)
+
+    def skip(self, state: State, first: int, last: int) -> State:
+        """The state behind a run of plain lines."""
+        if last <= first:
+            return state
+        moving = state.modes.get("motion") in _MOTION and not state.ended
+        if moving and self.flow.is_straight and last - first > _SHORT_RUN:
+            if not self._has_distances(state, first, last):
+                return self._jump(state, first, last)
+            return self._add_up(state, first, last)
+        for line in range(first, last):
+            state = self.interpreter.advance(state, self.program.block(line)).after
+        return state
+
+    def _add_up(self, state: State, first: int, last: int) -> State:
+        """Skip a run with distances: many blocks of the same words at once, others one by one."""
+        line = first
+        while line < last:
+            stop = uniform_run(self.program, line, last)
+            long = stop - line > _SHORT_RUN and self._values_are_plain(line, stop)
+            table = read_columns(self.program, line, stop) if long else None
+            if table is not None:
+                state = self._sum(state, stop, *table)
+                line = stop
+                continue
+            stop = stop if long else min(stop, line + _SHORT_RUN)
+            for at in range(line, stop):
+                state = self.interpreter.advance(state, self.program.block(at)).after
+            line = stop
+        return state
+
+    def _has_distances(self, state: State, first: int, last: int) -> bool:
+        """True when a run gives distances, by G91 or by U and W."""
+        if state.modes.get("distance", "absolute") == "incremental":
+            return True
+        return bool(_used(self.program.bits[first:last]) & bits_of(self.settings.axis_words.distances))
+
+    def _values_are_plain(self, first: int, last: int) -> bool:
+        """True when every number of a run means what it says."""
+        if self.settings.control.decimal_point == "calculator":
+            return True
+        return not _used(self.program.bits[first:last]) & NO_POINT
+
+    def _sum(self, state: State, last: int, letters: str, numbers: NDArray[np.float64]) -> State:
+        """Add up the distances of a run whose blocks all have the same words."""
+        control, words = self.settings.control, self.settings.axis_words
+        word_of = {w.address: w for w in self.program.block(last - 1).words}
+        ends = state.position._asdict()
+        for column, letter in enumerate(letters):
+            axis = words.axes.get(letter, "")
+            if axis not in words.signs:
+                continue
+            scale = (MM_PER_INCH if state.is_inch else 1.0) * words.signs[axis]
+            if axis == "X" and is_diameter(state, control):
+                scale /= 2.0
+            is_distance = letter in words.distances or state.modes.get("distance") == "incremental"
+            total = numbers[:, column].sum() if is_distance else numbers[-1, column]
+            ends[axis.lower()] = (ends[axis.lower()] if is_distance else 0.0) + float(total) * scale
+        feed = word_of.get("F")
+        if feed is not None:
+            setting = Setting(feed_value(feed, state, control), feed.value_text, last - 1)
+            state = state._replace(feed=setting)
+        return state._replace(position=Position(**ends))
+
+    def _jump(self, state: State, first: int, last: int) -> State:
+        """Take the last word of each letter in a run."""
+        bits = self.program.bits[first:last]
+        used, control, words = _used(bits), self.settings.control, self.settings.axis_words
+        if used & MOTION_CODE:
+            shape = self.program.shapes[self.program.plain[first + _last_of(bits, MOTION_CODE)]]
+            state = state.with_modes({"motion": _MOTION[shape.motion or 0]})
+        letters = [pair for pair in (*words.letters.items(), ("", "F")) if used & bits_of(pair[1])]
+        lines = [first + _last_of(bits, bits_of(letter)) for _, letter in letters]
+        blocks = {line: self.program.block(line) for line in set(lines)}
+        position = {}
+        for (axis, letter), line in zip(letters, lines, strict=True):
+            word = blocks[line].word(letter)
+            assert word is not None
+            if not axis:
+                feed = Setting(feed_value(word, state, control), word.value_text, line)
+                state = state._replace(feed=feed)
+                continue
+            value = length_mm(word, state, control) * words.signs[axis]
+            if axis == "X" and is_diameter(state, control):
+                value /= 2.0
+            position[axis.lower()] = value
+        return state._replace(position=state.position._replace(**position))
+
+
+def _says(effect: BlockEffect, keyword: str) -> bool:
+    return any(control.keyword == keyword for control in effect.block.controls)
+
+
+def _used(bits: NDArray[np.uint16]) -> int:
+    """What any of the lines has."""
+    return int(np.bitwise_or.reduce(bits))
+
+
+def _last_of(bits: NDArray[np.uint16], wanted: int) -> int:
+    """The last line that has a bit which one of them has."""
+    stop, window = len(bits), 64
+    while True:
+        start = max(0, stop - window)
+        found = np.flatnonzero(bits[start:stop] & wanted)
+        if len(found):
+            return start + int(found[-1])
+        stop, window = start, window * 4
+
+
+def interpret(program: Program, settings: Settings) -> InterpretedProgram:
+    """Interpret a program from its first to its last line."""
+    flow = read_flow(program, settings.dialect)
+    interpreter = Interpreter(settings, flow)
+    interpreted = InterpretedProgram(program, settings, flow, interpreter, [], [], [])
+    state = initial_state(settings)
+    line = program.source.body.start
+    around: State | None = None  # a subprogram's body: the program goes on behind it as if it was not there
+    interpreted.lines.append(line)
+    interpreted.states.append(state)
+    for event in program.special_lines.tolist():
+        state = interpreted.skip(state, line, event)
+        effect = interpreter.advance(state, program.block(event))
+        if around is None and _says(effect, "O-SUB"):
+            around = state
+        elif around is not None and _says(effect, "O-ENDSUB"):
+            effect, around = effect._replace(after=around), None
+        line = event + 1
+        if effect.after is not state or not effect.block.is_empty:
+            interpreted.effects.append(effect)
+            if event > interpreted.lines[-1]:
+                # Not step.before: a jump target forgets, but what stands before its line does not.
+                interpreted.lines.append(event)
+                interpreted.states.append(state)
+            state = effect.after
+            interpreted.lines.append(line)
+            interpreted.states.append(state)
+    return interpreted

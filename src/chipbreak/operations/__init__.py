@@ -1,0 +1,1 @@
+"""Operations: which tool does what, from which line to which, and who said so."""

@@ -1,0 +1,151 @@
+"""Which lines belong to the main program, and which of them cut.
+
+Plain lines are judged by their shapes, all at once; only blocks that are more than plain motion are looked
+at one by one.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.syntax.shapes import bits_of
+
+_SUBPROGRAM_CALLS = (97, 98, 198)
+# What acts in its own block and cuts, or may cut.
+_CUTTING_CODES = frozenset(
+    {"rough-cycle", "finish-cycle", "peck-cycle", "thread-cycle", "macro-call", "service"}
+)
+_NOTHING, _CUTS, _PROBES = 0, 1, 2
+_MOVING = "XYZUVWABC"
+_WORK_OF_MOTION = {"rapid": _NOTHING, "none": _NOTHING, "probe": _PROBES}
+
+
+class MainProgram(NamedTuple):
+    """The lines that run from the start to the program's end: ``first`` to ``last`` (exclusive).
+
+    ``bodies``  [first, last] lines of subprograms between them
+    ``cuts``    the lines that cut, or call what may cut, in order;  ``works`` the same with probing
+    ``behind``  the first line behind the end that cuts: another program or a subprogram
+    """
+
+    first: int
+    last: int
+    bodies: tuple[tuple[int, int], ...]
+    cuts: NDArray[np.int64]
+    works: NDArray[np.int64]
+    behind: int | None
+
+    def has(self, line: int) -> bool:
+        """True for a line of the main program."""
+        at = bisect_right(self.bodies, (line, 1 << 62)) - 1
+        in_body = at >= 0 and line <= self.bodies[at][1]
+        return self.first <= line < self.last and not in_body
+
+    def has_work(self, first: int, last: int) -> bool:
+        """True when one of the lines cuts or probes."""
+        at, end = np.searchsorted(self.works, (first, last))
+        return bool(at < end)
+
+    def cut_ends(self, first: int, last: int) -> tuple[int, int] | None:
+        """First and last line of a range that cut, None where none does."""
+        at, end = np.searchsorted(self.cuts, (first, last))
+        return (int(self.cuts[at]), int(self.cuts[end - 1])) if at < end else None
+
+
+def main_program(interpreted: InterpretedProgram) -> MainProgram:
+    """Find the main program of a file."""
+    body = interpreted.program.source.body
+    bodies, last = _bodies(interpreted)
+    work = _work(interpreted)
+    for first, final in bodies:
+        work[first : final + 1] = _NOTHING
+    behind = np.flatnonzero(work[last : body.stop] == _CUTS)
+    work[last:] = _NOTHING
+    return MainProgram(
+        body.start,
+        last,
+        bodies,
+        np.flatnonzero(work == _CUTS).astype(np.int64),
+        np.flatnonzero(work != _NOTHING).astype(np.int64),
+        last + int(behind[0]) if len(behind) else None,
+    )
+
+
+def _bodies(interpreted: InterpretedProgram) -> tuple[tuple[tuple[int, int], ...], int]:
+    """Subprogram bodies, and the line of the program's end."""
+    body = interpreted.program.source.body
+    bodies: list[tuple[int, int]] = []
+    opened: int | None = None
+    last = body.stop
+    begun = False
+    for effect in interpreted.effects:
+        keywords = {control.keyword for control in effect.block.controls}
+        is_next = begun and effect.block.word("O") is not None and not keywords  # without M30 before it
+        begun = begun or not (effect.block.is_empty or effect.block.opaque)
+        if "O-SUB" in keywords and opened is None:
+            opened = effect.block.line
+        elif "O-ENDSUB" in keywords and opened is not None:
+            bodies.append((opened, effect.block.line))
+            opened = None
+        elif opened is None and (is_next or (effect.after.ended and not effect.before.ended)):
+            last = effect.block.line
+            break
+    if opened is not None:
+        bodies.append((opened, last))
+    while last > body.start and interpreted.program.block(last - 1).mark:
+        last -= 1
+    return tuple(bodies), last
+
+
+def _work(interpreted: InterpretedProgram) -> NDArray[np.int8]:
+    """What each line of the file does to the workpiece."""
+    program = interpreted.program
+    given = np.array([-1 if s.motion is None else min(s.motion, 1) for s in program.shapes] + [-1], np.int8)
+    mode = given[program.plain]
+    for effect in interpreted.effects:
+        mode[effect.block.line] = _WORK_OF_MOTION.get(effect.after.modes["motion"], _CUTS)
+    lines = np.arange(len(mode), dtype=np.int32)
+    lines[mode < 0] = 0
+    mode = mode[np.maximum.accumulate(lines)]
+    work = np.where(program.bits & bits_of(_MOVING + "IJK"), np.maximum(mode, _NOTHING), np.int8(_NOTHING))
+    for effect in interpreted.effects:
+        work[effect.block.line] = _work_of(effect)
+    for first, last in interpreted.flow.contours:
+        work[first : last + 1] = _NOTHING
+    outside = np.ones(len(work), np.bool_)
+    outside[program.source.body.start : program.source.body.stop] = False
+    work[outside] = _NOTHING
+    return work
+
+
+def _work_of(effect: BlockEffect) -> int:
+    """What a block that is more than plain motion does."""
+    block, modes = effect.block, effect.after.modes
+    if effect.in_contour or effect.before.ended or "machine" in effect.non_modal:
+        return _NOTHING
+    if "skip" in effect.non_modal:
+        return _PROBES
+    if calls_subprogram(effect) or effect.non_modal & _CUTTING_CODES:
+        return _CUTS
+    if effect.move is not None:
+        return _CUTS if modes.get("modal_macro") == "on" else _WORK_OF_MOTION.get(modes["motion"], _CUTS)
+    if effect.non_modal:
+        return _NOTHING
+    # Full circles name no axis; under a G code this profile does not know nobody has read the axes.
+    moving = _MOVING + "IJK" if modes["motion"] in ("cw", "ccw") else _MOVING
+    if any(word.address in moving for word in block.words):
+        return _WORK_OF_MOTION.get(modes["motion"], _CUTS)
+    return _NOTHING
+
+
+def calls_subprogram(effect: BlockEffect) -> bool:
+    """True for M98 and its like and for ``o<name> call``."""
+    return any(c.keyword == "O-CALL" for c in effect.block.controls) or any(
+        w.address == "M" and w.number in _SUBPROGRAM_CALLS for w in effect.block.words
+    )

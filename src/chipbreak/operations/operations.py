@@ -1,0 +1,298 @@
+"""Operations: which tool does what, from which line to which, and who said so.
+
+Operations start at tool calls, at titles in comments and at directives ``(OP ROUGH)``.  A start where
+nothing has been cut since the last one belongs to the same operation, so a title may stand before its tool
+call (Fusion) or behind it (by hand).  Only the main program counts: bodies of subprograms and what stands
+behind the program's end are left out.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.modal import State
+from chipbreak.operations.cycle_kinds import kind_by_cycle
+from chipbreak.operations.kinds import (
+    Kind,
+    KindRules,
+    OperationMark,
+    directive,
+    kind_of_text,
+    operation_title,
+    tool_text,
+)
+from chipbreak.operations.main_program import MainProgram
+from chipbreak.syntax.nodes import Block, Comment
+from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, RefusalError
+
+# Canned cycles that do not drill: tapping, and the boring that leaves a finished bore.
+# Where several cycles stand in one operation, the one that asks most of the edge names it.
+_CYCLE_ORDER = (Kind.FINISH, Kind.ROUGH, Kind.THREAD, Kind.DRILL, Kind.PROBE)
+
+
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """One operation; lines count from 0, ``last_line`` is exclusive.
+
+    ``reason``     why it is of this kind: the words, and the line they stand on
+    ``call_line``  where its tool is called, None where it goes on with the tool of the one before
+    ``first_cut``  first line that cuts (or calls a subprogram, which may cut), None where none does
+    ``speed_rpm``  at the first cut, None where it cannot be known;  ``spindle``  its direction there
+    """
+
+    index: int
+    tool: int | None
+    kind: Kind
+    reason: str
+    label: str
+    first_line: int
+    last_line: int
+    call_line: int | None
+    first_cut: int | None
+    last_cut: int | None
+    speed_rpm: float | None
+    spindle: str
+
+    @property
+    def cuts(self) -> bool:
+        """True when the tool touches the workpiece in it, or may."""
+        return self.first_cut is not None
+
+
+class _Remark(NamedTuple):
+    """A comment and its line."""
+
+    line: int
+    text: str
+
+
+@dataclass(eq=False)
+class _Draft:
+    """An operation while it is read; ``named`` is False for what stands before the first start."""
+
+    first: int
+    tool: int | None
+    named: bool
+    call: int | None = None
+    ordered: tuple[Kind, _Remark] | None = None
+    titles: list[_Remark] = field(default_factory=list)
+    remarks: list[_Remark] = field(default_factory=list)
+
+
+def operations_of(interpreted: InterpretedProgram, main: MainProgram, rules: KindRules) -> list[Operation]:
+    """The operations of a program, in order.
+
+    Raises ProgramRejectedError when a directive is misspelt.
+    """
+    scan = _Scan(interpreted, main)
+    drafts = scan.run()
+    judge = _Judge(interpreted, rules, scan.tool_list)
+    ends = [draft.first for draft in drafts[1:]] + [main.last]
+    operations: list[Operation] = []
+    for draft, last in zip(drafts, ends, strict=True):
+        cuts = main.cut_ends(draft.first, last)
+        if draft.named or cuts:
+            operations.append(judge.operation(len(operations), draft, last, cuts))
+    return operations
+
+
+class _Scan:
+    """Finds the starts, and collects what is said before the first cut."""
+
+    def __init__(self, interpreted: InterpretedProgram, main: MainProgram) -> None:
+        self.interpreted, self.main = interpreted, main
+        self.effect_at = {effect.block.line: effect for effect in interpreted.effects}
+        self.drafts = [_Draft(main.first, None, named=False)]
+        self.above: list[_Remark] = []  # comments straight above
+        self.tool_list: dict[int, _Remark] = {}
+        self.last_move = -1
+        self.wrong: list[Diagnostic] = []
+
+    def run(self) -> list[_Draft]:
+        for block in self.interpreted.program.event_blocks():
+            if self.main.has(block.line):
+                self._read(block, self.effect_at.get(block.line))
+        if self.wrong:
+            raise ProgramRejectedError(self.wrong)
+        return self.drafts
+
+    def _read(self, block: Block, effect: BlockEffect | None) -> None:
+        called = effect is not None and calls_tool(effect, self.interpreted.settings.dialect.tool_change)
+        if self.above and self._has_plain(self.above[-1].line, block.line):
+            self.above = []
+        # Beside a block that does something else a comment explains that block.
+        is_free = called or effect is None or not (effect.move or effect.non_modal)
+        ends_here = False
+        for comment in block.comments:
+            remark = _Remark(block.line, comment.text)
+            note, title = tool_text(comment.text), operation_title(comment.text)
+            is_header = block.is_empty and block.sequence is not None and note is None
+            if title is None and is_header and kind_of_text(comment.text, KindRules()):
+                title = OperationMark(True, comment.text.strip())  # "N2 (FIN)"
+            ordered = self._directive(block, comment)
+            is_title = is_free and title is not None and title.is_start
+            if called or ordered or is_title:
+                self._start(block.line, effect if called else None)
+                called = False
+            draft = self.drafts[-1]
+            if note and note.number is not None:
+                self.tool_list.setdefault(note.number, remark)
+            if ordered:
+                draft.ordered = (ordered, remark)
+            elif is_title:
+                draft.titles.append(remark)
+            elif title is None and not self.main.has_work(draft.first, block.line):
+                draft.remarks.append(remark)
+            ends_here |= title is not None and not title.is_start
+        if called:
+            self._start(block.line, effect)
+        remarks = [_Remark(block.line, c.text) for c in block.comments]
+        self.above = self.above + remarks if block.is_empty and not ends_here else []
+        if effect and effect.move:
+            self.last_move = block.line
+
+    def _directive(self, block: Block, comment: Comment) -> Kind | None:
+        try:
+            return directive(comment.text)
+        except RefusalError as error:
+            at = (comment.start, comment.end)
+            program = self.interpreted.program
+            self.wrong.append(program.diagnose(block.line, error.code, error.message, error.help, at=at))
+            return None
+
+    def _start(self, line: int, call: BlockEffect | None) -> None:
+        """A tool call or a title: the same operation as long as nothing has worked since its start."""
+        draft = self.drafts[-1]
+        works = self.main.has_work(draft.first, line)
+        if works or not draft.named:
+            if not works:
+                self.drafts.pop()  # the head of the program is no operation
+            first = self.above[0].line if self.above else line
+            draft = _Draft(first, draft.tool, named=True, remarks=list(self.above))
+            self.drafts.append(draft)
+        elif call and draft.call is not None:
+            # The tool before did nothing; only what was said behind its call is about this one.
+            self._forget(draft, draft.call + 1)
+            draft.first = line
+        elif not call and draft.titles and self._moves(draft.titles[-1].line, line):
+            self._forget(draft, line)
+        if call:
+            draft.tool, draft.call = call.after.tool, line
+
+    @staticmethod
+    def _forget(draft: _Draft, first: int) -> None:
+        """Drop what was said before a line, but not beside the tool call."""
+        draft.titles = [r for r in draft.titles if r.line >= first]
+        draft.remarks = [r for r in draft.remarks if r.line >= first]
+        if draft.ordered and draft.ordered[1].line < first:
+            draft.ordered = None
+
+    def _moves(self, first: int, last: int) -> bool:
+        return self.last_move > first or self._has_plain(first, last)
+
+    def _has_plain(self, first: int, last: int) -> bool:
+        """True when plain motion stands between two lines; they are no events and never read here."""
+        return bool((self.interpreted.program.plain[first:last] >= 0).any())
+
+
+def calls_tool(effect: BlockEffect, tool_change: str) -> bool:
+    """True where a tool comes into the spindle: M6, or T on a turret (but not T0100, which ends offsets)."""
+    if "macro-call" in effect.non_modal:  # T is an argument there
+        return False
+    for word in effect.block.words:
+        if tool_change == "M6" and word.address == "M" and word.number == 6.0:
+            return True
+        if tool_change == "T" and word.address == "T":
+            return word.number is None or word.number < 100.0 or word.number % 100.0 != 0.0
+    return False
+
+
+class _Judge:
+    """Says of which kind an operation is, and why."""
+
+    def __init__(
+        self, interpreted: InterpretedProgram, rules: KindRules, tool_list: dict[int, _Remark]
+    ) -> None:
+        self.interpreted, self.rules, self.tool_list = interpreted, rules, tool_list
+        self.event_lines = [effect.block.line for effect in interpreted.effects]
+
+    def operation(self, index: int, draft: _Draft, last: int, cuts: tuple[int, int] | None) -> Operation:
+        first_cut, last_cut = cuts or (None, None)
+        kind, reason = self._kind(draft, last)
+        speed_rpm, spindle = None, "stop"
+        if first_cut is not None:
+            state = self.interpreted.effect(first_cut).after
+            speed_rpm, spindle = _speed_rpm(state), state.spindle
+        label = f"T{draft.tool}" if draft.tool is not None else "no tool called"
+        if draft.titles:
+            title = operation_title(draft.titles[-1].text)
+            label = title.label if title else draft.titles[-1].text.strip()
+        first = draft.first
+        return Operation(
+            index,
+            draft.tool,
+            kind,
+            reason,
+            label,
+            first,
+            last,
+            draft.call,
+            first_cut,
+            last_cut,
+            speed_rpm,
+            spindle,
+        )
+
+    def _kind(self, draft: _Draft, last: int) -> tuple[Kind, str]:
+        if draft.ordered:
+            kind, remark = draft.ordered
+            return kind, f'directive "{remark.text.strip()}", {self._line(remark.line)}'
+        tools = [r for r in draft.remarks if self._is_about_tool(r, draft)]
+        others = [r for r in draft.remarks if r not in tools and tool_text(r.text) is None]
+        said = draft.titles[::-1] + others
+        if draft.tool in self.tool_list:
+            tools.append(self.tool_list[draft.tool])
+        for remark in said + tools:
+            finding = kind_of_text(remark.text, self.rules)
+            if finding:
+                return finding.kind, f"{finding.reason}, {self._line(remark.line)}"
+        return self._kind_by_cycles(draft, last) or (Kind.UNKNOWN, self._unknown(draft.titles, tools))
+
+    @staticmethod
+    def _is_about_tool(remark: _Remark, draft: _Draft) -> bool:
+        note = tool_text(remark.text)
+        beside_call = remark.line == draft.call
+        return beside_call or (note is not None and note.number in (None, draft.tool))
+
+    def _kind_by_cycles(self, draft: _Draft, last: int) -> tuple[Kind, str] | None:
+        found: dict[Kind, str] = {}
+        at, end = bisect_left(self.event_lines, draft.first), bisect_left(self.event_lines, last)
+        for effect in self.interpreted.effects[at:end]:
+            kind = kind_by_cycle(effect)
+            if kind and kind not in found:
+                found[kind] = f"cycle {effect.block.text.strip()[:40]}, {self._line(effect.block.line)}"
+        return next(((kind, found[kind]) for kind in _CYCLE_ORDER if kind in found), None)
+
+    def _unknown(self, titles: Sequence[_Remark], tools: Sequence[_Remark]) -> str:
+        looked = [
+            f'{what} "{remarks[-1].text.strip()[:40]}" ({self._line(remarks[-1].line)})'
+            for what, remarks in (("title", titles), ("tool comment", tools))
+            if remarks
+        ]
+        return f"nothing says what it does: {', '.join(looked or ['no comment'])}, no cycle that would"
+
+    def _line(self, line: int) -> str:
+        return f"line {self.interpreted.program.source.place(line).line}"
+
+
+def _speed_rpm(state: State) -> float | None:
+    """The spindle speed where it is a known number and the spindle turns."""
+    speed = state.speed
+    if speed is None or not state.turns or state.modes.get("speed_mode") == "surface":
+        return None
+    return speed.value if speed.value > 0.0 else None

@@ -1,0 +1,1 @@
+"""Bytes, lines, places and findings."""

@@ -1,0 +1,85 @@
+"""Diagnostics are values: a code that never changes meaning, a severity, a place, a cause and a way out."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+from chipbreak.text.span import Place
+
+
+class Severity(enum.Enum):
+    """How much a diagnostic weighs: an error stops all output."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    NOTE = "note"
+
+
+class Diagnostic(NamedTuple):
+    """One finding.  ``line_text`` is the line it points at, as latin-1 text without its line end."""
+
+    code: str
+    severity: Severity
+    message: str
+    help: str = ""
+    place: Place | None = None
+    line_text: str = ""
+
+    def render(self) -> str:
+        """The text for stderr: place, severity, code and message, the line with a caret, and the way out."""
+        head = f"{self.place}: " if self.place else ""
+        lines = [f"{head}{self.severity.value} {self.code}: {self.message}"]
+        if self.place and self.line_text:
+            shown = "".join(c if c.isprintable() else "?" for c in self.line_text.replace("\t", " "))
+            first = max(0, self.place.column - 60)
+            width = max(1, min(self.place.end_column, first + 100) - self.place.column)
+            lines.append("    " + shown[first : first + 100].rstrip())
+            lines.append("    " + " " * (self.place.column - 1 - first) + "^" * width)
+        if self.help:
+            lines.append(f"  help: {self.help}")
+        return "\n".join(lines)
+
+    def as_json(self) -> dict[str, Any]:
+        """The same facts for a program to read."""
+        span = None
+        if self.place:
+            span = {"line": self.place.line, "column": self.place.column, "end_column": self.place.end_column}
+        return {
+            "code": self.code,
+            "severity": self.severity.value,
+            "file": self.place.file if self.place else None,
+            "span": span,
+            "message": self.message,
+            "help": self.help,
+        }
+
+
+class ProgramRejectedError(Exception):
+    """The program has an error in it; ``diagnostics`` says which.  No output may be written."""
+
+    def __init__(self, diagnostics: Sequence[Diagnostic]) -> None:
+        super().__init__("; ".join(d.message for d in diagnostics if d.severity is Severity.ERROR))
+        self.diagnostics = tuple(diagnostics)
+
+
+class SelfCheckError(Exception):
+    """The output does not do what was promised: a fault of this program.  Nothing may be written."""
+
+
+class RefusalError(Exception):
+    """A calculation that cannot be done honestly.
+
+    Code without a place in a program raises it with a code, the cause and the way out; the caller that
+    knows the block turns it into a :class:`Diagnostic`.
+    """
+
+    def __init__(self, code: str, message: str, help: str = "") -> None:
+        super().__init__(message)
+        self.code, self.message, self.help = code, message, help
+
+
+def has_errors(diagnostics: Iterable[Diagnostic]) -> bool:
+    """True when any of them stops the output."""
+    return any(d.severity is Severity.ERROR for d in diagnostics)

@@ -1,0 +1,124 @@
+"""Bytes to lines and back: nothing is decoded strictly, nothing is normalised.
+
+A line keeps its own end (LF, CRLF or CR).  What stands before the first ``%`` and after the last one is
+read by no control: it is leader and trailer, outside ``body``, and passes through.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chipbreak.text.span import Place
+
+LF, CR = 10, 13
+_PIECE_BYTES = 1 << 17
+# What controls read past: the bytes of BLANK in grammar/nc.lark.
+BLANKS = b" \t\0\x0b\x0c\x1a\x7f\xef\xbb\xbf"
+
+
+class Source(NamedTuple):
+    """A program as bytes, cut into lines.
+
+    ``starts`` holds n + 1 offsets: line i, with its line end, is ``data[starts[i]:starts[i + 1]]``.
+    ``body`` is the range of lines a control reads.  ``numbers`` maps a line to its number in the user's
+    file when the two differ (a program that was filtered before is put back first).
+    """
+
+    data: bytes
+    name: str
+    starts: NDArray[np.int64]
+    line_end: bytes
+    body: range
+    numbers: NDArray[np.int64] | None = None
+
+    @property
+    def line_count(self) -> int:
+        """How many lines there are; a last line without an end counts."""
+        return len(self.starts) - 1
+
+    def raw(self, line: int) -> bytes:
+        """Line with its end."""
+        return self.data[self.starts[line] : self.starts[line + 1]]
+
+    def text(self, line: int) -> str:
+        """Line without its end, one character a byte (latin-1)."""
+        return self.raw(line).rstrip(b"\r\n").decode("latin-1")
+
+    def place(self, line: int, start: int = 0, end: int | None = None) -> Place:
+        """Where characters ``start`` to ``end`` of a line stand in the user's file."""
+        number = line + 1 if self.numbers is None else int(self.numbers[line])
+        stop = len(self.text(line)) if end is None else end
+        return Place(self.name, number, start + 1, max(stop, start + 1) + 1)
+
+
+def read(data: bytes, name: str = "<stdin>", numbers: NDArray[np.int64] | None = None) -> Source:
+    """Cut bytes into lines.  Any bytes are a program; nothing is refused here."""
+    starts = _line_starts(data)
+    return Source(data, name, starts, _usual_end(data, starts), _body(data, starts), numbers)
+
+
+def _line_starts(data: bytes) -> NDArray[np.int64]:
+    array = np.frombuffer(data, np.uint8)
+    after_end = _behind(array, LF)
+    if b"\r" in data:
+        returns = _behind(array, CR)
+        lone = returns[np.append(array, 0)[returns] != LF]
+        after_end = np.sort(np.concatenate((after_end, lone)))
+    starts = np.concatenate((np.zeros(1, np.int64), after_end))
+    return starts if starts[-1] == len(data) else np.append(starts, len(data))
+
+
+def _behind(array: NDArray[np.uint8], byte: int) -> NDArray[np.int64]:
+    """The places behind each such byte; a piece at a time, so that the pieces stay in the cache."""
+    pieces = range(0, len(array), _PIECE_BYTES)
+    places = [np.flatnonzero(array[at : at + _PIECE_BYTES] == byte) + (at + 1) for at in pieces]
+    return np.concatenate(places) if places else np.empty(0, np.int64)
+
+
+def _usual_end(data: bytes, starts: NDArray[np.int64]) -> bytes:
+    """The line end new blocks take: the most frequent one among the first lines.
+
+    A lone CR is taken only where nothing else is found: controls that read LF do not see it (CR CR LF).
+    """
+    ends: Counter[bytes] = Counter()
+    for line in range(min(len(starts) - 1, 1000)):
+        raw = data[max(starts[line], starts[line + 1] - 2) : starts[line + 1]]
+        ends[raw[len(raw.rstrip(b"\r\n")) :]] += 1
+    if not ends[b"\n"] and not ends[b"\r\n"]:
+        return b"\r" if ends[b"\r"] else b"\n"
+    return b"\r\n" if ends[b"\r\n"] > ends[b"\n"] else b"\n"
+
+
+def _body(data: bytes, starts: NDArray[np.int64]) -> range:
+    """Lines between the first and the last ``%``.
+
+    With one ``%`` only, it starts the program when nothing but blanks stands before it, and ends it when
+    nothing but blanks stands behind it.  With text on both sides nobody can say, and all lines are read.
+    """
+    count = len(starts) - 1
+    marks = _mark_lines(data, starts)
+    if not marks:
+        return range(count)
+    if len(marks) == 1:
+        only = marks[0]
+        blanks = BLANKS + b"\r\n"
+        if not data[: starts[only]].strip(blanks):
+            return range(only, count)
+        return range(count) if data[starts[only + 1] :].strip(blanks) else range(only + 1)
+    return range(marks[0], marks[-1] + 1)
+
+
+def _mark_lines(data: bytes, starts: NDArray[np.int64]) -> list[int]:
+    """Lines whose first character that is no blank is ``%``."""
+    marks = []
+    at = data.find(b"%")
+    while at >= 0:
+        line = int(np.searchsorted(starts, at, "right")) - 1
+        if not data[starts[line] : at].strip(BLANKS):
+            marks.append(line)
+        at = data.find(b"%", int(starts[line + 1]))
+    return marks

@@ -1,0 +1,136 @@
+"""The blocks of a vibrated cut as text and tables: axis words, feeds, dwells, loops."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chipbreak.editing.edits import MoveTable
+from chipbreak.settings.sections import Settings
+from chipbreak.syntax.numbers import print_number
+from chipbreak.vibration.chain import Chain
+from chipbreak.vibration.dwell import STAND_DECIMALS
+from chipbreak.vibration.loop import Loop
+from chipbreak.vibration.loop_names import LoopNames
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Words:
+    """Axis words of every knot, in program units, rounded; (n, axes).
+
+    ``letters`` are for the places themselves, or for distances where the cut is ``incremental``;
+    ``distance_letters`` are those of loops.
+    """
+
+    letters: tuple[str, ...]
+    absolute: Floats
+    points_mm: Floats
+    decimals: int
+    incremental: bool
+    distance_letters: tuple[str, ...]
+    loops: Sequence[Loop]
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """What the blocks say: axis words, the time that the tool stands behind each, (n,), and its F, (n,).
+
+    ``stand_s`` is empty where the tool never stands.  Without ``feeds`` all blocks have the feed that the
+    program gives them.
+    """
+
+    words: Words
+    stand_s: Floats
+    names: LoopNames | None
+    feeds: Floats | None = None
+    feed_decimals: int = 0
+
+    def table(self, letters: Sequence[str], axis_columns: Floats) -> MoveTable:
+        """All blocks; ``axis_columns`` (n, axes)."""
+        columns, decimals = tuple(axis_columns.T), (self.words.decimals,) * len(letters)
+        if self.feeds is None:
+            return MoveTable(tuple(letters), columns, decimals)
+        return MoveTable((*letters, "F"), (*columns, self.feeds), (*decimals, self.feed_decimals))
+
+
+def content_of(
+    columns: Columns, chain: Chain, settings: Settings, *, plain_end: bool
+) -> tuple[str | MoveTable, ...]:
+    """First and last block as text, the rest as tables, the loops between their lines.
+
+    With ``plain_end`` the last block has the program's own F, in its own text.
+    """
+    words, names = columns.words, columns.names
+    places = np.diff(words.absolute, axis=0) if words.incremental else words.absolute[1:]
+    table = columns.table(words.letters, places)
+    last = len(table) - 1
+    content: list[str | MoveTable] = ["G1 " + _row(table, 0)]
+    if columns.feeds is None:
+        assert chain.before.feed is not None
+        content[0] = f"{content[0]} F{chain.before.feed.text}"
+    dwells = _Dwells(columns.stand_s, settings.dialect.dwell_word)
+    content += dwells.behind(0)
+    at = 1
+    if names is not None:
+        switch = _switch(words, settings)
+        passes = columns.table(words.distance_letters, np.diff(words.absolute, axis=0))
+        for number, loop in enumerate(words.loops):
+            before, behind = names.lines(number, loop.passes)
+            content += dwells.rows(table, at, loop.first)
+            content += [*switch[:1], *before]
+            content += dwells.rows(passes, loop.first, loop.first + loop.count)
+            content += [*behind, *switch[1:]]
+            at = loop.stop
+    content += dwells.rows(table, at, last)
+    if last:
+        own_feed = chain.after.feed if plain_end and columns.feeds is not None else None
+        content.append(_row(table, last, own_feed.text if own_feed else ""))
+        content += dwells.behind(last)
+    return tuple(content)
+
+
+@dataclass(frozen=True, eq=False)
+class _Dwells:
+    """The blocks that stand, behind those that move."""
+
+    stand_s: Floats
+    word: str
+
+    def behind(self, row: int) -> list[str]:
+        """The dwell behind one block, if there is one."""
+        stand_s = float(self.stand_s[row]) if len(self.stand_s) else 0.0
+        return [f"G4 {self.word}{print_number(stand_s, STAND_DECIMALS)}"] if stand_s > 0.0 else []
+
+    def rows(self, table: MoveTable, first: int, stop: int) -> list[MoveTable]:
+        """Rows in tables, each of which has the same dwell behind every row."""
+        if stop <= first:
+            return []
+        if not self.stand_s[first:stop].any():
+            return [table.rows(first, stop)]
+        changes = first + 1 + np.flatnonzero(np.diff(self.stand_s[first:stop]))
+        bounds = pairwise([first, *changes.tolist(), stop])
+        return [replace(table.rows(a, b), behind="".join(self.behind(a))) for a, b in bounds]
+
+
+def _switch(words: Words, settings: Settings) -> list[str]:
+    """The blocks that switch to distances and back, where other letters do not say it."""
+    if words.incremental or words.distance_letters != words.letters:
+        return []
+    return [settings.dialect.code("distance", way) for way in ("incremental", "absolute")]
+
+
+def _row(table: MoveTable, row: int, feed: str = "") -> str:
+    """One block; with ``feed`` that is its F."""
+    words = [
+        letter + print_number(float(column[row]), decimals)
+        for letter, column, decimals in zip(table.letters, table.columns, table.decimals, strict=True)
+    ]
+    if feed:
+        words[-1] = f"F{feed}"
+    return " ".join(words)

@@ -1,0 +1,199 @@
+"""Expressions as Fanuc reads them.
+
+The grammar gives AND, OR and XOR the weakest place, as LinuxCNC does.  On Fanuc AND stands with ``*`` and
+``/``, and OR and XOR with ``+`` and ``-``; brackets leave no trace in the nodes, so text with one of these
+words is read again here.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from functools import lru_cache
+from operator import and_, or_, xor
+
+from chipbreak.model.evaluate import FUNCTIONS, OPERATORS
+from chipbreak.syntax.nodes import Call, Expression, Number, Operation, Variable
+from macro_interpreter.faults import ARITHMETIC, UNREADABLE, VARIABLE, fault
+
+Value = float | None
+Read = Callable[[int], Value]
+
+_LOGIC = re.compile(r"(?<![A-Z])(?:AND|OR|XOR)(?![A-Z])", re.IGNORECASE)
+_TOKEN = re.compile(r"\s*([0-9]+\.?[0-9]*|\.[0-9]+|[A-Z]+|[\[\]#,+\-*/])", re.IGNORECASE)
+_STRENGTH = {"*": 3, "/": 3, "MOD": 3, "AND": 3, "+": 2, "-": 2, "OR": 2, "XOR": 2}
+_STRENGTH |= dict.fromkeys(("EQ", "NE", "GT", "GE", "LT", "LE"), 1)
+
+
+def has_logic(text: str) -> bool:
+    """True when the text holds AND, OR or XOR, whose place differs."""
+    return _LOGIC.search(text) is not None
+
+
+@lru_cache(maxsize=4096)
+def read_expression(text: str) -> Expression:
+    """Read an expression with Fanuc's precedence.
+
+    >>> read_expression("1+2 AND 3").operator
+    '+'
+    """
+    reader = _Reader(text)
+    found = reader.expression(0)
+    if reader.tokens:
+        raise fault(UNREADABLE, f"this expression cannot be read behind its value: {text}")
+    return found
+
+
+class _Reader:
+    """Reads by the strength of operators."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.tokens: list[str] = [token.upper() for token in _TOKEN.findall(text)]
+
+    def take(self, expected: str = "") -> str:
+        if not self.tokens or (expected and self.tokens[0] != expected):
+            raise fault(UNREADABLE, f"this expression cannot be read: {self.text}")
+        return self.tokens.pop(0)
+
+    def expression(self, weakest: int) -> Expression:
+        left = self.factor()
+        while self.tokens and _STRENGTH.get(self.tokens[0], -1) > weakest:
+            operator = self.take()
+            left = Operation(operator, left, self.expression(_STRENGTH[operator]))
+        return left
+
+    def bracket(self) -> Expression:
+        self.take("[")
+        inner = self.expression(0)
+        self.take("]")
+        return inner
+
+    def factor(self) -> Expression:
+        token = self.take()
+        if token == "-":
+            return Operation("-", Number(0.0), self.factor())
+        if token == "+":
+            return self.factor()
+        if token == "[":
+            self.tokens.insert(0, token)
+            return self.bracket()
+        if token == "#":
+            return self.variable()
+        if token.isalpha():
+            return self.call(token)
+        return Number(float(token))
+
+    def variable(self) -> Expression:
+        if self.tokens[:1] == ["["]:
+            return Variable(self.bracket())
+        if self.tokens[:1] == ["#"]:
+            self.take()
+            return Variable(self.variable())
+        return Variable(int(self.take()))
+
+    def call(self, name: str) -> Expression:
+        self.take("[")
+        arguments = [self.expression(0)]
+        while self.tokens[:1] == [","]:
+            self.take()
+            arguments.append(self.expression(0))
+        self.take("]")
+        call = Call(name, tuple(arguments))
+        if name == "ATAN" and len(arguments) == 1 and self.tokens[:2] == ["/", "["]:
+            self.take()
+            return Operation("/", call, self.bracket())
+        return call
+
+
+def evaluate(expression: Expression, read: Read) -> Value:
+    """The value of an expression; None is the vacant ``#0``.
+
+    Vacant alone stays vacant; in arithmetic it is 0.  ``EQ`` and ``NE`` tell vacant from 0, the other
+    comparisons do not.
+    """
+    if isinstance(expression, Number):
+        return expression.value
+    if isinstance(expression, Variable):
+        return read(variable_number(expression, read))
+    if isinstance(expression, Call):
+        return _call(expression, read)
+    if _is_arc_tangent(expression):
+        assert isinstance(expression.left, Call)
+        return _angle(_number(expression.left.arguments[0], read), _number(expression.right, read))
+    left, right = evaluate(expression.left, read), evaluate(expression.right, read)
+    if expression.operator in ("EQ", "NE"):
+        is_same = left is right if left is None or right is None else left == right
+        return float(is_same == (expression.operator == "EQ"))
+    return _operate(expression.operator, left or 0.0, right or 0.0)
+
+
+def variable_number(variable: Variable, read: Read) -> int:
+    """The number of ``#1``, ``##1`` or ``#[...]``."""
+    key = variable.key
+    if isinstance(key, str):
+        raise fault(VARIABLE, f"#<{key}>: this control has no variables with names")
+    if isinstance(key, int):
+        return key
+    value = evaluate(key, read)
+    number = round(value or 0.0)
+    if value is None or abs(value - number) > 1e-4:
+        raise fault(VARIABLE, f"#[{value}]: the number of a variable must be whole")
+    return number
+
+
+def _is_arc_tangent(node: Operation) -> bool:
+    left = node.left
+    if node.operator != "/" or not isinstance(left, Call) or left.function != "ATAN":
+        return False
+    return len(left.arguments) == 1
+
+
+def _number(expression: Expression, read: Read) -> float:
+    return evaluate(expression, read) or 0.0
+
+
+_LOGIC_OPERATORS: dict[str, Callable[[int, int], int]] = {"AND": and_, "OR": or_, "XOR": xor}
+
+
+def _operate(operator: str, left: float, right: float) -> float:
+    if operator in ("/", "MOD") and right == 0.0:
+        raise fault(ARITHMETIC, "division by zero")
+    if operator == "MOD":
+        return math.fmod(left, right)
+    if operator in _LOGIC_OPERATORS:
+        return float(_LOGIC_OPERATORS[operator](round(left), round(right)))
+    if operator not in OPERATORS or operator == "**":
+        raise fault(UNREADABLE, f"{operator} is no operator of this control")
+    return OPERATORS[operator](left, right)
+
+
+def _angle(y: float, x: float) -> float:
+    """``ATAN[y]/[x]``: 0 to 360 degrees."""
+    return math.degrees(math.atan2(y, x)) % 360.0
+
+
+_FUNCTIONS: dict[str, Callable[..., float]] = {
+    **FUNCTIONS,
+    "FIX": lambda a: float(math.trunc(a)),
+    "FUP": lambda a: math.copysign(math.ceil(abs(a)), a),
+    "POW": math.pow,
+    "BIN": lambda a: float(int(str(round(a)), 10)) if a < 0 else float(int(f"{round(a):x}", 10)),
+    "BCD": lambda a: float(int(str(round(a)), 16)),
+    "ADP": lambda a: a,
+}
+
+
+def _call(call: Call, read: Read) -> float:
+    arguments = [_number(argument, read) for argument in call.arguments]
+    if call.function == "ATAN":
+        return _angle(*arguments) if len(arguments) == 2 else math.degrees(math.atan(arguments[0]))
+    function = _FUNCTIONS.get(call.function)
+    if function is None or len(arguments) != 1 + (call.function == "POW"):
+        raise fault(UNREADABLE, f"{call.function} with {len(arguments)} arguments is no function here")
+    try:
+        return function(*arguments)
+    except (ArithmeticError, ValueError):
+        values = ", ".join(f"{value:g}" for value in arguments)
+        raise fault(ARITHMETIC, f"{call.function}[{values}] has no value") from None

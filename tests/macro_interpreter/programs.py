@@ -1,0 +1,98 @@
+"""Programs by number, read by the project's parser, with their sequence numbers and loops."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from chipbreak.syntax.nodes import Block
+from chipbreak.syntax.parse import parse
+from chipbreak.text.source import read
+from macro_interpreter.faults import NO_LOOP, NO_PROGRAM, UNREADABLE, fault
+
+_NUMBER = re.compile(r"\s*[O:]([0-9]+)", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class MacroProgram:
+    """One program: its blocks, where each N stands, and the partner of each DO and END."""
+
+    number: int
+    blocks: tuple[Block, ...]
+    labels: dict[int, int] = field(default_factory=dict)
+    partners: dict[int, int] = field(default_factory=dict)
+
+    def line_of(self, label: int) -> int:
+        """The block with a sequence number."""
+        if label not in self.labels:
+            raise fault(NO_PROGRAM, f"O{self.number:04}: there is no block N{label}")
+        return self.labels[label]
+
+
+class Library:
+    """All programs in the control's memory."""
+
+    def __init__(self, texts: Iterable[str | bytes] = ()) -> None:
+        self.programs: dict[int, MacroProgram] = {}
+        for text in texts:
+            self.add(text)
+
+    def add(self, text: str | bytes) -> list[int]:
+        """Read the programs of a text; each starts with its O number.  Returns the numbers."""
+        data = text.encode("latin-1") if isinstance(text, str) else text
+        program = parse(read(data))
+        found: list[tuple[int, list[Block]]] = []
+        for line in program.source.body:
+            block = program.block(line)
+            start = _NUMBER.match(block.text)
+            if start:
+                found.append((int(start[1]), []))
+            if block.opaque:
+                place = f"line {line + 1}: {block.text.strip()}"
+                raise fault(UNREADABLE, f"{place} cannot be read ({block.opaque})")
+            if found and not block.mark:
+                found[-1][1].append(block)
+        if not found:
+            raise fault(NO_PROGRAM, "the text holds no program number")
+        for number, blocks in found:
+            self.programs[number] = MacroProgram(
+                number, tuple(blocks), _labels(blocks), _loops(number, blocks)
+            )
+        return [number for number, _ in found]
+
+    def get(self, number: int) -> MacroProgram:
+        """A program by its number."""
+        if number not in self.programs:
+            raise fault(NO_PROGRAM, f"there is no program O{number:04}")
+        return self.programs[number]
+
+
+def _labels(blocks: list[Block]) -> dict[int, int]:
+    labels: dict[int, int] = {}
+    for index, block in enumerate(blocks):
+        if block.sequence is not None and block.sequence.number is not None:
+            labels.setdefault(int(block.sequence.number), index)
+    return labels
+
+
+def _loops(number: int, blocks: list[Block]) -> dict[int, int]:
+    """DO to END and back; loops may lie in each other, not across."""
+    partners: dict[int, int] = {}
+    opened: list[tuple[str, int]] = []
+    for index, block in enumerate(blocks):
+        for control in block.controls:
+            if control.keyword == "DO":
+                if control.label not in ("1", "2", "3"):
+                    raise fault(NO_LOOP, f"O{number:04}: DO{control.label}; there are DO1, DO2 and DO3")
+                if control.label in [label for label, _ in opened]:
+                    raise fault(NO_LOOP, f"O{number:04}: DO{control.label} inside DO{control.label}")
+                opened.append((control.label, index))
+            elif control.keyword == "END":
+                if not opened or opened[-1][0] != control.label:
+                    raise fault(NO_LOOP, f"O{number:04}: END{control.label} without its DO")
+                partners[index] = opened.pop()[1]
+                partners[partners[index]] = index
+    if opened:
+        raise fault(NO_LOOP, f"O{number:04}: DO{opened[-1][0]} without its END")
+    return partners
