@@ -39,7 +39,7 @@ def share_broken(outcome: Outcome) -> float:
 
 def reached(outcome: Outcome) -> str:
     hertz = outcome.vibration().frequency_hz
-    return f"{hertz:.2f}, {hertz * 60.0 / outcome.promise.planned.cut.cut.speed_rpm:.3f}"
+    return f"{hertz:.2f}, {hertz * 60.0 / outcome.promise.wave.speed_rpm:.3f}"
 
 
 def breaks(outcome: Outcome) -> str:
@@ -48,14 +48,14 @@ def breaks(outcome: Outcome) -> str:
 
 
 def row(job: Job, naive: Outcome, ours: Outcome) -> tuple[str, ...]:
-    cut = ours.promise.planned.cut
+    cut = ours.promise.plan
     mode = next((s.split("=")[1] for s in job.sets if s.startswith("output.feed_mode")), "rev")
-    share = f" {cut.cut.alpha_share:.2g}" if "vibration.alpha=0.75" in job.sets else ""
+    share = f" {cut.wave.alpha_share:.2g}" if "vibration.alpha=0.75" in job.sets else ""
     return (
-        f"{job.shape.name}, S{cut.cut.speed_rpm:g}",
+        f"{job.shape.name}, S{cut.wave.speed_rpm:g}",
         f"{job.acceleration_mm_s2 / 1000:g}",
-        f"{cut.cut.waveform}{share}, {mode}",
-        f"{1.0 / cut.cut.period_s:.2f}, {cut.solution.per_rev:.3f}",
+        f"{cut.wave.waveform}{share}, {mode}",
+        f"{1.0 / cut.wave.period_s:.2f}, {cut.solution.per_rev:.3f}",
         reached(naive),
         breaks(naive),
         reached(ours),

@@ -191,7 +191,7 @@ def _chip_diagnostics(
     """Cuts that were asked to break chips and do not, and vibration on a finishing operation."""
     found = list[Diagnostic]()
     for checked in cuts:
-        cut, verdict = checked.planned.cut, checked.verdict
+        cut, verdict = checked.plan, checked.verdict
         line = cut.chain.first
         advise = sum(d.code in (UNBROKEN, MISSED) for d in found) < _MOST_ADVISED
         if checked.misses_plan:
@@ -218,7 +218,7 @@ def _chip_diagnostics(
 
 def _surface_speed(interpreted: InterpretedProgram, checked: CutReport) -> list[Diagnostic]:
     """A warning where a cut of G96 grows in diameter, and the speed of its start is far too high for that."""
-    cut, state = checked.planned.cut, checked.planned.cut.chain.before
+    cut, state = checked.plan, checked.plan.chain.before
     if state.modes["speed_mode"] != "surface" or not checked.clearances or state.speed is None:
         return []
     asked_m_min = state.speed.value * (MM_PER_INCH * 12.0 / 1000.0 if state.is_inch else 1.0)
@@ -240,15 +240,15 @@ def _missed(interpreted: InterpretedProgram, checked: CutReport, *, advise: bool
     """The control cannot keep to the plan: corners and bends of the path cost it time."""
     from chipbreak.vibration.ways_out import ways_out
 
-    cut, verdict = checked.planned.cut, checked.verdict
-    planned_s = cut.cut.duration_s + cut.end_stand_s
+    cut, verdict = checked.plan, checked.verdict
+    planned_s = cut.wave.duration_s + cut.end_stand_s
     message = (
         f"the control would take {checked.duration_s:.2f} s for this cut of {planned_s:.2f} s"
         f" and make N {verdict.per_rev:.3f} of {cut.solution.per_rev:.3f}"
     )
     if len(cut.path.legs) > 1 or cut.path.arcs[0] is not None:
         message += ": it rests at bends of the path"
-    elif cut.cut.form == "tick":
+    elif cut.wave.form == "tick":
         message += ": strokes of several blocks do not keep their times"
     works = ways_out(interpreted, interpreted.settings, checked) if advise else ""
     help_text = f"works: {works}" if works else "ask for a lower frequency, or vibrate each block on its own"
@@ -261,9 +261,9 @@ def _unbroken(
     """Why the chips stay whole, and what would break them."""
     from chipbreak.vibration.ways_out import ways_out
 
-    cut, verdict = checked.planned.cut, checked.verdict
+    cut, verdict = checked.plan, checked.verdict
     message = (
-        f"this cut would not break chips: with a stroke of {cut.cut.stroke_mm:.4f} mm at N"
+        f"this cut would not break chips: with a stroke of {cut.wave.stroke_mm:.4f} mm at N"
         f" {verdict.per_rev or cut.solution.per_rev:.3f} the weakest vibration has a margin of"
         f" {verdict.margin:.2f}, 1 is needed"
     )
@@ -282,10 +282,10 @@ def _servo_diagnostics(
     if share is None or margin < 1.0 or margin * share >= 1.0:
         return []
     message = (
-        f"the servo leaves {share:.0%} of the stroke at {checked.planned.cut.solution.frequency_hz:.4g} Hz:"
+        f"the servo leaves {share:.0%} of the stroke at {checked.plan.solution.frequency_hz:.4g} Hz:"
         f" the margin of {margin:.2f} becomes {margin * share:.2f}, and the chips do not break"
     )
     help_text = f"take a lower f, or vibration.margin {1.05 / share:.2f}, if the machine allows such a stroke"
     severity = Severity.WARNING if allow_unbroken else Severity.ERROR
-    line = checked.planned.cut.chain.first
+    line = checked.plan.chain.first
     return [interpreted.program.diagnose(line, SERVO, message, help_text, severity=severity)]

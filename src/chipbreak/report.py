@@ -59,7 +59,7 @@ def _checks(result: Result) -> list[Edit]:
 
 
 def _cut_text(result: Result, checked: CutReport, settings: Settings) -> Iterator[str]:
-    cut, verdict, solution = checked.planned.cut, checked.verdict, checked.planned.cut.solution
+    cut, verdict, solution = checked.plan, checked.verdict, checked.plan.solution
     block = cut.chain.requests[0].effect.block.text.strip()
     yield f"  {_lines(result, checked)}: {block}"
     asked = ", ".join(f"{'f' if k == 'F' else k} {g.value:g} ({g.origin})" for k, g in cut.given.items())
@@ -110,16 +110,16 @@ def _cut_text(result: Result, checked: CutReport, settings: Settings) -> Iterato
         f"    output   {checked.move_count} moves, {checked.duration_s:.2f} s,"
         f" axis up to {verdict.peak_speed_mm_s * 60.0:.0f} mm/min{ends}"
     )
-    loops = checked.planned.expansion.loops
+    loops = checked.expansion.loops
     if loops is not None:
         yield f"    loop     {_loops(loops, checked.move_count)}"
 
 
 def _wave(checked: CutReport) -> str:
     """The stroke, or how far the tool feeds and how long it then stands."""
-    cut, rev_s = checked.planned.cut.cut, S_PER_MIN / checked.planned.cut.solution.speed_rpm
+    cut, rev_s = checked.wave, S_PER_MIN / checked.plan.solution.speed_rpm
     if cut.waveform == "dwell":
-        stand_s = float(checked.planned.expansion.stand_s[0])
+        stand_s = float(checked.expansion.stand_s[0])
         return (
             f"    dwell    {cut.speed_mm_s * cut.period_s:.4g} mm at {cut.feed_mm_rev:.4g} mm/rev, then"
             f" stands {stand_s * MS_PER_S:.4g} ms = {stand_s / rev_s:.3g} revolutions"
@@ -145,7 +145,7 @@ def _members(checked: CutReport, settings: Settings) -> list[tuple[str, str, int
     """Axis, letter and sign of the axes of a cut, where the profile says which member moves."""
     is_said = any(key.startswith("axes.") and key.endswith((".letter", ".sign")) for key in settings.origins)
     words = settings.axis_words
-    axes = checked.planned.cut.chain.axes if is_said else ""
+    axes = checked.plan.chain.axes if is_said else ""
     return [(axis, words.letters[axis], words.signs[axis]) for axis in axes]
 
 
@@ -154,7 +154,7 @@ def _chip(revolutions: float, length_mm: float | None) -> str:
 
 
 def _lines(result: Result, checked: CutReport) -> str:
-    chain = checked.planned.cut.chain
+    chain = checked.plan.chain
     first = result.source.place(chain.first).line
     last = result.source.place(chain.last - 1).line
     return f"line {first}" if first == last else f"lines {first} to {last}"
@@ -187,7 +187,7 @@ def explain_json(result: Result, settings: Settings) -> dict[str, Any]:
 
 
 def _cut_json(result: Result, checked: CutReport, settings: Settings) -> dict[str, Any]:
-    cut, verdict, solution = checked.planned.cut, checked.verdict, checked.planned.cut.solution
+    cut, verdict, solution = checked.plan, checked.verdict, checked.plan.solution
     return {
         "first_line": result.source.place(cut.chain.first).line,
         "last_line": result.source.place(cut.chain.last - 1).line,
@@ -196,16 +196,16 @@ def _cut_json(result: Result, checked: CutReport, settings: Settings) -> dict[st
         "speed_rpm": solution.speed_rpm,
         "per_rev": solution.per_rev,
         "frequency_hz": solution.frequency_hz,
-        "feed_mm_rev": cut.cut.feed_mm_rev,
-        "stroke_mm": cut.cut.stroke_mm,
-        "waveform": cut.cut.waveform,
-        "alpha_share": cut.cut.alpha_share,
-        "stand_s": float(checked.planned.expansion.stand_s[0]) if cut.keeps_feed else 0.0,
+        "feed_mm_rev": cut.wave.feed_mm_rev,
+        "stroke_mm": cut.wave.stroke_mm,
+        "waveform": cut.wave.waveform,
+        "alpha_share": cut.wave.alpha_share,
+        "stand_s": float(checked.expansion.stand_s[0]) if cut.keeps_feed else 0.0,
         "end_stand_s": cut.end_stand_s,
         "moves": checked.move_count,
         "loops": [
             {"vibrations": loop.vibrations, "passes": loop.passes, "drift_steps": loop.drift_steps}
-            for loop in checked.planned.expansion.loops or ()
+            for loop in checked.expansion.loops or ()
         ],
         "duration_s": checked.duration_s,
         "control": checked.control,

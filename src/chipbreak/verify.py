@@ -53,7 +53,7 @@ def verify(
     following = [edit.first for edit in ordered[1:]] + [interpreted.program.source.body.stop]
     for edit, region, stop in zip(ordered, found, following, strict=True):
         planned = by_edit.get(id(edit))
-        if planned is not None and planned.cut.chain.after.modes["motion"] != "line":
+        if planned is not None and planned.plan.chain.after.modes["motion"] != "line":
             motion_from = _next_motion_code(interpreted, edit.last)
         _check_states(interpreted, result, edit, region, motion_from)
         _check_return(interpreted, result, edit, region, stop)
@@ -61,7 +61,7 @@ def verify(
             # Only programs that vibrate pay for loading the measuring of cuts.
             from chipbreak.vibration.measure import measure_cut
 
-            checked.append(measure_cut(result, region, planned))
+            checked.append(measure_cut(result, region, planned.plan, planned.expansion))
         elif edit.pass_name == VIBRATE:
             _check_speed_back(interpreted, result, edit, region)
     return checked

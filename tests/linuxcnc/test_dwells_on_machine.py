@@ -35,7 +35,7 @@ def test_the_interpreter_waits_as_promised(job: Job) -> None:
     assert (judgement.accepted, judgement.message) == (True, "")
     inside = [m for m in judgement.motion if m.path_mode == "G61"]
     waits = [m.time_s for m in inside if m.kind == "dwell"]
-    planned = cut.planned.expansion.stand_s
+    planned = cut.expansion.stand_s
     assert waits == pytest.approx(planned[planned > 0.0].tolist())
     assert {m.feed for m in inside if m.kind == "feed"} == {0.1}
     moves_s = sum(m.time_s for m in inside if m.kind == "feed")
@@ -50,7 +50,7 @@ def stands_s(outcome: Outcome) -> np.ndarray:
 
 
 def broken_promises(outcome: Outcome) -> list[str]:
-    cut, verdict = outcome.promise.planned.cut.cut, outcome.promise.verdict
+    cut, verdict = outcome.promise.wave, outcome.promise.verdict
     stands, rev_s = stands_s(outcome), 60.0 / cut.speed_rpm
     chips = outcome.chips(settled=1.0)
     found = {

@@ -68,5 +68,5 @@ def test_every_promise_is_kept() -> None:
     ]
     for job in jobs:
         (cut,) = job.filtered().cuts
-        assert cut.planned.expansion.loops, job
+        assert cut.expansion.loops, job
     assert what_went_wrong(jobs) == []

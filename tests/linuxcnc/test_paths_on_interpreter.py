@@ -240,7 +240,7 @@ def test_every_point_lies_where_the_original_goes(drawn: Drawn) -> None:
     # It takes the time of the cut without vibration, at the speed that it has now.
     cut = next(c for c in result.cuts)
     took_s = sum(move.time_s for move in now.motion[:-1] if move.kind == "feed")
-    feed_mm_s = cut.planned.cut.cut.feed_mm_rev * cut.planned.cut.solution.speed_rpm / 60.0
+    feed_mm_s = cut.wave.feed_mm_rev * cut.plan.solution.speed_rpm / 60.0
     length_mm = sum(leg.length() for leg in legs) * drawn.unit_mm
     # Canonical moves have four decimals; of a short one in inches that leaves too little to take its time.
     assert drawn.inch or took_s == pytest.approx(length_mm / feed_mm_s, rel=0.006)

@@ -37,7 +37,7 @@ TRIES = 3
 def broken_promises(outcome: Outcome) -> list[str]:
     """What the machine did otherwise than the filter said; empty when all is well."""
     promise, shape = outcome.promise, outcome.job.shape
-    cut, verdict = promise.planned.cut.cut, promise.verdict
+    cut, verdict = promise.wave, promise.verdict
     vibration, chips, settled = outcome.vibration(), outcome.chips(), outcome.chips(settled=3.0)
     start_s, end_s = outcome.window_s
     vibrations = (end_s - start_s) / cut.period_s
@@ -48,7 +48,7 @@ def broken_promises(outcome: Outcome) -> list[str]:
         "an operator error": not outcome.errors,
         "the verdict": verdict.breaks == outcome.job.breaks,
         "the frequency": not turns_back or abs(vibration.frequency_hz * cut.period_s - 1.0) <= 0.01,
-        "N": not turns_back or abs(per_rev / promise.planned.cut.solution.per_rev - 1.0) <= 0.01,
+        "N": not turns_back or abs(per_rev / promise.plan.solution.per_rev - 1.0) <= 0.01,
         "the number of turns": abs(vibration.turns - vibrations * turns_back) <= 1.0,
         "the stroke": not turns_back or np.all(np.abs(vibration.strokes_mm / cut.stroke_mm - 1.0) <= 0.05),
         "the chips": abs(chips.broken - vibrations * verdict.breaks) <= 1.0,
@@ -110,7 +110,7 @@ def test_what_is_too_fast_is_refused_and_the_way_out_works() -> None:
         works = re.search(r"works at f ([0-9.]+) Hz, S ([0-9]+)", refusal.help)
         assert works, refusal.help
         advised.append(replace(job, speed_rpm=float(works[2])))
-        solution = advised[-1].filtered().cuts[0].planned.cut.solution
+        solution = advised[-1].filtered().cuts[0].plan.solution
         assert solution.frequency_hz == pytest.approx(float(works[1]), rel=1e-4)
         assert solution.speed_rpm == float(works[2])
 
@@ -178,7 +178,7 @@ def test_an_arc_is_one_block_per_stroke() -> None:
     """A stroke that is cut into pieces bends, and LinuxCNC rests at each bend or slows down."""
     result = Job(ARC, 1250, "N1.5", 20000).filtered()
     (cut,) = result.cuts
-    assert cut.move_count <= 2 * cut.planned.cut.cut.vibrations + 2
+    assert cut.move_count <= 2 * cut.wave.vibrations + 2
 
 
 @pytest.mark.linuxcnc("machine")

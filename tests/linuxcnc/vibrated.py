@@ -102,7 +102,7 @@ class Outcome:
     @property
     def window_s(self) -> tuple[float, float]:
         """The part of full stroke, as promised, from one revolution after its begin."""
-        cut = self.promise.planned.cut.cut
+        cut = self.promise.wave
         rev_s, shift = 60.0 / cut.speed_rpm, self.time_s[-1] / cut.duration_s
         last_s = cut.vibrations * cut.period_s - cut.ramp_in_s
         return (cut.ramp_in_s + rev_s) * shift, min(last_s, cut.duration_s - rev_s) * shift
@@ -112,7 +112,7 @@ class Outcome:
 
     def chips(self, *, settled: float = 0.0) -> Chips:
         """In the part of full stroke; the ``settled`` revolutions before it had their full stroke too."""
-        speed_rpm = self.promise.planned.cut.cut.speed_rpm
+        speed_rpm = self.promise.wave.speed_rpm
         start_s, end_s = self.window_s
         return chips(self.time_s, self.along_mm, speed_rpm, (start_s + settled * 60.0 / speed_rpm, end_s))
 

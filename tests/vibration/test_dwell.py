@@ -102,7 +102,7 @@ def test_it_breaks_where_it_stands_a_revolution_and_is_refused_elsewhere(
     event("taken")
     (cut,) = done.cuts
     stand_s = float(re.findall(r"G4 X([0-9.]+)", done.data.decode())[0])
-    rev_s = 60.0 / cut.planned.cut.solution.speed_rpm
+    rev_s = 60.0 / cut.plan.solution.speed_rpm
     assert cut.verdict.breaks
     assert cut.verdict.margin == pytest.approx(stand_s / rev_s * edges)
     assert cut.verdict.margin >= 1.0 - 1e-9  # a stand of exactly a revolution will do
@@ -138,7 +138,7 @@ def test_any_cut_ends_at_its_end_and_keeps_its_feed(
     length = math.hypot(x / 2, z)
     stands = [float(s) for s in re.findall(r"G4 X([0-9.]+)", inside)]
     if style != "loop":
-        speed_rpm = cut.planned.cut.solution.speed_rpm
+        speed_rpm = cut.plan.solution.speed_rpm
         feed_mm_s = 2.0 if mode == "G98" else 0.1 * speed_rpm / 60.0
         assert cut.duration_s == pytest.approx(length / feed_mm_s + sum(stands), rel=1e-3)
         (moves,) = run_program(text).cuts
@@ -149,7 +149,7 @@ def test_any_cut_ends_at_its_end_and_keeps_its_feed(
         for letter, wanted in (("U", x), ("W", z)):
             words = [Decimal(t) for t in re.findall(rf"{letter}(-?[0-9.]+)", inside)]
             assert sum(words) == Decimal(f"{wanted:.3f}")
-    turn_s = 60.0 / cut.planned.cut.solution.speed_rpm
+    turn_s = 60.0 / cut.plan.solution.speed_rpm
     assert inside.splitlines()[-1].startswith("G4") == (end == "dwell")
     assert stands[-1] >= turn_s
 
@@ -162,7 +162,7 @@ def test_the_shoulder_may_be_cleaned_by_standing() -> None:
     assert re.search(r"\nZ-28\. F\S+\nG4 X0\.048\nF0\.1\n\(CHIPBREAK END", standing)
     assert len(run_program(standing).cuts[0]) > len(run_program(plain).cuts[0])
     (cut,) = result(program, "fanuc-lathe", "vibration.end=dwell").cuts
-    assert cut.duration_s == pytest.approx(cut.planned.cut.cut.duration_s + 0.048, rel=1e-4)
+    assert cut.duration_s == pytest.approx(cut.wave.duration_s + 0.048, rel=1e-4)
     none = filtered(program, "fanuc-lathe", "vibration.end=dwell", "vibration.end_revolutions=0")
     assert "G4" not in none
 
@@ -219,8 +219,8 @@ def test_the_control_takes_what_it_needs_from_the_stand() -> None:
     for acceleration in (500, 5000):
         limit = f"axes.Z.max_acceleration_mm_s2={acceleration}"
         (cut,) = result(program, "linuxcnc-lathe", limit).cuts
-        times[acceleration] = float(cut.planned.expansion.stand_s[0])
-        assert cut.verdict.per_rev == pytest.approx(cut.planned.cut.solution.per_rev, rel=1e-3)
+        times[acceleration] = float(cut.expansion.stand_s[0])
+        assert cut.verdict.per_rev == pytest.approx(cut.plan.solution.per_rev, rel=1e-3)
     assert times[500] == pytest.approx(times[5000] - 0.004, abs=0.0011)
 
 

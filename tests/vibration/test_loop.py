@@ -58,7 +58,7 @@ def cuts_of(program: str, profile: str, *sets: str) -> tuple[chipbreak.Result, l
     """The result in loop form, and how far the points of each cut may lie from the exact motion [steps]."""
     settings = chipbreak.load(profile, [LOOP, *sets])
     result = chipbreak.rewrite(program.encode(), settings, allow_unbroken=True)
-    loops = [cut.planned.expansion.loops or () for cut in result.cuts]
+    loops = [cut.expansion.loops or () for cut in result.cuts]
     return result, [0.5 + max((loop.drift_steps / 2 for loop in one), default=0.0) for one in loops]
 
 
@@ -149,21 +149,21 @@ def test_no_point_leaves_the_exact_motion_by_more_than_promised(cut: tuple[str, 
         assume(False)
     assume(result.cuts)  # too short a cut may stay plain here
     (checked,), (bound,) = result.cuts, bounds
-    loops = checked.planned.expansion.loops or ()
+    loops = checked.expansion.loops or ()
     event("loops" if loops else "no loop")
     event("drift" if bound > 0.5 else "alike")
     (real,) = run_program(written_out(result.data.decode())).cuts
     assert len(real) == checked.move_count
     # Where the blocks should end in the exact motion, by the time at which they should.
-    plan, ends_s = checked.planned.cut, np.append(0.0, checked.planned.expansion.time_s)
-    wanted = plan.path.points(np.interp(ends_s, *sample(plan.cut)))
+    plan, ends_s = checked.plan, np.append(0.0, checked.expansion.time_s)
+    wanted = plan.path.points(np.interp(ends_s, *sample(plan.wave)))
     step = np.array([0.0005, 0.001, 0.001])
     away = np.abs(points(real) - wanted) / step
     # An incremental program counts from its start, so its points have the digits of that.
     assert away[:-1].max() <= bound + 0.02
     assert bound <= 0.5 + 0.125
     assert points(real)[-1] == pytest.approx(wanted[-1], abs=1e-7)
-    assert times(real)[-1] == pytest.approx(plan.cut.duration_s, rel=0.004)
+    assert times(real)[-1] == pytest.approx(plan.wave.duration_s, rel=0.004)
     again = chipbreak.rewrite(result.data, chipbreak.load("fanuc-lathe", [LOOP, *sets]), allow_unbroken=True)
     assert again.data == result.data
     assert restore(read(result.data)).data.decode() == program
@@ -207,10 +207,10 @@ def test_on_linuxcnc_a_pass_takes_whole_servo_periods() -> None:
     sets = ("command.periods_ms=[49.75]", "axes.Z.max_acceleration_mm_s2=20000", "vibration.q=3")
     result, _ = cuts_of(program, "linuxcnc-lathe", *sets)
     (cut,) = result.cuts
-    assert cut.planned.expansion.loops
-    for loop in cut.planned.expansion.loops:
+    assert cut.expansion.loops
+    for loop in cut.expansion.loops:
         assert loop.vibrations % 4 == 0
-    assert cut.duration_s == pytest.approx(cut.planned.cut.cut.duration_s, rel=1e-3)
+    assert cut.duration_s == pytest.approx(cut.wave.duration_s, rel=1e-3)
 
 
 def test_explain_says_what_repeats() -> None:

@@ -188,4 +188,4 @@ def test_the_active_speed_stands_in_a_line_of_the_file_at_hand() -> None:
     done = filtered("G97 S2500 M3\n" + cut.format(20) + "S2000\n" + cut.format(18) + "M30\n", "fanuc-lathe")
     result = chipbreak.rewrite(done.encode("latin-1"), chipbreak.load("fanuc-lathe"))
     line = done.split("\n").index("S2000") + 1
-    assert result.cuts[1].planned.cut.given["S"].origin == f"active S, line {line}"
+    assert result.cuts[1].plan.given["S"].origin == f"active S, line {line}"

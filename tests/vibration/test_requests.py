@@ -25,7 +25,7 @@ def explained(program: str, *sets: str) -> list[str]:
     """What was asked of each cut, and where it was said, as explain shows it."""
     result = chipbreak.rewrite(program.encode(), chipbreak.load("generic-lathe", sets))
     return [
-        ", ".join(f"{key} {given.value:g} ({given.origin})" for key, given in cut.planned.cut.given.items())
+        ", ".join(f"{key} {given.value:g} ({given.origin})" for key, given in cut.plan.given.items())
         for cut in result.cuts
     ]
 

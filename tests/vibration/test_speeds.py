@@ -125,7 +125,7 @@ def test_surface_speed_becomes_rpm_at_the_start_diameter(head: str, rpm_at_start
     settings = chipbreak.load("generic-lathe", ("vibration.correct=count",))
     result = chipbreak.rewrite(f"{head}{cut}G1 X30.\nM30\n".encode(), settings)
     text = result.data.decode()
-    assert f"{rpm_at_start} rpm" in result.cuts[0].planned.cut.reasons[0]
+    assert f"{rpm_at_start} rpm" in result.cuts[0].plan.reasons[0]
     spoken = re.findall(r"(?m)^G97 S([0-9.]+)", text)
     assert float(spoken[0]) == pytest.approx(rpm_at_start, abs=1)
     assert re.search(r"(?m)^G96 S(?:120|400)\n", text.split("CHIPBREAK END")[1])
@@ -179,7 +179,7 @@ def test_the_clamp_itself_is_allowed() -> None:
 def test_the_clamp_of_linuxcnc_stands_with_g96() -> None:
     program = "G7 G95 G96 D1500 S120 M3\nG0 X20. Z2.\nG1 Z-10. F0.05 E2\nM2\n"
     result = chipbreak.rewrite(program.encode(), chipbreak.load("linuxcnc-lathe"))
-    assert "1500 rpm" in result.cuts[0].planned.cut.reasons[0]
+    assert "1500 rpm" in result.cuts[0].plan.reasons[0]
     # G96 without D would let the spindle run as fast as it can.
     assert result.data.decode().splitlines()[-3] == "G96 D1500 S120"
 

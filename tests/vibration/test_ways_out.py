@@ -42,7 +42,7 @@ def test_conditions_that_work(
     followed = HEAD.format(works[3], x) + blocks.format(f"N{works[1]}")
     (cut,) = chipbreak.rewrite(followed.encode(), settings(acceleration)).cuts
     assert cut.verdict.breaks
-    assert cut.planned.cut.solution.frequency_hz == pytest.approx(float(works[2]), rel=1e-5)
+    assert cut.plan.solution.frequency_hz == pytest.approx(float(works[2]), rel=1e-5)
     assert cut.verdict.per_rev == pytest.approx(float(works[1]), rel=0.01)
 
 

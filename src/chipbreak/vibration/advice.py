@@ -71,9 +71,9 @@ def _first_help(error: RefusalError, cut: CutPlan) -> str:
     """The help of a refusal, but of too many blocks that which is left with the form of this cut."""
     if error.code != "VIB032":
         return error.help
-    if cut.cut.waveform == "sine":  # a block per base period at any frequency
+    if cut.wave.waveform == "sine":  # a block per base period at any frequency
         return "take WAVE TRIANGLE, which is one block per stroke"
-    if cut.cut.form == "tick":
+    if cut.wave.form == "tick":
         return 'take output.segments = "stroke"'
     return "ask for a lower frequency"
 
@@ -83,7 +83,7 @@ def _is_slow_to_plan(cut: CutPlan, settings: Settings, move_count: int) -> bool:
 
     Of several blocks, which are rounded each on its own, a stroke is seldom like another.
     """
-    is_long = cut.cut.form == "tick" and move_count > _MANY_IN_STROKES
+    is_long = cut.wave.form == "tick" and move_count > _MANY_IN_STROKES
     bends = any(arc is not None for arc in cut.path.arcs) or len(cut.path.corners_mm()) > _FEW_CORNERS
     return settings.planner.model == "linuxcnc" and (bends or is_long)
 
@@ -98,7 +98,7 @@ def few(factors: Sequence[float], cut: CutPlan, settings: Settings, move_count: 
 
 def _standing(cut: CutPlan) -> str:
     """What needs no reversal: at this E half of what is left to the stand is to spare."""
-    turns = 1.5 / cut.edges / (1.0 - cut.cut.alpha_share)
+    turns = 1.5 / cut.edges / (1.0 - cut.wave.alpha_share)
     has_stroke = cut.chain.requests[0].values.keys() & {"Q", "A"}
     without = ", without Q and A," if has_stroke else ""
     return f"; WAVE DWELL with E {shown(round(turns, 2))}{without} never turns back and stands instead"
@@ -117,11 +117,11 @@ def _slower(cut: CutPlan, period: Period, settings: Settings) -> CutPlan:
 
 def _runs(cut: CutPlan, period: Period, model: ControlModel) -> bool:
     """True when both strokes of a full vibration can be run in a slower period."""
-    ahead = forward_ticks(period.ticks, cut.cut.alpha_share)
+    ahead = forward_ticks(period.ticks, cut.wave.alpha_share)
     share = ahead / period.ticks
-    advance_mm = cut.cut.feed_mm_rev / cut.solution.per_rev
-    forward_mm = cut.cut.stroke_mm + share * advance_mm
-    back_mm = cut.cut.stroke_mm - (1.0 - share) * advance_mm
+    advance_mm = cut.wave.feed_mm_rev / cut.solution.per_rev
+    forward_mm = cut.wave.stroke_mm + share * advance_mm
+    back_mm = cut.wave.stroke_mm - (1.0 - share) * advance_mm
     plain = replace(model, merge_mm=0.0)
     try:
         feed_for_time(forward_mm, share * period.period_s, plain)

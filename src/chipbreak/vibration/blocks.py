@@ -96,14 +96,14 @@ def moves_of(cut: CutPlan, settings: Settings, names: LoopNames | None = None) -
 def _check_digits(cut: CutPlan, words: Words, *, is_too_fine: bool) -> None:
     """Refuse a stroke of few steps, and an end that incremental words cannot reach."""
     step_mm = 10.0**-words.decimals * (MM_PER_INCH if cut.chain.before.is_inch else 1.0)
-    if cut.cut.stroke_mm < _LEAST_STEPS * step_mm or is_too_fine:
+    if cut.wave.stroke_mm < _LEAST_STEPS * step_mm or is_too_fine:
         larger = "take a larger E" if cut.keeps_feed else "give a larger Q or A"
-        stroke = f"the stroke of {cut.cut.stroke_mm:.4g} mm"
+        stroke = f"the stroke of {cut.wave.stroke_mm:.4g} mm"
         message = f"{stroke} has fewer than {_LEAST_STEPS} steps of {step_mm:g} mm"
         help_text, feed = f"raise output.decimals, or {larger}", cut.chain.before.feed
         if feed is not None and cut.chain.before.modes["feed_mode"] == "minute":
             # The likeliest cause on a control that starts in G94: a feed per revolution, read per minute.
-            message += f"; the feed F{feed.text} is per minute: {cut.cut.feed_mm_rev:.3g} mm per revolution"
+            message += f"; the feed F{feed.text} is per minute: {cut.wave.feed_mm_rev:.3g} mm per revolution"
             help_text = f"command feed per revolution (G95, G99), {help_text}"
         raise RefusalError("VIB059", message, help_text)
     if words.incremental and np.abs(words.points_mm[-1] - cut.path.legs[-1].end).max() > _SAME_MM:
@@ -130,7 +130,7 @@ def _knots(cut: CutPlan, chord_mm: float) -> tuple[Floats, Floats]:
 
 def _check_feed_digits(cut: CutPlan, spans: Floats, feeds: Floats, settings: Settings) -> None:
     """Refuse feeds that lose so many digits that the cut would take another time."""
-    digits, planned_s = feed_decimals(cut.chain.before, settings), cut.cut.duration_s
+    digits, planned_s = feed_decimals(cut.chain.before, settings), cut.wave.duration_s
     with np.errstate(divide="ignore"):
         took_s = float((spans * feeds / np.round(feeds, digits)).sum())
     if abs(took_s - planned_s) > _TIME_SHARE * planned_s:
@@ -207,7 +207,7 @@ def _feed_words(cut: CutPlan, times: Floats, distance_mm: Floats, words: Words, 
     model = control_model(settings, cut.path, cut.chain.before)
     blocks = blocks_of(moved, np.diff(distance_mm), settings)
     feeds_mm_s = feeds_for_spans(blocks, spans, model, plain_from)
-    same_feeds(feeds_mm_s, words.loops, blocks, model, cut.cut.period_s)
+    same_feeds(feeds_mm_s, words.loops, blocks, model, cut.wave.period_s)
     unit = MM_PER_INCH if cut.chain.before.is_inch else 1.0
     mode = settings.output.feed_mode
     if mode == "inverse":
@@ -228,4 +228,4 @@ def _feed_words(cut: CutPlan, times: Floats, distance_mm: Floats, words: Words, 
 def _tail_is_programmed(cut: CutPlan, settings: Settings) -> bool:
     """True when the cut ends plainly and the output's feed mode is the program's own."""
     same_mode = cut.chain.before.modes["feed_mode"] == settings.output.feed_mode
-    return same_mode and settings.output.feed_mode != "inverse" and cut.cut.end_revolutions > 0.0
+    return same_mode and settings.output.feed_mode != "inverse" and cut.wave.end_revolutions > 0.0

@@ -22,7 +22,7 @@ VIBRATE = "vibrate"  # the pass that these edits belong to
 class PlannedCut:
     """A vibrated cut, its blocks, and the edit that puts them into the program."""
 
-    cut: CutPlan
+    plan: CutPlan
     expansion: Expansion
     edit: Edit
 
@@ -58,7 +58,7 @@ def expansion_edit(
         like = {n for s in interpreted.effects for n in codes_of(s.block, "feed_mode", settings.dialect)}
         head.append(settings.dialect.code("feed_mode", mode, like))
         feed_back = f"{settings.dialect.code('feed_mode', was, like)} {feed_back}"
-    feed_stands = cut.keeps_feed or cut.cut.end_revolutions > 0.0
+    feed_stands = cut.keeps_feed or cut.wave.end_revolutions > 0.0
     tail = [] if mode == was and feed_stands else [feed_back]
     switched, given_back = _modes_around(chain, settings)
     head += switched
@@ -68,7 +68,7 @@ def expansion_edit(
         f"VIB N{print_number(solution.per_rev, 4, point=False)}"
         f" F{print_number(solution.frequency_hz, 3, point=False)}"
         f" S{print_number(solution.speed_rpm, 3, point=False)}"
-        f" {'DWELL' if cut.keeps_feed else f'STROKE {print_number(cut.cut.stroke_mm, 4)}'}"
+        f" {'DWELL' if cut.keeps_feed else f'STROKE {print_number(cut.wave.stroke_mm, 4)}'}"
     )
     reason = "; ".join(cut.reasons) or "nothing to correct"
     content = (*(text for text in head if text), *moves, *tail)

@@ -38,7 +38,7 @@ def dwell_s(cut: CutPlan, settings: Settings) -> float:
 
     0 for another wave.  Errors: VIB086 when that is less than a revolution.
     """
-    motion = cut.cut
+    motion = cut.wave
     if motion.waveform != "dwell":
         return 0.0
     way_mm = motion.speed_mm_s * motion.period_s

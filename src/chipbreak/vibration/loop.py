@@ -65,12 +65,12 @@ def looped_points(
     """
     steps = np.rint(exact_steps)
     loops: list[Loop] = []
-    per_vibration, free = cut.cut.moves_per_vibration, 0
+    per_vibration, free = cut.wave.moves_per_vibration, 0
     for begin, last in _stretches(cut):
         every = _closing(cut, settings)
         first = _next_multiple(max(begin, free), every)
-        start = int(np.searchsorted(time_s, first * cut.cut.period_s - _SAME_S))
-        stop = int(np.searchsorted(time_s, last * cut.cut.period_s - _SAME_S))
+        start = int(np.searchsorted(time_s, first * cut.wave.period_s - _SAME_S))
+        stop = int(np.searchsorted(time_s, last * cut.wave.period_s - _SAME_S))
         if stop - start != (last - first) * per_vibration:
             continue  # a move was cut in pieces here
         while last > first:
@@ -100,10 +100,10 @@ def _stretches(cut: CutPlan) -> Iterator[tuple[int, int]]:
 
     The first and the last vibration of the cut are none of them: start and end keep their own points.
     """
-    window_s = full_window(cut.cut)
-    full = [round(time_s / cut.cut.period_s) for time_s in window_s]
-    first, last = max(full[0], 1), min(full[1], cut.cut.vibrations - 1)
-    each = cut.cut.knots_per_vibration
+    window_s = full_window(cut.wave)
+    full = [round(time_s / cut.wave.period_s) for time_s in window_s]
+    first, last = max(full[0], 1), min(full[1], cut.wave.vibrations - 1)
+    each = cut.wave.knots_per_vibration
     if last <= first:
         return
     knots_mm = cut.distance_mm[1 + first * each : 1 + last * each].reshape(-1, each)
@@ -120,11 +120,11 @@ def _closing(cut: CutPlan, settings: Settings) -> int:
     if settings.planner.model != "linuxcnc" or cut.keeps_feed:
         return 1
     servo_s = settings.planner.servo_period_ms / MS_PER_S
-    periods = np.arange(1, _MOST_PERIODS + 1) * cut.cut.period_s / servo_s
+    periods = np.arange(1, _MOST_PERIODS + 1) * cut.wave.period_s / servo_s
     whole = np.flatnonzero(np.abs(periods - np.rint(periods)) < 1e-6)
     if not len(whole):
         message = (
-            f"a vibration takes {cut.cut.period_s * MS_PER_S:.6g} ms, and no number of them up to"
+            f"a vibration takes {cut.wave.period_s * MS_PER_S:.6g} ms, and no number of them up to"
             f" {_MOST_PERIODS} whole servo periods of {settings.planner.servo_period_ms:g} ms"
         )
         help_text = 'ask for an f whose period is a whole number of them, or take output.form "expanded"'
@@ -137,8 +137,8 @@ def _fewest(cut: CutPlan, settings: Settings) -> int:
     words, rate = settings.dialect.loop, settings.planner.max_blocks_per_s
     if rate is None or words is None:
         return 1
-    spare = cut.cut.period_s * rate - cut.cut.knots_per_vibration
-    return int(np.ceil(words.statements / spare)) if spare > 1e-6 else cut.cut.vibrations
+    spare = cut.wave.period_s * rate - cut.wave.knots_per_vibration
+    return int(np.ceil(words.statements / spare)) if spare > 1e-6 else cut.wave.vibrations
 
 
 def _pattern(

@@ -12,14 +12,15 @@ from numpy.typing import NDArray
 from chipbreak.editing.restore import Region
 from chipbreak.kinematics.chip_model import Verdict, judge
 from chipbreak.kinematics.machine_demand import flank_clearance_deg, least_acceleration_mm_s2, servo_share
-from chipbreak.kinematics.waveform import full_window
+from chipbreak.kinematics.waveform import WaveformParameters, full_window
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.text.diagnostics import SelfCheckError
 from chipbreak.trajectory.junctions import Blocks, blocks_of
 from chipbreak.trajectory.model import ControlModel, control_model
 from chipbreak.units import MM_PER_INCH, MS_PER_S
-from chipbreak.vibration.cut_edit import PlannedCut
+from chipbreak.vibration.blocks import Expansion
 from chipbreak.vibration.dwell import motion_with_stands
+from chipbreak.vibration.plan import CutPlan
 from chipbreak.vibration.readback import ReadBack, read_moves
 
 Floats = NDArray[np.float64]
@@ -49,7 +50,8 @@ class CutReport:
     largest and the smallest diameter, none where the diameter is not known.
     """
 
-    planned: PlannedCut
+    plan: CutPlan
+    expansion: Expansion
     control: str
     duration_s: float
     move_count: int
@@ -59,20 +61,24 @@ class CutReport:
     servo_share: float | None
     clearances: tuple[Clearance, ...]
 
+    @property
+    def wave(self) -> WaveformParameters:
+        """The waveform as it was planned."""
+        return self.plan.wave
 
-def measure_cut(result: InterpretedProgram, region: Region, planned: PlannedCut) -> CutReport:
+
+def measure_cut(result: InterpretedProgram, region: Region, plan: CutPlan, expansion: Expansion) -> CutReport:
     """Read a cut back from the output.  Raises SelfCheckError when it is not what was planned."""
-    cut, expansion = planned.cut, planned.expansion
     moves = read_moves(result, region.body, region.last)
     count = len(moves.feed_mm_s)
     if count != len(expansion.distance_mm):
         raise SelfCheckError(f"{len(expansion.distance_mm)} moves were planned, {count} stand in the output")
     if moves.strangers:
         raise SelfCheckError("a move that is no cut stands in a vibrated cut")
-    _check_speed(result, region, planned)
-    distance_mm = _check_path(result, moves, planned)
-    moved = np.diff(np.vstack((cut.path.legs[0].start, moves.points_mm)), axis=0)
-    model = control_model(result.settings, cut.path, cut.chain.before)
+    _check_speed(result, region, plan)
+    distance_mm = _check_path(result, moves, plan, expansion)
+    moved = np.diff(np.vstack((plan.path.legs[0].start, moves.points_mm)), axis=0)
+    model = control_model(result.settings, plan.path, plan.chain.before)
     blocks = blocks_of(moved, np.diff(distance_mm), result.settings)
     motion = motion_with_stands(distance_mm, blocks, moves.feed_mm_s, model, moves.stand_s)
     if not np.all(motion.spans_s > 0.0):
@@ -80,38 +86,39 @@ def measure_cut(result: InterpretedProgram, region: Region, planned: PlannedCut)
     _check_stands(moves.stand_s, expansion.stand_s)
     spans_s = motion.spans_s + moves.stand_s if len(moves.stand_s) else motion.spans_s
     time_s = np.concatenate(([0.0], np.cumsum(spans_s)))
-    is_late = _is_late(result, float(time_s[-1]), cut.cut.duration_s + cut.end_stand_s)
-    largest_mm, smallest_mm = _diameters(np.append(cut.path.legs[0].start[0], moves.points_mm[:, 0]))
+    is_late = _is_late(result, float(time_s[-1]), plan.wave.duration_s + plan.end_stand_s)
+    largest_mm, smallest_mm = _diameters(np.append(plan.path.legs[0].start[0], moves.points_mm[:, 0]))
     verdict = judge(
         motion.time_s,
         motion.distance_mm,
-        speed_rpm=cut.solution.speed_rpm,
-        feed_mm_rev=cut.cut.feed_mm_rev,
-        edges=cut.edges,
+        speed_rpm=plan.solution.speed_rpm,
+        feed_mm_rev=plan.wave.feed_mm_rev,
+        edges=plan.edges,
         diameter_mm=largest_mm if largest_mm > 0.0 else None,
-        steady_s=_steady_s(planned, time_s),
-        waveform=cut.cut.waveform,
-        alpha_share=cut.cut.alpha_share,
+        steady_s=_steady_s(plan, expansion, time_s),
+        waveform=plan.wave.waveform,
+        alpha_share=plan.wave.alpha_share,
     )
     if model.law == "trapezoid":
         verdict = replace(verdict, peak_speed_mm_s=_top_speed(moves, blocks, model))
     clearances = [
-        Clearance(d, flank_clearance_deg(verdict.peak_speed_mm_s, d, cut.solution.speed_rpm))
+        Clearance(d, flank_clearance_deg(verdict.peak_speed_mm_s, d, plan.solution.speed_rpm))
         for d in dict.fromkeys((largest_mm, smallest_mm))
         if largest_mm > 0.0
     ]
-    per_rev = cut.solution.per_rev
+    per_rev = plan.solution.per_rev
     # An ideal control takes the times of the blocks, just checked: a crest moved by rounding is no other N.
     off_count = model.law != "ideal" and abs(verdict.per_rev - per_rev) > _COUNT_TOLERANCE * per_rev
     return CutReport(
-        planned,
+        plan,
+        expansion,
         model.law,
         float(time_s[-1]),
         count,
         verdict,
         is_late or (off_count and verdict.per_rev > 0.0),
-        least_acceleration_mm_s2(cut.cut, cut.solution.per_rev),
-        _servo_share(result, planned),
+        least_acceleration_mm_s2(plan.wave, plan.solution.per_rev),
+        _servo_share(result, plan),
         tuple(clearances),
     )
 
@@ -135,14 +142,14 @@ def _top_speed(moves: ReadBack, blocks: Blocks, model: ControlModel) -> float:
     return float(np.minimum(np.minimum(moves.feed_mm_s, model.velocity_mm_s), reachable).max())
 
 
-def _servo_share(result: InterpretedProgram, planned: PlannedCut) -> float | None:
+def _servo_share(result: InterpretedProgram, plan: CutPlan) -> float | None:
     """The weakest drive among the axes that move; None where the profile says nothing of them."""
-    if planned.cut.cut.waveform == "dwell":
+    if plan.wave.waveform == "dwell":
         return None  # it does not swing
-    axes = [result.settings.axes[axis] for axis in planned.cut.chain.axes]
+    axes = [result.settings.axes[axis] for axis in plan.chain.axes]
     shares = [
         servo_share(
-            planned.cut.solution.frequency_hz,
+            plan.solution.frequency_hz,
             axis.position_gain_1_s,
             None if axis.acc_dec_ms is None else axis.acc_dec_ms / MS_PER_S,
         )
@@ -152,10 +159,10 @@ def _servo_share(result: InterpretedProgram, planned: PlannedCut) -> float | Non
     return min(shares, default=None)
 
 
-def _steady_s(planned: PlannedCut, time_s: Floats) -> tuple[float, float]:
+def _steady_s(plan: CutPlan, expansion: Expansion, time_s: Floats) -> tuple[float, float]:
     """The part of full stroke, from the time of the plan to the time of the control."""
-    planned_s = np.concatenate(([0.0], planned.expansion.time_s))
-    first, last = np.interp(full_window(planned.cut.cut), planned_s, time_s)
+    planned_s = np.concatenate(([0.0], expansion.time_s))
+    first, last = np.interp(full_window(plan.wave), planned_s, time_s)
     return float(first), float(last)
 
 
@@ -169,31 +176,30 @@ def _is_late(result: InterpretedProgram, duration_s: float, planned_s: float) ->
     return abs(duration_s - planned_s) > tolerance_s + _STOP_TOLERANCE_S
 
 
-def _check_speed(result: InterpretedProgram, region: Region, planned: PlannedCut) -> None:
+def _check_speed(result: InterpretedProgram, region: Region, plan: CutPlan) -> None:
     state = result.before(region.last)
-    wanted = planned.cut.solution.speed_rpm
+    wanted = plan.solution.speed_rpm
     speed = state.speed.value if state.speed else math.nan
     if state.modes["speed_mode"] != "rpm" or not abs(speed - wanted) <= 1e-6 * wanted:
         raise SelfCheckError(f"the cut needs {wanted:g} rpm, the output commands {speed:g}")
 
 
-def _check_path(result: InterpretedProgram, moves: ReadBack, planned: PlannedCut) -> Floats:
+def _check_path(result: InterpretedProgram, moves: ReadBack, plan: CutPlan, expansion: Expansion) -> Floats:
     """Distance along the path at every knot; never off it, before its start or past its end."""
-    cut = planned.cut
-    state = cut.chain.before
+    state = plan.chain.before
     unit = MM_PER_INCH if state.is_inch else 1.0
     increment = 10.0**-result.settings.output.decimals * unit / (10.0 if state.is_inch else 1.0)
-    along, away = moves.along(cut.path, planned.expansion.distance_mm)
+    along, away = moves.along(plan.path, expansion.distance_mm)
     # Half an increment in each of up to three axes, and in a loop half of what its passes add up to.
-    drift = max((loop.drift_steps for loop in planned.expansion.loops or ()), default=0.0)
+    drift = max((loop.drift_steps for loop in expansion.loops or ()), default=0.0)
     tolerance = math.sqrt(3.0) * 0.5 * (1.0 + drift) * increment + 1e-6
     if away.max() > tolerance + result.settings.vibration.chord_mm:
         raise SelfCheckError(f"a point lies {away.max():.4f} mm off the path")
-    astray = float(np.abs(along - planned.expansion.distance_mm).max())
+    astray = float(np.abs(along - expansion.distance_mm).max())
     if astray > tolerance:
         raise SelfCheckError(f"a point lies {astray:.4f} mm from where it was planned")
-    if along.min() < -tolerance or along.max() > cut.path.length_mm + tolerance:
+    if along.min() < -tolerance or along.max() > plan.path.length_mm + tolerance:
         raise SelfCheckError("a point lies before the start or past the end of the cut")
-    if not abs(along[-1] - cut.path.length_mm) <= tolerance:
+    if not abs(along[-1] - plan.path.length_mm) <= tolerance:
         raise SelfCheckError("the cut does not end at its programmed end")
     return np.concatenate(([0.0], along))

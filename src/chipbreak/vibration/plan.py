@@ -47,7 +47,7 @@ class CutPlan:
     path: Path
     solution: Solution
     given: Mapping[str, SourcedValue]
-    cut: WaveformParameters
+    wave: WaveformParameters
     edges: int
     time_s: NDArray[np.float64]
     distance_mm: NDArray[np.float64]
@@ -57,7 +57,7 @@ class CutPlan:
     @property
     def keeps_feed(self) -> bool:
         """True when every move has the program's own feed, in its own mode."""
-        return self.cut.waveform == "dwell"
+        return self.wave.waveform == "dwell"
 
 
 def command_group(settings: Settings) -> CommandGroup:

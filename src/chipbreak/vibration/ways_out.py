@@ -34,8 +34,8 @@ def ways_out(interpreted: InterpretedProgram, settings: Settings, checked: CutRe
 
 
 def _larger_stroke(interpreted: InterpretedProgram, settings: Settings, checked: CutReport) -> str:
-    cut, margin = checked.planned.cut, checked.verdict.margin
-    ratio = cut.cut.stroke_mm / cut.cut.feed_mm_rev
+    cut, margin = checked.plan, checked.verdict.margin
+    ratio = cut.wave.stroke_mm / cut.wave.feed_mm_rev
     least = ratio / margin if margin > 0.0 else ratio
     count = checked.move_count
     tried = dict.fromkeys(round(least * factor + 0.005, 2) for factor in few(_STROKES, cut, settings, count))
@@ -46,7 +46,7 @@ def _larger_stroke(interpreted: InterpretedProgram, settings: Settings, checked:
 
 
 def _lower_frequency(interpreted: InterpretedProgram, settings: Settings, checked: CutReport) -> str:
-    cut, group = checked.planned.cut, command_group(settings)
+    cut, group = checked.plan, command_group(settings)
     per_rev = round(cut.solution.per_rev, 4)
     for factor in few(_SLOWER, cut, settings, checked.move_count):
         frequency_hz = group.nearest(cut.solution.frequency_hz * factor).frequency_hz
@@ -55,7 +55,7 @@ def _lower_frequency(interpreted: InterpretedProgram, settings: Settings, checke
         wish = {"N": per_rev, "F": frequency_hz}
         done = _breaks(interpreted, settings, cut.chain, wish, without="SE")
         if done is not None:
-            speed = f"S {done.cut.solution.speed_rpm:.0f}"
+            speed = f"S {done.plan.solution.speed_rpm:.0f}"
             return f"N {shown(per_rev)} f {shown(frequency_hz)} Hz ({speed}) with the same feed and stroke"
     return ""
 
@@ -78,7 +78,7 @@ def _breaks(
             b"".join(render(interpreted.program, [planned.edit], settings)), interpreted.program.source.name
         )
         (region,) = regions(source)
-        checked = measure_cut(interpret(parse(source), settings), region, planned)
+        checked = measure_cut(interpret(parse(source), settings), region, planned.plan, planned.expansion)
     except (RefusalError, SelfCheckError):
         return None
     return planned if checked.verdict.breaks and not checked.misses_plan else None
