@@ -1,8 +1,9 @@
 """What a program makes LinuxCNC do, with all that is in force at each step: for programs of mills.
 
-Two habits of ``rs274`` are hidden here.  It counts places from the work offset, the G92 offset and the tool
-in force; here they are places of the machine.  And behind a tool change or a probe it takes its last place
-in the old numbers for the new one: an axis whose number does not change there has not moved.
+Two habits of ``rs274`` are hidden here.  It counts places from the work offset, the G92 offset (G52 sets it
+as well) and the tool in force; here they are places of the machine.  And after a tool change or a probe it
+takes its last place in the numbers of the old tool for the new one: an axis whose number does not change
+there has not moved.  Its last numbers do follow the work offset and the G92 offset.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ _PLANES = {"CANON_PLANE_XY": (0, 1, 2), "CANON_PLANE_XZ": (2, 0, 1), "CANON_PLAN
 _MOVES = ("STRAIGHT_FEED", "STRAIGHT_TRAVERSE", "STRAIGHT_PROBE", "RIGID_TAP")
 _OTHERS = ("DWELL", "CHANGE_TOOL", "PROGRAM_STOP", "OPTIONAL_PROGRAM_STOP", "PROGRAM_END", "PALLET_SHUTTLE")
 _OFFSETS = ("SET_G5X_OFFSET", "SET_G92_OFFSET", "USE_TOOL_LENGTH_OFFSET")
+_FOLLOWED = ("SET_G5X_OFFSET", "SET_G92_OFFSET")
 _LENGTHS = ("SET_FEED_RATE", "SET_MOTION_CONTROL_MODE", "SET_NAIVECAM_TOLERANCE")
 _SAME_MM = 2e-3
 
@@ -56,7 +58,12 @@ class _Machine:
             self.in_force[name.partition("_")[0]] = (name,)
         elif name in _OFFSETS:
             numbers = arguments[1:4] if name == "SET_G5X_OFFSET" else arguments[:3]
-            self.offsets[name] = [float(number) * self.scale for number in numbers]
+            old = self.offsets.get(name, (0.0, 0.0, 0.0))
+            new = [float(number) * self.scale for number in numbers]
+            self.offsets[name] = new
+            if name in _FOLLOWED:
+                x, y, z = (self.numbers[axis] + old[axis] - new[axis] for axis in range(3))
+                self.numbers = x, y, z
             self.in_force[name] = (arguments[0], *(_text(mm) for mm in self.offsets[name]))
         else:
             if name == "USE_LENGTH_UNITS":

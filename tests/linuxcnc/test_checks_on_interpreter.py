@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 import chipbreak
 
 from . import rs274
-from .actions import difference
+from .actions import actions, difference
 
 TOOLS = tuple(
     rs274.Tool(number, z_mm=100.0 + 7 * number, diameter_mm=4.0, orientation=0) for number in range(100)
@@ -128,6 +128,16 @@ def test_a_g91_that_a_slash_leaves_out() -> None:
     compared(program)
 
 
+@pytest.mark.linuxcnc
+@pytest.mark.parametrize("shift", ["G52 X3", "G92 X7", "G10 L2 P1 X3", "G10 L2 P2 X3\nG55"])
+def test_the_judge_counts_from_the_offsets_in_force(shift: str) -> None:
+    """The same number is another place where an offset has changed, also after a tool change."""
+    program = f"G0 X10 Y4 Z5\n{shift}\nT2 M6\nG0 X10\nM2\n"
+    judged = rs274.judge(program.encode(), lathe=False, tools=TOOLS)
+    rapids = [action for action in actions(judged.canon) if action.name == "STRAIGHT_TRAVERSE"]
+    assert [(rapid.start[0], rapid.end[0]) for rapid in rapids] == [(0.0, 10.0), (10.0, 13.0)]
+
+
 _PLACE = st.integers(-3900, 3900).map(lambda number: f"{number / 100:g}")
 _HEIGHT = st.integers(1500, 3900).map(lambda number: f"{number / 100:g}")
 _TOOL = st.integers(1, 5)
@@ -182,7 +192,23 @@ _VISIT = st.builds(
         max_size=2,
     ),
 )
+# G52 lasts over the tool changes: after them X-25.42 is another place than it was before.
+_SHIFTED = [
+    f"T{tool} M6\nS{speed} M3\nG0 X{x} Y4\nG43 H{tool} Z{first}\n"
+    f"G91\nG1 Z-2 F432\nG0 Z8\nG90\nG0 Z{last}\nG52 X3\n(FINISH)"
+    for tool, speed, x, first, last in (
+        (1, 401, -25.42, 39, 16.03),
+        (4, 401, -25.42, 39, 16.03),
+        (1, 889, -10.81, 20.76, 39),
+    )
+]
 _SUB = "o<sub> sub\no7 if [#1 GT 2]\nG0 X#1\nM8\no7 endif\no<sub> endsub"
+
+
+def _program(visits: list[str]) -> bytes:
+    return "\n".join([_SUB, "G21 G17 G40 G80 G90 G94 G54", *visits, "M5", "M2", ""]).encode()
+
+
 _OPTIONS = (
     "checks.every=2",
     "checks.retries=3",
@@ -196,5 +222,9 @@ _OPTIONS = (
 @given(st.lists(_VISIT, min_size=1, max_size=3), st.sampled_from(_OPTIONS), st.booleans())
 @hypothesis_settings(max_examples=90, phases=[Phase.explicit, Phase.reuse, Phase.generate])
 def test_programs_do_what_they_did(visits: list[str], option: str, block_delete: bool) -> None:
-    program = "\n".join([_SUB, "G21 G17 G40 G80 G90 G94 G54", *visits, "M5", "M2", ""])
-    event(compared(program.encode(), option, block_delete=block_delete))
+    event(compared(_program(visits), option, block_delete=block_delete))
+
+
+@pytest.mark.linuxcnc
+def test_a_place_after_g52_is_another_one() -> None:
+    assert compared(_program(_SHIFTED), "checks.only=[1,2]", block_delete=True) == "checked"
