@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import chipbreak
-from chipbreak.editing.diff import as_json, compare, differs, items_of, unified
+from chipbreak.editing.diff import compare, differs, items_of
+from chipbreak.editing.diff_output import as_json, page, side_by_side, unified
 
 CUT = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5\nG1 X30.\nM30\n"
 
@@ -56,6 +57,167 @@ def test_what_does_not_count(a: bytes, b: bytes) -> None:
 def test_what_counts(a: bytes, b: bytes) -> None:
     assert not same(a, b)
     assert not same(b, a)
+
+
+BEFORE = b"""O0100
+N100 #1=1
+N110 G0 X50. Z2.
+N120 G1 Z-10. F0.2
+N130 IF[#1 GT 3]GOTO150
+N140 #1=#1+1
+N145 GOTO110
+N150 G0 X100.
+N160 M99 P100
+"""
+RENUMBERED = (
+    (b"N160", b"n80"), (b"N150", b"n70"), (b"N145", b"n60"), (b"N140", b"n50"), (b"N130", b"n40"),
+    (b"N120", b"n30"), (b"N110", b"n20"), (b"N100", b"n10"), (b"O150", b"O70"), (b"O110", b"O20"),
+    (b"P100", b"P10"),
+)  # fmt: skip
+
+
+def renumbered(data: bytes) -> bytes:
+    for old, new in RENUMBERED:
+        data = data.replace(old, new)
+    return data
+
+
+def test_a_right_renumbering_is_no_difference() -> None:
+    assert b"GOTO20" in renumbered(BEFORE)
+    assert same(BEFORE, renumbered(BEFORE))
+    assert same(renumbered(BEFORE), BEFORE)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [(b"GOTO70", b"GOTO80"), (b"GOTO20", b"GOTO30"), (b"P10", b"P20"), (b"GOTO70", b"GOTO150")],
+)
+def test_a_number_that_names_another_block_is_a_difference(old: bytes, new: bytes) -> None:
+    assert not same(BEFORE, renumbered(BEFORE).replace(old, new))
+
+
+CYCLE = b"""G0 X60. Z2.
+G71 U2. R0.5
+G71 P40 Q75 U0.4 W0.1 F0.3
+N40 G0 X20.
+G1 Z-20. F0.1
+N75 X60.
+G70 P40 Q75
+"""
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "is_same"),
+    [
+        (b"GOTO20\nN20 G0 X5.\nN30 G0 X6.\n", b"GOTO20\nN10 G0 X5.\nN20 G0 X6.\n", False),
+        (b"GOTO20\nN20\nG0 X5.\nG0 X6.\n", b"GOTO 7\nN07 G0 X5.\nG0 X6.\n", True),
+        (b"N1 G0 X1.\nN1 G0 X2.\nGOTO1\n", b"G0 X1.\nN1 G0 X2.\nGOTO1\n", False),
+        (b"GOTO1\nN1 G0 X1.\nN1 G0 X2.\n", b"GOTO1\nN1 G0 X1.\nG0 X2.\n", True),
+        (CYCLE, CYCLE.replace(b"40", b"400").replace(b"75", b"750"), True),
+        (CYCLE, CYCLE.replace(b"N40 G0 X20.\nG1", b"G0 X20.\nN40 G1"), False),
+        (CYCLE, CYCLE.replace(b"P40", b"P41"), False),
+        (b"M98 P8\nM30\nO8\nM99\n", b"M98 P8\nM30\nO9\nM99\n", False),
+        (b"M97 P8\nM30\nN8 G0 X1.\nM99\n", b"M97 P9\nM30\nN9 G0 X1.\nM99\n", True),
+        (b"M98 P1234\n", b"M98 P1235\n", False),
+        (b"M98 P1234\n", b"M98 P01234\n", True),
+        (b"N5 G0 X1.\nM30\nO8\nM99 P5\n", b"N6 G0 X1.\nM30\nO8\nM99 P6\n", True),
+        (b"G10 L50\nN1320 P1 R500\nG11\n", b"G10 L50\nN1321 P1 R500\nG11\n", False),
+        (b"G10 L50\nN1320 P1 R500\nG11\nN1\nM30\n", b"G10L50\nN1320P1R500\nG11\nN2\nM30\n", True),
+    ],
+)
+def test_numbers_that_name_blocks(a: bytes, b: bytes, is_same: bool) -> None:
+    assert same(a, b) is is_same
+    assert same(b, a) is is_same
+
+
+def test_what_a_number_leads_to_is_shown() -> None:
+    sides = [
+        items_of(data, "x") for data in (b"GOTO20\nN20 G0 X5.\nG0 X6.\n", b"GOTO20\nG0 X5.\nN20 G0 X6.\n")
+    ]
+    hunks = compare(*sides)
+    assert list(unified(hunks, "a", "b"))[3:5] == ["-GOTO20  [N20 is line 2]", "+GOTO20  [N20 is line 3]"]
+    assert as_json(hunks)[0]["b"] == [{"line": 1, "text": "GOTO20", "note": "N20 is line 3"}]
+
+
+@pytest.mark.parametrize(
+    ("a", "b"),
+    [
+        (b"N10 #1=1\n", b"N20 #1 = 1.\n"),
+        (b"#2=#1+1\n", b"#2 = [ #1 + 1.0 ]\n"),
+        (b"IF[#1EQ0]GOTO5\nN5 M30\n", b"IF [ #1 EQ 0. ] GOTO 05\nN5 M30\n"),
+        (b"WHILE[#1LT3]DO1\nEND1\n", b"WHILE [#1 LT 3.] DO 1\nEND 1\n"),
+        (b"o100 call [1]\n", b"O100 CALL [1.0]\n"),
+        (b"G1 X[#1+2] F#3\n", b"G1 X[#1 + 2.] F#3\n"),
+    ],
+)
+def test_macro_statements_count_by_what_they_say(a: bytes, b: bytes) -> None:
+    assert same(a, b)
+
+
+@pytest.mark.parametrize(
+    ("a", "b"),
+    [
+        (b"#1=1\n", b"#1=2\n"),
+        (b"#2=#1+1\n", b"#2=#1-1\n"),
+        (b"G1 X[#1+2]\n", b"G1 X[#1+3]\n"),
+        (b"#1=2 G1 X#1\n", b"G1 X#1 #1=2\n"),
+        (b"IF[#1EQ0]THEN#2=1\n", b"IF[#1EQ0]THEN#2=3\n"),
+    ],
+)
+def test_macro_statements_that_differ(a: bytes, b: bytes) -> None:
+    assert not same(a, b)
+
+
+@pytest.mark.parametrize(
+    ("profile", "sets", "a", "b", "is_same"),
+    [
+        ("", (), b"G0 X50\n", b"G0 X50.\n", False),
+        ("", (), b"G0 X0\n", b"G0 X0.\n", True),
+        ("", (), b"G4 P500 S12 T3 M3\n", b"G04 P500. S12. T3. M03\n", True),
+        ("fanuc-lathe", ('control.decimal_point="calculator"',), b"G0 X50\n", b"G0 X50.\n", True),
+        ("fanuc-lathe", ('control.decimal_point="increment"',), b"G0 X50\n", b"G0 X50.\n", False),
+        ("fanuc-lathe", ('control.decimal_point="increment"',), b"G0 X50000\n", b"G0 X50.\n", True),
+        ("fanuc-lathe", ('control.decimal_point="increment"',), b"G20\nX50000\n", b"G20\nX5.\n", True),
+        ("fanuc-lathe", ('control.decimal_point="required"',), b"G0 X50\n", b"G0 X50.\n", False),
+        ("linuxcnc-mill", (), b"G0 X50\n", b"G0 X50.\n", True),
+        ("fanuc-lathe", (), b"G98\nG1 X1. F200\n", b"G98\nG1 X1. F200.\n", True),
+        ("fanuc-lathe", (), b"G99\nG1 X1. F2\n", b"G99\nG1 X1. F2.\n", False),
+    ],
+)
+def test_numbers_are_read_as_the_control_reads_them(
+    profile: str, sets: tuple[str, ...], a: bytes, b: bytes, is_same: bool
+) -> None:
+    settings = chipbreak.load(profile, sets) if profile else None
+    sides = [items_of(data, "x", settings) for data in (a, b)]
+    assert differs(compare(*sides)) is not is_same
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "tolerance", "is_same"),
+    [
+        (b"G1 X1.\nX2.\n", b"G1 X1.001\nX2.\n", 0.001, True),
+        (b"G1 X1.\nX2.\n", b"G1 X1.002\nX2.\n", 0.001, False),
+        (b"G1 X1. S100\n", b"G1 X1. S101\n", 5.0, False),
+        (b"G1 X1. F.1\n", b"G2 X1. F.1\n", 5.0, False),
+        (b"G1 X1.\nM8\nX2.\n", b"G1 X1.001\nX2.001\n", 0.01, False),
+    ],
+)
+def test_a_tolerance(a: bytes, b: bytes, tolerance: float, is_same: bool) -> None:
+    sides = [items_of(data, "x") for data in (a, b)]
+    assert differs(compare(*sides, tolerance=tolerance)) is not is_same
+
+
+def test_side_by_side_and_as_a_page() -> None:
+    a = b"".join(b"G0 X%d.\n" % n for n in range(30))
+    b = a.replace(b"X20.", b"X20.5 (<b>)").replace(b"G0 X25.\n", b"")
+    hunks = compare(items_of(a, "a"), items_of(b, "b"))
+    rows = list(side_by_side(hunks, "a.nc", "b.nc", 80))
+    assert rows[1] == "..."
+    assert rows[5] == f"{21:6} {'G0 X20.':30} | {21:6} G0 X20.5 (<b>)"
+    assert f"{26:6} {'G0 X25.':30} <" in rows
+    text = page(hunks, "a.nc", "b<.nc")
+    assert "G0 X20.5 (&lt;b&gt;)" in text and "b&lt;.nc" in text and "2 places differ." in text
+    assert not list(side_by_side(compare(items_of(a, "a"), items_of(a, "a")), "a", "a", 80))
 
 
 def test_comments_on_demand() -> None:

@@ -6,6 +6,7 @@ Everything heavy is imported inside the commands, so that help and completion an
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -139,28 +140,61 @@ def verify(asked: Asked, source: str) -> None:
 @click.argument("a")
 @click.argument("b")
 @click.option("--ignore-comments", is_flag=True, help="Comments do not count.")
-@asking(*REPORTING)
-def diff(asked: Asked, a: str, b: str, ignore_comments: bool) -> None:
+@click.option(
+    "--tolerance",
+    type=click.FloatRange(min=0.0),
+    default=0.0,
+    metavar="LENGTH",
+    help="Lengths and feeds that differ by no more are the same.",
+)
+@click.option("-y", "--side-by-side", is_flag=True, help="Both programs beside each other.")
+@click.option("--html", "as_html", is_flag=True, help="One HTML page that needs nothing else.")
+@asking(PROFILE, SET, *REPORTING)
+def diff(
+    asked: Asked, a: str, b: str, ignore_comments: bool, tolerance: float, side_by_side: bool, as_html: bool
+) -> None:
     """Compare two programs by what their blocks say.
 
-    Block numbers, spacing and number format do not count; a part that chipbreak wrote is one line.  Exit 0:
-    the same, 1: different, 2: trouble.
+    Block numbers, spacing and number format do not count; a number that names a block (GOTO, M97 P, M98 P,
+    M99 P, P and Q of a cycle) counts by the block it names; a part that chipbreak wrote is one line.  With a
+    profile, numbers are read as its control reads them; without one, X50 and X50. are different.  Exit 0: the
+    same, 1: different, 2: trouble.
     """
-    from chipbreak.editing.diff import as_json as hunks_json
-    from chipbreak.editing.diff import compare, differs, items_of, unified
+    from chipbreak.editing import diff_output
+    from chipbreak.editing.diff import compare, differs, items_of
     from chipbreak.text.diagnostics import ProgramRejectedError
 
+    if sum((side_by_side, as_html, asked.as_json)) > 1:
+        raise click.UsageError("give one of --side-by-side, --html and --json")
+    settings = settings_of(asked, a) if asked.profile or asked.sets else None
     try:
-        sides = [items_of(read_input(name), name, ignore_comments=ignore_comments) for name in (a, b)]
+        sides = [
+            items_of(read_input(name), name, settings, ignore_comments=ignore_comments) for name in (a, b)
+        ]
     except ProgramRejectedError as error:
         asked.reporter.show(error.diagnostics)
         sys.exit(USAGE)
-    hunks = compare(*sides)
+    hunks = compare(*sides, tolerance=tolerance)
     if asked.as_json:
-        write_json(hunks_json(hunks), indent=2)
+        write_json(diff_output.as_json(hunks), indent=2)
+    elif as_html:
+        write_stdout([diff_output.page(hunks, a, b).encode("utf-8", "replace")])
     else:
-        write_stdout([f"{line}\n".encode("latin-1", "replace") for line in unified(hunks, a, b)])
+        width = shutil.get_terminal_size((130, 24)).columns
+        shown = (
+            diff_output.side_by_side(hunks, a, b, width) if side_by_side else diff_output.unified(hunks, a, b)
+        )
+        colour = asked.colours(sys.stdout)
+        write_stdout(
+            [f"{_coloured(line) if colour else line}\n".encode("latin-1", "replace") for line in shown]
+        )
     sys.exit(DIFFERENT if differs(hunks) else DONE)
+
+
+def _coloured(line: str) -> str:
+    """A line of a patch in the colours that people know; other lines as they are."""
+    colours = {"-": "red", "+": "green", "@": "cyan"}
+    return click.style(line, fg=colours[line[0]]) if line[:1] in colours else line
 
 
 @cli.command()

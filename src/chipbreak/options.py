@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TextIO
 
 import click
 
@@ -37,8 +37,12 @@ class Asked(NamedTuple):
     @property
     def reporter(self) -> Reporter:
         """Says what is to be said as the options ask for it."""
-        on_screen = self.color == "auto" and sys.stderr.isatty() and "NO_COLOR" not in os.environ
-        return Reporter(as_json=self.as_json, quiet=self.quiet, colour=self.color == "always" or on_screen)
+        return Reporter(as_json=self.as_json, quiet=self.quiet, colour=self.colours(sys.stderr))
+
+    def colours(self, stream: TextIO) -> bool:
+        """True when what goes to this stream is to be coloured."""
+        on_screen = self.color == "auto" and stream.isatty() and "NO_COLOR" not in os.environ
+        return self.color == "always" or on_screen
 
 
 PROFILE = click.option(
@@ -66,7 +70,10 @@ REPORTING = (
     click.option("--json", "as_json", is_flag=True, help="Diagnostics and reports as JSON."),
     click.option("-q", "--quiet", is_flag=True, help="Only errors on stderr."),
     click.option(
-        "--color", type=click.Choice(["auto", "always", "never"]), default="auto", help="Colour on stderr."
+        "--color",
+        type=click.Choice(["auto", "always", "never"]),
+        default="auto",
+        help="Colour.",
     ),
 )
 READING = (PROFILE, SET, TOOLS, STRICT, UNBROKEN, *REPORTING)

@@ -1,34 +1,23 @@
 """Numeric comparison of two programs, block by block.
 
-Block numbers, spacing and the way numbers are written do not count; comments count unless told otherwise.
-A part that chipbreak wrote is one item.
+Items that say the same are aligned; then every number that names a block must name aligned blocks, and what
+is left is looked at once more with a tolerance for numbers.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_left
 from collections import Counter
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
-from typing import Any, Literal
+from typing import Literal
 
-from chipbreak.editing.restore import regions
-from chipbreak.syntax.nodes import Block
-from chipbreak.syntax.parse import Program, parse
-from chipbreak.text.source import read
+from chipbreak.editing.diff_items import DIMENSIONS, Item, items_of
 
-_CONTEXT = 3
+__all__ = ["Hunk", "Item", "compare", "differs", "items_of"]
 Tag = Literal["equal", "change"]
-
-
-@dataclass(frozen=True)
-class Item:
-    """A block, or a whole part that chipbreak wrote: its key, its text, its line (from 1)."""
-
-    key: Hashable
-    text: str
-    line: int
+_Stretch = tuple[Tag, int, int, int, int]
 
 
 @dataclass(frozen=True)
@@ -40,63 +29,97 @@ class Hunk:
     b_items: tuple[Item, ...]
 
 
-# What stands in both programs, only in the first, or only in the second.
-_Pair = tuple[Item | None, Item | None]
+def compare(a: Sequence[Item], b: Sequence[Item], *, tolerance: float = 0.0) -> list[Hunk]:
+    """The two programs as alternating equal and changed stretches.
 
-
-def items_of(data: bytes, name: str, *, ignore_comments: bool = False) -> list[Item]:
-    """The comparable items of a program.  Raises ProgramRejectedError for a broken bracket."""
-    source = read(data, name)
-    program = parse(source)
-    items: list[Item] = []
-    line = 0
-    for region in regions(source):
-        items.extend(_block_items(program, line, region.first, ignore_comments))
-        moves = region.last - region.body - 1
-        text = f"[{region.title}: {moves} block{'s' if moves != 1 else ''}]"
-        content = bytes(source.data[source.starts[region.body] : source.starts[region.last]])
-        items.append(Item(("part", content), text, region.first + 1))
-        line = region.last
-    items.extend(_block_items(program, line, source.line_count, ignore_comments))
-    return items
-
-
-def _block_items(program: Program, first: int, last: int, ignore_comments: bool) -> Iterator[Item]:
-    for line in range(first, last):
-        block = program.block(line)
-        key = _key(block, ignore_comments)
-        if key:
-            yield Item(key, block.text, line + 1)
-
-
-def _key(block: Block, ignore_comments: bool) -> Hashable:
-    """Equal for blocks that say the same; empty for one that says nothing."""
-    if block.opaque or block.mark or block.assignments or block.controls:
-        return " ".join(block.text.split())
-    words = tuple(
-        (w.address if w.letter != "f" else "f", w.value_text if w.number is None else w.number)
-        for w in block.words
-    )
-    comments = () if ignore_comments else tuple(c.text.strip() for c in block.comments)
-    return (block.skip, words, comments) if words or any(comments) else ()
-
-
-def compare(a: Sequence[Item], b: Sequence[Item]) -> list[Hunk]:
-    """The two programs as alternating equal and changed stretches."""
+    Numbers of dimension words that differ by at most ``tolerance``, in program units, are the same.
+    """
+    stretches = list(_stretches(a, b))
+    if tolerance > 0.0:
+        stretches = [near for one in stretches for near in _within(a, b, one, tolerance)]
+    places = _places(stretches)
     hunks: list[Hunk] = []
-
-    def add(tag: Tag, i1: int, i2: int, j1: int, j2: int) -> None:
-        if i1 == i2 and j1 == j2:
-            return
-        if hunks and hunks[-1].tag == tag:
-            last = hunks.pop()
-            hunks.append(Hunk(tag, last.a_items + tuple(a[i1:i2]), last.b_items + tuple(b[j1:j2])))
-        else:
-            hunks.append(Hunk(tag, tuple(a[i1:i2]), tuple(b[j1:j2])))
-
-    for tag, i1, i2, j1, j2 in _stretches(a, b):
-        add(tag, i1, i2, j1, j2)
+    for tag, i1, i2, j1, j2 in stretches:
+        if tag == "change":
+            _add(hunks, tag, a[i1:i2], b[j1:j2])
+            continue
+        for i, j in zip(range(i1, i2), range(j1, j2), strict=True):
+            if _leads_alike(a[i], b[j], places):
+                _add(hunks, "equal", a[i : i + 1], b[j : j + 1])
+            else:
+                _add(hunks, "change", [a[i].with_note(a)], [b[j].with_note(b)])
     return hunks
+
+
+def _add(hunks: list[Hunk], tag: Tag, a: Sequence[Item], b: Sequence[Item]) -> None:
+    if not a and not b:
+        return
+    if hunks and hunks[-1].tag == tag:
+        last = hunks.pop()
+        hunks.append(Hunk(tag, last.a_items + tuple(a), last.b_items + tuple(b)))
+    else:
+        hunks.append(Hunk(tag, tuple(a), tuple(b)))
+
+
+# Where an item of the first or the second program stands: which stretch, how far from its start and its end.
+_Place = tuple[int, int, int]
+
+
+def _places(stretches: Sequence[_Stretch]) -> tuple[Mapping[int, _Place], Mapping[int, _Place]]:
+    """Where the items of both programs stand, so that the places of two items can be compared."""
+    sides: tuple[dict[int, _Place], dict[int, _Place]] = ({}, {})
+    for number, (_, i1, i2, j1, j2) in enumerate(stretches):
+        for side, first, stop in ((sides[0], i1, i2), (sides[1], j1, j2)):
+            side.update((at, (number, at - first, stop - at)) for at in range(first, stop))
+    return sides
+
+
+def _leads_alike(one: Item, other: Item, places: tuple[Mapping[int, _Place], Mapping[int, _Place]]) -> bool:
+    """True when the numbers of two equal items name blocks that stand at the same place of both programs."""
+    for mine, its in zip(one.references, other.references, strict=True):
+        if mine.target is None or its.target is None:
+            if mine.target is not its.target or mine.text != its.text:
+                return False
+            continue
+        place, its_place = places[0][mine.target], places[1][its.target]
+        same_end = place[1] == its_place[1] or place[2] == its_place[2]
+        if place[0] != its_place[0] or not same_end:
+            return False
+    return True
+
+
+def _within(a: Sequence[Item], b: Sequence[Item], stretch: _Stretch, tolerance: float) -> Iterator[_Stretch]:
+    """A changed stretch, less the items whose numbers differ by no more than the tolerance."""
+    tag, i1, i2, j1, j2 = stretch
+    if tag == "equal":
+        yield stretch
+        return
+    shapes_a = [_shape(item.key) for item in a[i1:i2]]
+    shapes_b = [_shape(item.key) for item in b[j1:j2]]
+    for kind, i, i_stop, j, j_stop in SequenceMatcher(None, shapes_a, shapes_b, autojunk=False).get_opcodes():
+        if kind != "equal":
+            yield "change", i1 + i, i1 + i_stop, j1 + j, j1 + j_stop
+            continue
+        for at_a, at_b in zip(range(i1 + i, i1 + i_stop), range(j1 + j, j1 + j_stop), strict=True):
+            near = _is_near(a[at_a].key, b[at_b].key, tolerance)
+            yield ("equal" if near else "change"), at_a, at_a + 1, at_b, at_b + 1
+
+
+def _shape(key: Hashable) -> Hashable:
+    """A key without its numbers of dimensions."""
+    if isinstance(key, tuple):
+        return tuple(map(_shape, key))
+    return None if isinstance(key, float) else key
+
+
+def _is_near(one: Hashable, other: Hashable, tolerance: float) -> bool:
+    """True when two keys of one shape differ in dimensions by no more than the tolerance."""
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        if len(one) == 2 and isinstance(one[1], float) and isinstance(other[1], float):
+            allowed = tolerance if one[0] in DIMENSIONS else 0.0
+            return abs(one[1] - other[1]) <= allowed * (1.0 + 1e-9)
+        return all(_is_near(x, y, tolerance) for x, y in zip(one, other, strict=True))
+    return one == other
 
 
 def _stretches(a: Sequence[Item], b: Sequence[Item]) -> Iterator[tuple[Tag, int, int, int, int]]:
@@ -148,47 +171,3 @@ def _anchors(a: Sequence[Item], b: Sequence[Item]) -> list[tuple[int, int]]:
 def differs(hunks: Sequence[Hunk]) -> bool:
     """True when anything is changed."""
     return any(h.tag == "change" for h in hunks)
-
-
-def unified(hunks: Sequence[Hunk], name_a: str, name_b: str) -> Iterator[str]:
-    """The changes with their surroundings, as ``diff -u`` writes them."""
-    if not differs(hunks):
-        return
-    yield f"--- {name_a}"
-    yield f"+++ {name_b}"
-    group: list[_Pair] = []
-    for index, hunk in enumerate(hunks):
-        if hunk.tag == "change":
-            group += [(item, None) for item in hunk.a_items] + [(None, item) for item in hunk.b_items]
-            continue
-        pairs: list[_Pair] = list(zip(hunk.a_items, hunk.b_items, strict=True))
-        is_last = index == len(hunks) - 1
-        if group and (is_last or len(pairs) > 2 * _CONTEXT):
-            yield from _print_group(group + pairs[:_CONTEXT])
-            group = []
-        if not group and not is_last:
-            group = pairs[-_CONTEXT:]
-        elif not is_last:
-            group += pairs
-    if any(None in pair for pair in group):
-        yield from _print_group(group)
-
-
-def _print_group(group: Sequence[_Pair]) -> Iterator[str]:
-    a = [item.line for item, _ in group if item is not None]
-    b = [item.line for _, item in group if item is not None]
-    yield f"@@ -{a[0] if a else 0},{len(a)} +{b[0] if b else 0},{len(b)} @@"
-    for one, other in group:
-        if one is not None:
-            yield (" " if other is not None else "-") + one.text
-        elif other is not None:
-            yield "+" + other.text
-
-
-def as_json(hunks: Sequence[Hunk]) -> list[dict[str, Any]]:
-    """The changes for a program to read."""
-
-    def side(items: Sequence[Item]) -> list[dict[str, Any]]:
-        return [{"line": item.line, "text": item.text} for item in items]
-
-    return [{"a": side(h.a_items), "b": side(h.b_items)} for h in hunks if h.tag == "change"]
