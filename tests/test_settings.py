@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from chipbreak.settings import Settings, SettingsError, load, profile_names
+from chipbreak.text.frozen_table import FrozenTable
 
 
 def refused(profile: Path | str, *options: str) -> tuple[str, int, str]:
@@ -91,8 +92,8 @@ def test_profiles_in_a_circle(base: str, tmp_path: Path) -> None:
         ("command.multiples=4", "command", "multiples", (4,)),
         ("command.periods_ms=[16, 20.5]", "command", "periods_ms", (16.0, 20.5)),
         ("control.x_diameter=false", "control", "x_diameter", False),
-        ("checks.w_mm.4=0.1", "checks", "w_mm", {"4": 0.1}),
-        ("checks.sister.4=14", "checks", "sister", {"4": 14}),
+        ("checks.w_mm.4=0.1", "checks", "w_mm", FrozenTable({"4": 0.1})),
+        ("checks.sister.4=14", "checks", "sister", FrozenTable({"4": 14})),
         ("checks.every=3", "checks", "every", 3),
         ("checks.retries=0", "checks", "retries", 0),
         ("macros.beam_y_mm=-35.2", "macros", "beam_y_mm", -35.2),

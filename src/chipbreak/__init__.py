@@ -11,7 +11,7 @@ cannot be used :class:`SettingsError`, a file of tools :class:`ToolFileError`, a
 
 >>> chipbreak.rewrite(b"G97 S3000 M3\\nG0 X20. Z2.\\nG1 Z-30. F0.05 N2\\nM30\\n", settings)
 Traceback (most recent call last):
-chipbreak.text.diagnostics.ProgramRejectedError: N 2 (N word, line 3) is a whole number, ...
+chipbreak.ProgramRejectedError: N 2 (N word, line 3) is a whole number, ...
 """
 
 from __future__ import annotations
@@ -21,10 +21,11 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from chipbreak.pipeline import Result, rewrite
     from chipbreak.settings import Settings, SettingsError, load
-    from chipbreak.text.diagnostics import ProgramRejectedError, SelfCheckError
+    from chipbreak.text.diagnostics import ChipbreakError, ProgramRejectedError, SelfCheckError
     from chipbreak.tools.data import ToolFileError
 
 __all__ = [
+    "ChipbreakError",
     "ProgramRejectedError",
     "Result",
     "SelfCheckError",
@@ -35,6 +36,7 @@ __all__ = [
     "rewrite",
 ]
 _HOMES = {
+    "ChipbreakError": "chipbreak.text.diagnostics",
     "ProgramRejectedError": "chipbreak.text.diagnostics",
     "Result": "chipbreak.pipeline",
     "SelfCheckError": "chipbreak.text.diagnostics",

@@ -143,10 +143,12 @@ def _check_rules(settings: Settings) -> None:
 
 def _with_tool_files(settings: Settings, names: Sequence[str]) -> Settings:
     """The settings with files of tools before those of the profile."""
+    from chipbreak.text.frozen_table import FrozenTable
     from chipbreak.tools.files import files_of
 
     tools = replace(settings.tools, files=(*names, *files_of(settings)))
-    return replace(settings, tools=tools, origins={**settings.origins, "tools.files": "--tools"})
+    origins = FrozenTable({**settings.origins, "tools.files": "--tools"})
+    return replace(settings, tools=tools, origins=origins)
 
 
 def run_filter(data: bytes, settings: Settings, source: str, asked: Asked) -> Result:

@@ -7,8 +7,9 @@ one stored on the control, to be called behind an operation.  Their limit takes 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
 from typing import Final, NamedTuple
+
+from chipbreak.text.frozen_table import FrozenTable
 
 
 class ShippedCalls(NamedTuple):
@@ -19,7 +20,7 @@ class ShippedCalls(NamedTuple):
     """
 
     blocks: Mapping[str, Sequence[str]]
-    tails: Mapping[str, str] = MappingProxyType({})
+    tails: Mapping[str, str] = FrozenTable({})
     ends_offset: bool = False
 
 

@@ -7,15 +7,15 @@ program that names one of their variables anywhere gets no check that calls them
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from types import MappingProxyType
 from typing import Final, NamedTuple
 
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.parse import Program
 from chipbreak.syntax.variables import variables_of
+from chipbreak.text.frozen_table import FrozenTable
 
 # What the macros work in beside the store; on LinuxCNC they have names of their own.
-WORKING: Final[Mapping[str, range]] = MappingProxyType({"fanuc-mill": range(100, 151)})
+WORKING: Final[Mapping[str, range]] = FrozenTable({"fanuc-mill": range(100, 151)})
 _PREFIX: Final = "_cb_"
 
 

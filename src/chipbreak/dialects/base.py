@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from types import MappingProxyType
 from typing import NamedTuple
+
+from chipbreak.text.frozen_table import FrozenTable
 
 # Groups whose codes act in their own block only.  The interpreter and the refusals know them by value.
 NON_MODAL = "non_modal"
@@ -67,7 +68,7 @@ class Dialect(NamedTuple):
     initial: Mapping[str, str]
     tool_change: str
     lathe_system: str = ""
-    incremental: Mapping[str, str] = MappingProxyType({})
+    incremental: Mapping[str, str] = FrozenTable({})
     speed_limit: frozenset[int] = frozenset()
     surface_limit: str = ""
     machine_retract: tuple[str, ...] = ()
@@ -104,14 +105,14 @@ class Dialect(NamedTuple):
         return Code(group, value) in self.g_codes.values()
 
 
-def table(**groups: Mapping[str, str]) -> dict[int, Code]:
+def table(**groups: Mapping[str, str]) -> FrozenTable[int, Code]:
     """Build a G code table from ``group={"G0": "rapid", ...}``; codes may share a cell: ``"G43 G44"``."""
     codes: dict[int, Code] = {}
     for group, entries in groups.items():
         for names, value in entries.items():
             for name in names.split():
                 codes[round(float(name[1:]) * 10)] = Code(group, value)
-    return codes
+    return FrozenTable(codes)
 
 
 # What nearly every ISO 6983 control shares.

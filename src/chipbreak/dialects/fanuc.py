@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from types import MappingProxyType
-
 from chipbreak.dialects.base import COMMON, Dialect, Loop, table
+from chipbreak.text.frozen_table import FrozenTable
 
-_INCREMENTAL = MappingProxyType({"U": "X", "V": "Y", "W": "Z", "H": "C"})
+_INCREMENTAL = FrozenTable({"U": "X", "V": "Y", "W": "Z", "H": "C"})
 
 # The control works these statements out while it reads ahead.  That is harmless here: they count, and ask for
 # nothing that depends on where the tool is.
@@ -30,7 +29,7 @@ _LATHE = COMMON | table(
     non_modal={"G22 G23 G25 G26 G27 G36 G37 G37.1": "service"},
 )
 
-_LATHE_INITIAL = MappingProxyType(
+_LATHE_INITIAL = FrozenTable(
     {
         "motion": "rapid",
         "plane": "ZX",
@@ -157,7 +156,7 @@ FANUC_MILL = Dialect(
             "G103 G187": "tuning",  # Haas: how far it looks ahead, how smoothly it runs
         },
     ),
-    initial=MappingProxyType(
+    initial=FrozenTable(
         {
             "motion": "rapid",
             "plane": "XY",

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from types import MappingProxyType
-
 from chipbreak.dialects.base import COMMON, Dialect, table
+from chipbreak.text.frozen_table import FrozenTable
 
 GENERIC_LATHE = Dialect(
     name="generic-lathe",
@@ -34,7 +33,7 @@ GENERIC_LATHE = Dialect(
             "G27 G36 G37": "service",
         },
     ),
-    initial=MappingProxyType(
+    initial=FrozenTable(
         {
             "motion": "rapid",
             "plane": "ZX",
@@ -47,7 +46,7 @@ GENERIC_LATHE = Dialect(
         }
     ),
     tool_change="T",
-    incremental=MappingProxyType({"U": "X", "V": "Y", "W": "Z", "H": "C"}),
+    incremental=FrozenTable({"U": "X", "V": "Y", "W": "Z", "H": "C"}),
     speed_limit=frozenset({500, 920}),
     machine_retract=("G28 U0", "G28 W0"),
 )

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from types import MappingProxyType
-
 from chipbreak.dialects.base import COMMON, Dialect, Loop, table
+from chipbreak.text.frozen_table import FrozenTable
 
-_CODES = COMMON | table(
+# LinuxCNC has neither G9, G11, G31 nor the calls of Fanuc macros.
+_ABSENT = (90, 110, 310, 650, 541)
+_SHARED = FrozenTable({number: code for number, code in COMMON.items() if number not in _ABSENT})
+_CODES = _SHARED | table(
     motion={
         "G33 G33.1": "thread",
         "G76": "thread-cycle",
@@ -30,9 +32,6 @@ _CODES = COMMON | table(
         "G71 G71.1 G71.2 G72 G72.1 G72.2": "rough-cycle",
     },
 )
-# LinuxCNC has neither G9, G11, G31 nor the calls of Fanuc macros.
-for _absent in (90, 110, 310, 650, 541):
-    _CODES.pop(_absent)
 
 _LOOP = Loop(
     begin=("o{label} repeat [{passes}]",),
@@ -61,7 +60,7 @@ LINUXCNC_LATHE = Dialect(
     title="LinuxCNC, lathe",
     is_lathe=True,
     g_codes=_CODES,
-    initial=MappingProxyType(_INITIAL | {"plane": "ZX"}),
+    initial=FrozenTable(_INITIAL | {"plane": "ZX"}),
     tool_change="M6",
     surface_limit="D",
     dwell_word="P",
@@ -82,7 +81,7 @@ LINUXCNC_MILL = LINUXCNC_LATHE._replace(
     name="linuxcnc-mill",
     title="LinuxCNC, mill",
     is_lathe=False,
-    initial=MappingProxyType(_INITIAL | {"plane": "XY"}),
+    initial=FrozenTable(_INITIAL | {"plane": "XY"}),
     machine_retract=("G53 G0 Z0",),
     kept_variables=((31, 5000),),
 )

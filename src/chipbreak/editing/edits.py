@@ -50,10 +50,12 @@ class OverlapError(Exception):
     """Two passes want to change the same lines: a fault of this program, not of the user's."""
 
     def __init__(self, one: Edit, other: Edit) -> None:
-        super().__init__(
-            f"{one.pass_name} (lines {one.first + 1} to {one.last}) and {other.pass_name} "
-            f"(lines {other.first + 1} to {other.last}) change the same lines"
-        )
+        super().__init__(one, other)
+        self.one, self.other = one, other
+
+    def __str__(self) -> str:
+        one, other = (f"{e.pass_name} (lines {e.first + 1} to {e.last})" for e in (self.one, self.other))
+        return f"{one} and {other} change the same lines"
 
 
 def in_order(edits: Sequence[Edit]) -> list[Edit]:

@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from chipbreak.text.frozen_table import FrozenTable
+
 AXES = "XYZ"
 CENTRES = "IJK"
 PLANES = ("XY", "ZX", "YZ")
@@ -69,7 +71,13 @@ def axis_words(
     # What a distance of another axis (H of C) moves keeps its name; it is no axis of the geometry.
     used = {d: axis_of.get(letter, letter) for d, letter in distances.items() if letter not in AXES}
     used |= {d: axis_of[letter] for d, letter in distances.items() if letter in AXES and letter in axis_of}
-    return AxisWords(dict(letters), dict(signs), axis_of | used, frozenset(used), _places(axis_of))
+    return AxisWords(
+        FrozenTable(letters),
+        FrozenTable(signs),
+        FrozenTable(axis_of | used),
+        frozenset(used),
+        _places(axis_of),
+    )
 
 
 def _places(axis_of: Mapping[str, str]) -> str:

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS
-from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.text.diagnostics import ChipbreakError, Diagnostic, Severity
 from chipbreak.text.nearest import nearest
 from chipbreak.text.span import Place
 
@@ -22,12 +22,17 @@ UNREADABLE, UNKNOWN_PROFILE = "SET004", "SET005"
 _SMALLEST, _LARGEST = 1e-9, 1e12
 
 
-class SettingsError(Exception):
+class SettingsError(ChipbreakError):
     """A profile or an option that cannot be used; ``diagnostic`` says why and where."""
 
+    __module__ = "chipbreak"
+
     def __init__(self, diagnostic: Diagnostic) -> None:
-        super().__init__(diagnostic.message)
+        super().__init__(diagnostic)
         self.diagnostic = diagnostic
+
+    def __str__(self) -> str:
+        return self.diagnostic.message
 
 
 class Layer(NamedTuple):

@@ -26,6 +26,7 @@ from chipbreak.settings.ranges import check_ranges
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS, Axis, Planner, Settings
 from chipbreak.settings.tool_rules import check_macros, check_sisters
 from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.nearest import nearest
 from chipbreak.text.span import Place
 
@@ -85,7 +86,7 @@ def load(profile: str | os.PathLike[str], options: Sequence[str] = ()) -> Settin
 def _build(
     layer: Layer, profile: str, values: dict[str, dict[str, Any]], origins: dict[str, str]
 ) -> Settings:
-    sections = {name: cls(**values[name]) for name, cls in SECTIONS.items()}
+    sections = {name: cls(**_frozen(values[name])) for name, cls in SECTIONS.items()}
     axes = {axis: sections.pop(f"axes.{axis}") for axis in AXES}
     control = sections["control"]
     try:
@@ -114,14 +115,19 @@ def _build(
     check_sisters(layer, sections["checks"])
     return Settings(
         name=profile,
-        call_sets=values["calls"],
-        operations=values["operations"],
-        axes=axes,
+        call_sets=_frozen(values["calls"]),
+        operations=_frozen(values["operations"]),
+        axes=FrozenTable(axes),
         axis_words=words,
         dialect=dialect,
-        origins=origins,
+        origins=FrozenTable(origins),
         **sections,
     )
+
+
+def _frozen(values: Mapping[str, Any]) -> FrozenTable[str, Any]:
+    """Values of a section, with the tables among them."""
+    return FrozenTable({k: FrozenTable(v) if isinstance(v, dict) else v for k, v in values.items()})
 
 
 def _check_loop(layer: Layer, variable: int, dialect: Dialect, words: AxisWords) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 from chipbreak.dialects import Dialect
 from chipbreak.settings.axis_words import AXES, AxisWords
+from chipbreak.text.frozen_table import FrozenTable
 
 
 def _one_of(default: str, *others: str) -> Any:
@@ -146,7 +147,7 @@ class Checks:
     calls: str = "builtin"
     w_rough_mm: float = _above(0.05)
     w_finish_mm: float = _above(0.02)
-    w_mm: Mapping[str, float] = field(default_factory=dict, metadata={"above": 0.0, "table": True})
+    w_mm: Mapping[str, float] = field(default_factory=FrozenTable, metadata={"above": 0.0, "table": True})
     runout_mm: float = _above(0.005)
     length_over_mm: float = _above(3.0)
     diameter_mm: float = _above(0.5)
@@ -159,7 +160,7 @@ class Checks:
     only: tuple[int, ...] = ()
     ignore: tuple[int, ...] = ()
     sister: Mapping[str, int] = field(
-        default_factory=dict, metadata={"at_least": 1, "below": 100_000_000, "table": True}
+        default_factory=FrozenTable, metadata={"at_least": 1, "below": 100_000_000, "table": True}
     )
     every: int = _between(1, 1, 10_000)
     retries: int = _between(1, 0, 100)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from chipbreak.text.span import Place
@@ -56,16 +56,32 @@ class Diagnostic(NamedTuple):
         }
 
 
-class ProgramRejectedError(Exception):
+# Errors keep what they were made of in ``args``: Python pickles and copies them by that.
+
+
+class ChipbreakError(Exception):
+    """What this package raises for those who call it; each kind below says more."""
+
+    __module__ = "chipbreak"
+
+
+class ProgramRejectedError(ChipbreakError):
     """The program has an error in it; ``diagnostics`` says which.  No output may be written."""
 
-    def __init__(self, diagnostics: Sequence[Diagnostic]) -> None:
-        super().__init__("; ".join(d.message for d in diagnostics if d.severity is Severity.ERROR))
+    __module__ = "chipbreak"
+
+    def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
         self.diagnostics = tuple(diagnostics)
+        super().__init__(self.diagnostics)
+
+    def __str__(self) -> str:
+        return "; ".join(d.message for d in self.diagnostics if d.severity is Severity.ERROR)
 
 
-class SelfCheckError(Exception):
+class SelfCheckError(ChipbreakError):
     """The output does not do what was promised: a fault of this program.  Nothing may be written."""
+
+    __module__ = "chipbreak"
 
 
 class RefusalError(Exception):
@@ -76,8 +92,11 @@ class RefusalError(Exception):
     """
 
     def __init__(self, code: str, message: str, help: str = "") -> None:
-        super().__init__(message)
+        super().__init__(code, message, help)
         self.code, self.message, self.help = code, message, help
+
+    def __str__(self) -> str:
+        return self.message
 
 
 def has_errors(diagnostics: Iterable[Diagnostic]) -> bool:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from types import MappingProxyType
 from typing import Any, Final, NamedTuple, NoReturn
 
-from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.text.diagnostics import ChipbreakError, Diagnostic, Severity
+from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.span import Place
 
 CANNOT_OPEN, NO_FORMAT, UNKNOWN_KEY, BAD_VALUE = "TOL001", "TOL002", "TOL003", "TOL004"
@@ -50,7 +50,7 @@ class ToolData(NamedTuple):
     point_deg: float | None = None
     holder_mm: float | None = None
     name: str | None = None
-    origins: Mapping[str, str] = MappingProxyType({})
+    origins: Mapping[str, str] = FrozenTable({})
 
     @classmethod
     def said(cls, number: int, origin: str, values: Mapping[str, Any]) -> ToolData:
@@ -64,12 +64,17 @@ class ToolData(NamedTuple):
         return {name: value for name, value in values if value is not None}
 
 
-class ToolFileError(Exception):
+class ToolFileError(ChipbreakError):
     """A file of tools, or of traces, that cannot be used; ``diagnostics`` says why and where."""
+
+    __module__ = "chipbreak"
 
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
         self.diagnostics = tuple(diagnostics)
-        super().__init__("; ".join(d.message for d in self.diagnostics))
+        super().__init__(self.diagnostics)
+
+    def __str__(self) -> str:
+        return "; ".join(d.message for d in self.diagnostics)
 
 
 class Errors:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import NamedTuple
 
 from chipbreak.kinematics.sourced_value import SourcedValue
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.nearest import nearest
 
 # What each key means, for messages and the manual.
@@ -35,7 +35,7 @@ class Directive(NamedTuple):
     """What one directive says; ``on`` is False for ``(VIB OFF)``."""
 
     on: bool
-    values: Mapping[str, SourcedValue] = MappingProxyType({})
+    values: Mapping[str, SourcedValue] = FrozenTable({})
     waveform: str = ""
 
 
