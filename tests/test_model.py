@@ -10,6 +10,7 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 import chipbreak
+from chipbreak.dialects.modes import Modes
 from chipbreak.model.interpret import initial_state
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
 from chipbreak.model.modal import State
@@ -38,7 +39,7 @@ def facts(state: State) -> dict[str, object]:
 
     settings = {name: getattr(state, name) for name in ("feed", "speed", "speed_limit")}
     return {
-        "modes": dict(state.modes),
+        "modes": dict(state.modes.items()),
         "position": [str(v) for v in state.position],
         **{k: None if s is None else [value(v) for v in s] for k, s in settings.items()},
         "spindle": state.spindle,
@@ -242,7 +243,7 @@ def test_where_blocks_lead(
 def test_what_loses_the_position(line: str, known: str, profile: str) -> None:
     state = after(f"G0 X20. Z2.\n{line}\n", profile)
     assert "".join(a for a, v in zip("XYZ", state.position, strict=True) if not math.isnan(v)) == known
-    assert known == "XZ" or state.unknown_why != State({}).unknown_why, "the reason is remembered"
+    assert known == "XZ" or state.unknown_why != State(Modes()).unknown_why, "the reason is remembered"
 
 
 def test_a_jump_target_forgets_feed_and_speed_too() -> None:
@@ -320,7 +321,7 @@ def test_the_limit_of_linuxcnc_stands_with_its_g96() -> None:
 )
 def test_a_cylinder_of_no_radius_ends_it(*, first: str, second: str, off: bool) -> None:
     modes = after(f"{first}\n{second}", "fanuc-lathe").modes
-    assert modes["cylinder"] == ("off" if off else "on")
+    assert modes.cylinder == ("off" if off else "on")
 
 
 @pytest.mark.parametrize(
@@ -355,7 +356,7 @@ def test_machine_functions(program: str, spindle: str, coolant: tuple[str, ...])
     ],
 )
 def test_modal_groups(code: str, group: str, value: str, profile: str) -> None:
-    assert after(code, profile).modes[group] == value
+    assert after(code, profile).modes.value(group) == value
 
 
 def test_words_that_nothing_reads_are_named() -> None:

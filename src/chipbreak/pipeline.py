@@ -219,7 +219,7 @@ def _chip_diagnostics(
 def _surface_speed(interpreted: InterpretedProgram, checked: CutReport) -> list[Diagnostic]:
     """A warning where a cut of G96 grows in diameter, and the speed of its start is far too high for that."""
     cut, state = checked.plan, checked.plan.chain.before
-    if state.modes["speed_mode"] != "surface" or not checked.clearances or state.speed is None:
+    if state.modes.speed_mode != "surface" or not checked.clearances or state.speed is None:
         return []
     asked_m_min = state.speed.value * (MM_PER_INCH * 12.0 / 1000.0 if state.is_inch else 1.0)
     diameter_mm = checked.clearances[0].diameter_mm

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from chipbreak.dialects.modes import UNSAID
 from chipbreak.editing.edits import Edit, in_order
 from chipbreak.editing.restore import Region, regions, restores
 from chipbreak.editing.unroll import unrolled
@@ -53,7 +54,7 @@ def verify(
     following = [edit.first for edit in ordered[1:]] + [interpreted.program.source.body.stop]
     for edit, region, stop in zip(ordered, found, following, strict=True):
         planned = by_edit.get(id(edit))
-        if planned is not None and planned.plan.chain.after.modes["motion"] != "line":
+        if planned is not None and planned.plan.chain.after.modes.motion != "line":
             motion_from = _next_motion_code(interpreted, edit.last)
         _check_states(interpreted, result, edit, region, motion_from)
         _check_return(interpreted, result, edit, region, stop)
@@ -117,7 +118,7 @@ def _check_states(
         if was.ended:
             continue  # the next block starts another program, from the power-on state
         if line <= motion_from:
-            now = now.with_modes({"motion": was.modes["motion"]})
+            now = now.with_motion(was.modes.motion)
         wrong = _difference(was, now)
         if not wrong and edit.first != edit.last:
             wrong = _moved(was, now, interpreted)
@@ -130,7 +131,7 @@ def _check_speed_back(
 ) -> None:
     """What gives the programmed spindle speed back gives back that speed, in its mode."""
     was, now = interpreted.before(edit.last), result.before(region.last)
-    spoken = [(s.modes["speed_mode"], _value(s.speed), _value(s.speed_limit)) for s in (was, now)]
+    spoken = [(s.modes.speed_mode, _value(s.speed), _value(s.speed_limit)) for s in (was, now)]
     if spoken[0] != spoken[1]:
         raise SelfCheckError(f"before line {edit.last + 1} the spindle speed is not the programmed one")
 
@@ -173,7 +174,8 @@ def _moved(was: State, now: State, interpreted: InterpretedProgram) -> str:
 
 def _difference(was: State, now: State) -> str:
     # A group that the original never set (a path mode given back as usual) has nothing to differ from.
-    groups = {g for g in was.modes if was.modes[g] != now.modes.get(g)} - {"speed_mode"}
+    changed = was.modes.changed(now.modes)
+    groups = {group for group in changed if was.modes.value(group) != UNSAID} - {"speed_mode"}
     if groups:
         return f"the modal state ({', '.join(sorted(groups))})"
     if was.path_words and was.path_words != now.path_words:
@@ -183,7 +185,7 @@ def _difference(was: State, now: State) -> str:
     if _value(was.feed) != _value(now.feed):
         return "the feed"
     # A speed mode that was changed on purpose takes its limit with it, until both come back.
-    same_mode = was.modes["speed_mode"] == now.modes["speed_mode"]
+    same_mode = was.modes.speed_mode == now.modes.speed_mode
     if same_mode and _value(was.speed_limit) != _value(now.speed_limit):
         return "the limit of the spindle"
     pairs = (("tool", was.tool, now.tool), ("spindle", was.spindle, now.spindle))

@@ -182,7 +182,7 @@ class Machine:
                     value = plain_value(word) * (25.4 if effect.after.is_inch else 1.0)
                     if word.address == "X" and is_diameter(effect.after, self.settings.control):
                         value /= 2.0
-                    incremental = effect.after.modes["distance"] == "incremental"
+                    incremental = effect.after.modes.distance == "incremental"
                     value += self.at[word.address] if incremental else 0.0
                     is_hole = effect.move.kind == "other" and word.address == "Z"
                     self.at[word.address] = self.at["Z"] if is_hole else value

@@ -70,14 +70,14 @@ def test_the_axis_words_of_a_given_length_offset_are_no_move() -> None:
 def test_what_m70_keeps_m72_gives_back() -> None:
     kept = ("G94 F90", "S500 M3", "M8", "M70", "G91 G95 F1", "S9 M5", "M9", "G1")
     end = linuxcnc(*kept, "M72")
-    assert (end.modes["distance"], end.modes["feed_mode"], end.modes["motion"]) == (
+    assert (end.modes.distance, end.modes.feed_mode, end.modes.motion) == (
         "absolute",
         "minute",
         "line",
     )
     assert (end.feed and end.feed.text, end.speed and end.speed.text, end.spindle) == ("90", "500", "cw")
     assert end.coolant == {"flood"}
-    assert linuxcnc("G91", "M72").modes["distance"] == "incremental"  # nothing was kept
+    assert linuxcnc("G91", "M72").modes.distance == "incremental"  # nothing was kept
     assert math.isnan(linuxcnc("M70", "G55", "G0 X1", "M72").position.x)
     assert linuxcnc("M70", "G0 X1", "M72").position.x == 1.0
 

@@ -233,7 +233,7 @@ def test_cuts_found_by_shapes_are_the_cuts_found_block_by_block(corpus: list[Pat
                 and plain[effect.block.line] >= 0
                 and not effect.in_contour
                 and (effect.move or set("XYZABCIJK") & {w.address for w in effect.block.words})
-                and effect.after.modes["motion"] not in ("rapid", "none", "probe")
+                and effect.after.modes.motion not in ("rapid", "none", "probe")
             ]
             assert slow == main.cuts[plain[main.cuts] >= 0].tolist(), file.name
             assert np.isin(main.cuts, main.works).all()

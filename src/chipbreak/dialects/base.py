@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
+from chipbreak.dialects.modes import Modes, check_value
 from chipbreak.text.frozen_table import FrozenTable
 
 # Groups whose codes act in their own block only.  The interpreter and the refusals know them by value.
@@ -42,7 +43,7 @@ class Dialect(NamedTuple):
     """A control's vocabulary.
 
     ``g_codes``       ten times the G number -> Code
-    ``initial``       modal groups at power-on
+    ``initial``       what is in force at power-on
     ``incremental``   letters that always move incrementally -> the axis (U -> X); empty where they are axes
     ``tool_change``   "T" where a T word changes the tool at once, "M6" where M6 does
     ``speed_limit``   G codes (times ten) that limit the spindle when they stand with S
@@ -65,7 +66,7 @@ class Dialect(NamedTuple):
     title: str
     is_lathe: bool
     g_codes: Mapping[int, Code]
-    initial: Mapping[str, str]
+    initial: Modes
     tool_change: str
     lathe_system: str = ""
     incremental: Mapping[str, str] = FrozenTable({})
@@ -106,10 +107,14 @@ class Dialect(NamedTuple):
 
 
 def table(**groups: Mapping[str, str]) -> FrozenTable[int, Code]:
-    """Build a G code table from ``group={"G0": "rapid", ...}``; codes may share a cell: ``"G43 G44"``."""
+    """Build a G code table from ``group={"G0": "rapid", ...}``; codes may share a cell: ``"G43 G44"``.
+
+    Raises ValueError for a value that a known modal group does not have.
+    """
     codes: dict[int, Code] = {}
     for group, entries in groups.items():
         for names, value in entries.items():
+            check_value(group, value)
             for name in names.split():
                 codes[round(float(name[1:]) * 10)] = Code(group, value)
     return FrozenTable(codes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from chipbreak.dialects.base import COMMON, Dialect, Loop, table
+from chipbreak.dialects.modes import Modes
 from chipbreak.text.frozen_table import FrozenTable
 
 _INCREMENTAL = FrozenTable({"U": "X", "V": "Y", "W": "Z", "H": "C"})
@@ -29,18 +30,7 @@ _LATHE = COMMON | table(
     non_modal={"G22 G23 G25 G26 G27 G36 G37 G37.1": "service"},
 )
 
-_LATHE_INITIAL = FrozenTable(
-    {
-        "motion": "rapid",
-        "plane": "ZX",
-        "distance": "absolute",
-        "feed_mode": "rev",
-        "units": "mm",
-        "compensation": "off",
-        "speed_mode": "rpm",
-        "work_offset": "G54",
-    }
-)
+_LATHE_INITIAL = Modes(motion="rapid", plane="ZX", feed_mode="rev")
 
 _CYCLES_AB = table(
     non_modal={
@@ -156,20 +146,7 @@ FANUC_MILL = Dialect(
             "G103 G187": "tuning",  # Haas: how far it looks ahead, how smoothly it runs
         },
     ),
-    initial=FrozenTable(
-        {
-            "motion": "rapid",
-            "plane": "XY",
-            "distance": "absolute",
-            "feed_mode": "minute",
-            "units": "mm",
-            "compensation": "off",
-            "length_offset": "off",
-            "speed_mode": "rpm",
-            "work_offset": "G54",
-            "path": "blend",
-        }
-    ),
+    initial=Modes(motion="rapid", plane="XY", feed_mode="minute", path="blend"),
     tool_change="M6",
     axis_letters="XYZUWABC",
     machine_retract=("G91 G28 Z0.", "G90"),

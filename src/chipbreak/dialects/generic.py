@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from chipbreak.dialects.base import COMMON, Dialect, table
+from chipbreak.dialects.modes import Modes
 from chipbreak.text.frozen_table import FrozenTable
 
 GENERIC_LATHE = Dialect(
@@ -33,18 +34,7 @@ GENERIC_LATHE = Dialect(
             "G27 G36 G37": "service",
         },
     ),
-    initial=FrozenTable(
-        {
-            "motion": "rapid",
-            "plane": "ZX",
-            "distance": "absolute",
-            "feed_mode": "rev",
-            "units": "mm",
-            "compensation": "off",
-            "speed_mode": "rpm",
-            "work_offset": "G54",
-        }
-    ),
+    initial=Modes(motion="rapid", plane="ZX", feed_mode="rev"),
     tool_change="T",
     incremental=FrozenTable({"U": "X", "V": "Y", "W": "Z", "H": "C"}),
     speed_limit=frozenset({500, 920}),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from chipbreak.dialects.base import COMMON, Dialect, Loop, table
+from chipbreak.dialects.modes import Modes
 from chipbreak.text.frozen_table import FrozenTable
 
 # LinuxCNC has neither G9, G11, G31 nor the calls of Fanuc macros.
@@ -40,18 +41,7 @@ _LOOP = Loop(
     reuses=False,
 )
 
-_INITIAL = {
-    "motion": "none",
-    "distance": "absolute",
-    "arc_distance": "incremental",
-    "feed_mode": "minute",
-    "units": "mm",
-    "compensation": "off",
-    "length_offset": "off",
-    "speed_mode": "rpm",
-    "work_offset": "G54",
-    "path": "blend",
-}
+_INITIAL = Modes(motion="none", feed_mode="minute", path="blend")
 
 _PLACES = frozenset({*range(5420, 5429), *(f"_{way}{axis}" for way in ("", "abs_") for axis in "xyzabcuvw")})
 
@@ -60,7 +50,7 @@ LINUXCNC_LATHE = Dialect(
     title="LinuxCNC, lathe",
     is_lathe=True,
     g_codes=_CODES,
-    initial=FrozenTable(_INITIAL | {"plane": "ZX"}),
+    initial=_INITIAL._replace(plane="ZX"),
     tool_change="M6",
     surface_limit="D",
     dwell_word="P",
@@ -81,7 +71,7 @@ LINUXCNC_MILL = LINUXCNC_LATHE._replace(
     name="linuxcnc-mill",
     title="LinuxCNC, mill",
     is_lathe=False,
-    initial=FrozenTable(_INITIAL | {"plane": "XY"}),
+    initial=_INITIAL._replace(plane="XY"),
     machine_retract=("G53 G0 Z0",),
     kept_variables=((31, 5000),),
 )

@@ -151,9 +151,8 @@ class _Reader:
         self.program, self.ignore_comments = program, ignore_comments
         self.reading = Reading(settings)
         if settings is not None:
-            feed_mode = settings.dialect.initial.get("feed_mode")
-            is_inch = settings.dialect.initial.get("units") == "inch"
-            self.reading = Reading(settings, is_inch, feed_mode == "rev")
+            initial = settings.dialect.initial
+            self.reading = Reading(settings, initial.units == "inch", initial.feed_mode == "rev")
         self.in_data = False
         self.items: list[Item] = []
         self.named: list[tuple[int, tuple[_Named, ...]]] = []

@@ -162,6 +162,6 @@ def _changed(effect: BlockEffect) -> set[str]:
     one, other = effect.before, effect.after
     if not effect.block.skip:
         return set()
-    changed = {group for group in other.modes if one.modes.get(group) != other.modes[group]}
+    changed = set(one.modes.changed(other.modes))
     parts = {"the spindle": "spindle", "coolant": "coolant", "S": "speed", "the tool": "tool"}
     return changed | {what for what, name in parts.items() if getattr(one, name) != getattr(other, name)}

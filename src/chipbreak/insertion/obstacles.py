@@ -10,6 +10,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Collection, Iterator
 
+from chipbreak.dialects.modes import Group
 from chipbreak.insertion.conditional_state import doubts_of, jumps_of, nests_of, optional_parts
 from chipbreak.insertion.subprograms import Subprograms
 from chipbreak.model.block_effect import BlockEffect
@@ -20,7 +21,7 @@ from chipbreak.operations.main_program import MainProgram
 from chipbreak.operations.operations import calls_tool
 
 # Modal groups that must be at rest, and what the user knows them as.
-_AT_REST = {
+_AT_REST: dict[Group, str] = {
     "compensation": "cutter compensation (G41, G42) is on",
     "rotation": "the coordinate system is rotated (G68)",
     "polar": "polar coordinates are on",
@@ -32,7 +33,7 @@ _AT_REST = {
     "modal_macro": "a modal macro call (G66) is on",
 }
 # What the numbers of a place depend on.
-_PLACING = frozenset({"distance", "units", "work_offset", "length_offset", "diameter"})
+_PLACING: frozenset[Group] = frozenset({"distance", "units", "work_offset", "length_offset", "diameter"})
 # Coolant through the spindle: M9 does not end it, and this profile has no code that is sure to do so.
 _THROUGH_ON, _THROUGH_OFF = 88.0, 89.0
 
@@ -123,10 +124,10 @@ class Ground:
 
     def _not_at_rest(self, line: int, state: State) -> str:
         for group, what in _AT_REST.items():
-            if state.modes.get(group, "off") != "off":
+            if state.modes.value(group) != "off":
                 return what
         dialect = self.interpreted.settings.dialect
-        is_surface = state.modes.get("speed_mode") == "surface"
+        is_surface = state.modes.speed_mode == "surface"
         if is_surface and not (dialect.keeps_modes or dialect.is_lathe):
             return "constant surface speed (G96) is on: S of a check would be a speed of the edge"
         turned, through = _last(self._turned, line), _last(self._through, line)
@@ -140,9 +141,9 @@ class Ground:
         crossed = self._crossed(line, state) if dialect.converts_feed else ""
         if crossed:
             return crossed
-        if state.modes.get("path") == "tapping":
+        if state.modes.path == "tapping":
             return "tapping mode (G63) is on"
-        if state.modes.get("look_ahead") and not self._looks_no_further(line):
+        if state.modes.look_ahead and not self._looks_no_further(line):
             return "look-ahead control (G5, G5.1, G8) is on"
         return ""
 
@@ -229,7 +230,7 @@ def _switches_of_units(interpreted: InterpretedProgram) -> Iterator[tuple[int, b
     for effect in interpreted.effects:
         before, after = effect.before, effect.after
         has_feed |= before.feed is not None  # behind a loop it is not known any more, but in force
-        if before.modes.get("units") != after.modes.get("units"):
+        if before.modes.units != after.modes.units:
             has_tolerance = has_tolerance or "P" in before.path_words
             yield effect.block.line, has_feed, has_tolerance
         elif codes_of(effect.block, "path", interpreted.settings.dialect):

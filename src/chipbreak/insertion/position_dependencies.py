@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from chipbreak.dialects import Dialect
+from chipbreak.dialects.modes import Group
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of, plain_value
@@ -28,7 +29,15 @@ from chipbreak.syntax.variables import variables_of
 HORIZON = 400
 _HARMLESS = frozenset({"dwell", "exact-stop", "tuning", "data-setting", "data-setting-end", "shift"})
 # Where these are on, a word of one axis moves another.
-_BENT = ("rotation", "polar", "interpolation", "cylinder", "mirror", "scaling", "modal_macro")
+_BENT: tuple[Group, ...] = (
+    "rotation",
+    "polar",
+    "interpolation",
+    "cylinder",
+    "mirror",
+    "scaling",
+    "modal_macro",
+)
 
 
 class Reliance(NamedTuple):
@@ -172,7 +181,7 @@ class _Look:
         if "machine" in effect.non_modal:
             return self._machine(effect)
         is_limit = "set-position" in effect.non_modal and not named  # G50 S2000
-        bent = any(effect.after.modes.get(group, "off") != "off" for group in _BENT)
+        bent = any(effect.after.modes.value(group) != "off" for group in _BENT)
         if bent or (effect.non_modal - _HARMLESS and not is_limit):
             return self._rely_on_rest()
         if effect.move is None:
@@ -200,7 +209,7 @@ class _Look:
     def _home(self, effect: BlockEffect) -> bool:
         """``G91 G28 Z0.`` goes straight home; with other values it is a move to a point first."""
         named = homed_axes(effect, self.interpreted.settings)
-        incremental = effect.after.modes.get("distance") == "incremental"
+        incremental = effect.after.modes.distance == "incremental"
         words = [w for w in effect.block.words if self.words.axes.get(w.address, "") in self.words.signs]
         distances = [w for w in words if incremental or w.address in self.words.distances]
         if len(distances) < len(words):
@@ -213,7 +222,7 @@ class _Look:
     def _machine(self, effect: BlockEffect) -> bool:
         named = named_axes(effect, self.interpreted.settings)
         depth = effect.block.word(self.words.letters["Z"])
-        if effect.after.modes["motion"] != "rapid":
+        if effect.after.modes.motion != "rapid":
             return self._rely_on_rest()
         if depth and plain_value(depth) != 0.0:
             return self._rapid(named, bool(effect.block.skip))

@@ -147,15 +147,13 @@ class SafePointFinder:
         if calls_tool(effect, self.dialect.tool_change):
             mover, homed = "home", frozenset()
             is_open = state.turns and not codes & {3.0, 4.0}
-        elif "home" in effect.non_modal or (
-            "machine" in effect.non_modal and state.modes["motion"] == "rapid"
-        ):
+        elif "home" in effect.non_modal or ("machine" in effect.non_modal and state.modes.motion == "rapid"):
             mover, homed = "home", homed | (named - self._reproducible(effect))
         elif calls_subprogram(effect) or "macro-call" in effect.non_modal or "service" in effect.non_modal:
             mover = "call"
         elif effect.move is not None:
             # A canned cycle ends with its own way out.
-            rapid = effect.move.kind == "rapid" or (state.modes["motion"] == "cycle" and not effect.non_modal)
+            rapid = effect.move.kind == "rapid" or (state.modes.motion == "cycle" and not effect.non_modal)
             mover, homed = ("rapid" if rapid else "cut"), homed - named
             z_is_home = z_is_home and "Z" not in named
         z_is_home = z_is_home or ("home" in effect.non_modal and "Z" in named)
@@ -177,7 +175,7 @@ class SafePointFinder:
             return NoSafePoint(spot.line, why, "call the tool again behind it: from there on all is known")
         if why:
             return NoSafePoint(spot.line, why)
-        is_on = state.modes.get("length_offset", "off") != "off"
+        is_on = state.modes.length_offset != "off"
         has_offset = is_on and (self._calls_end_offset or (self._retract_homes and not spot.z_is_home))
         needed = reliance(
             self.interpreted,
@@ -219,7 +217,7 @@ class SafePointFinder:
 
     def _why_not(self, spot: _Spot) -> str:
         """What the last move and the spindle say against the place."""
-        motion = spot.state.modes["motion"]
+        motion = spot.state.modes.motion
         if motion not in ("rapid", "none", "line", "cw", "ccw"):
             return "a cycle is still on"
         if spot.mover == "call":
@@ -243,7 +241,7 @@ class SafePointFinder:
             return True
         state = spot.state
         feed = state.feed
-        if feed is None or not feed.value > 0.0 or state.modes["feed_mode"] == "inverse":
+        if feed is None or not feed.value > 0.0 or state.modes.feed_mode == "inverse":
             return False
         if self.interpreted.program.block(feed.line).skip:
             return False
@@ -273,7 +271,7 @@ class SafePointFinder:
 
 
 def _compensates(state: State) -> bool:
-    return state.modes.get("compensation", "off") != "off"
+    return state.modes.compensation != "off"
 
 
 def retract_blocks(settings: Settings) -> Iterable[str]:
@@ -287,7 +285,7 @@ def retract_blocks(settings: Settings) -> Iterable[str]:
 def retract_steps(settings: Settings) -> Iterable[BlockEffect]:
     """What the dialect's retract does, block by block."""
     interpreter = Interpreter(settings, Flow(frozenset(), ()))
-    state = State(modes=dict(settings.dialect.initial))
+    state = State(modes=settings.dialect.initial)
     for text in retract_blocks(settings):
         effect = interpreter.advance(state, read_block(0, text))
         state = effect.after

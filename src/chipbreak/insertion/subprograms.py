@@ -79,7 +79,7 @@ class Subprograms:
         if key in callers:
             return None
         speed = state.speed and state.speed.text
-        here = (key, frozenset(state.modes.items()), state.spindle, state.coolant, speed)
+        here = (key, state.modes, state.spindle, state.coolant, speed)
         if here not in self._runs:
             self._runs[here] = self._follow(key, state, callers)
         return self._runs[here]
@@ -108,7 +108,7 @@ def _called(effect: BlockEffect) -> Iterator[_Key]:
     for control in effect.block.controls:
         if control.keyword == "O-CALL":
             yield control.label.lower()
-    is_macro = "macro-call" in effect.non_modal or effect.after.modes.get("modal_macro") == "on"
+    is_macro = "macro-call" in effect.non_modal or effect.after.modes.modal_macro == "on"
     if is_macro or (calls_subprogram(effect) and not effect.block.controls):
         word = effect.block.word("P")
         is_local = any(w.address == "M" and w.number == 97.0 for w in effect.block.words)

@@ -30,9 +30,8 @@ def set_by(effect: BlockEffect, interpreted: InterpretedProgram) -> set[str]:
 
 def differing(one: State, other: State) -> frozenset[str]:
     """What is set otherwise in two states."""
-    groups = {
-        group for group in {**one.modes, **other.modes} if one.modes.get(group) != other.modes.get(group)
-    }
     parts = {what for what, name in _PARTS.items() if getattr(one, name) != getattr(other, name)}
     speeds = [state.speed and (state.speed.text, state.speed.value) for state in (one, other)]
-    return frozenset(groups | parts | ({"S"} if speeds[0] != speeds[1] else set()))
+    return frozenset(one.modes.changed(other.modes)) | frozenset(
+        parts | ({"S"} if speeds[0] != speeds[1] else set())
+    )

@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
+from chipbreak.dialects.modes import Motion
 from chipbreak.model.cutting_speed import CuttingSpeed
 from chipbreak.model.modal import Position, State
 from chipbreak.syntax.nodes import Block, Word
 
-CUTTING = ("line", "cw", "ccw")
+CUTTING: tuple[Motion, ...] = ("line", "cw", "ccw")
+MoveKind = Literal["rapid", "line", "cw", "ccw", "thread", "other"]
 
 
 class Move(NamedTuple):
     """A motion from ``start`` to ``end`` [mm, X as radius].
 
-    ``kind``         rapid, line, cw, ccw, thread or other
+    ``kind``         what the motion code makes of it; ``other`` ends where the control decides
     ``axes``         the axes the block names, in its order
     ``incremental``  True where the block gives nothing but distances (G91, U, W)
     ``offsets``      from the start to the centre of an arc [mm], NaN where not given
     ``radius_mm``    its R, NaN without;  ``plane`` the plane it turns in: XY, ZX or YZ
     """
 
-    kind: str
+    kind: MoveKind
     start: Position
     end: Position
     axes: str

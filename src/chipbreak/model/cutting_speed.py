@@ -45,7 +45,7 @@ def cutting_speed_of(block: Block, state: State) -> CuttingSpeed | None:
     found = _from_words(block) or _from_directive(block)
     if found is None:
         return None
-    if state.modes["speed_mode"] == "surface":
+    if state.modes.speed_mode == "surface":
         message = "V and D give a spindle speed, but constant surface speed (G96) is active"
         raise RefusalError("VIB071", message, "write G97 in this block, or give S in G96 yourself")
     if state.is_inch:

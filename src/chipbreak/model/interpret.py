@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 from chipbreak.dialects.base import NON_MODAL
+from chipbreak.dialects.modes import Group, Modes, Motion
 from chipbreak.model.block_effect import CUTTING, BlockEffect, Move
 from chipbreak.model.cutting_speed import cutting_speed_of
 from chipbreak.model.flow import Flow
@@ -51,19 +52,21 @@ _LOSES = {
 }
 # Codes whose block gives its other words a meaning of their own: no axis motion, no vibration words.
 _READS_ALL = frozenset(_LOSES) - {"machine", "skip"} | {"dwell", "tuning"}
-_COORDINATE_GROUPS = ("work_offset", "rotation", "polar", "scaling", "mirror", "interpolation")
+_COORDINATE_GROUPS: frozenset[Group] = frozenset(
+    {"work_offset", "rotation", "polar", "scaling", "mirror", "interpolation"}
+)
 # The axis words of their codes are a centre, no move; those of LinuxCNC's G43.1 are an offset.
-_CENTRE_GROUPS = ("rotation", "scaling", "mirror")
+_CENTRE_GROUPS: tuple[Group, ...] = ("rotation", "scaling", "mirror")
 _LOSES_NAMED_AXES = ("home", "machine", "skip")
 _AXES_WITHOUT_V = frozenset("XYZUWABCH")
 _PLAIN_LETTERS = frozenset("GMTSFODHABC")
-_ARCS = ("cw", "ccw")
+_ARCS: tuple[Motion, ...] = ("cw", "ccw")
 _CENTRE_LETTERS = frozenset(CENTRES)
 
 
 def initial_state(settings: Settings) -> State:
     """The state at the first block: the control's power-on modes."""
-    return State(modes=dict(settings.dialect.initial))
+    return State(modes=settings.dialect.initial)
 
 
 class Interpreter:
@@ -108,7 +111,8 @@ class Interpreter:
 
     def _execute(self, state: State, block: Block) -> BlockEffect:
         changes, non_modal, unknown = self._codes(block)
-        motion = {**state.modes, **changes}.get("motion")
+        modes = state.modes.replace(changes)
+        motion = modes.motion
         reads_all = bool(non_modal & _READS_ALL)
         # A full circle may name its centre only.
         # So is an axis of another profile's: its wish must be refused, not passed over.
@@ -116,7 +120,7 @@ class Interpreter:
         mode_words = "PQR" if changes.keys() & _MODES_WITH_WORDS else ""
         cuts = motion in CUTTING and not (unknown or mode_words)
         vibration = vibration_words(block, moving, cuts=cuts, has_once=reads_all)
-        after = self._values(state, block, changes, non_modal, vibration)
+        after = self._values(state, block, changes, modes, non_modal, vibration=vibration)
         if "macro-call" not in non_modal:  # T, M and S of a G65 block are arguments
             after = self._machine_functions(after, block)
         move = None
@@ -157,18 +161,20 @@ class Interpreter:
         state: State,
         block: Block,
         changes: dict[str, str],
+        modes: Modes,
         non_modal: frozenset[str],
+        *,
         vibration: Words,
     ) -> State:
         """(1) feed mode, (2) feed, (3) speed, (7) the other modal groups."""
-        modes = {**state.modes, **changes}
-        after = state._replace(modes=modes)
-        if any(modes.get(group) != state.modes.get(group) for group in ("feed_mode", "units")):
+        was = state.modes
+        after = state if modes is was else state._replace(modes=modes)
+        if modes.feed_mode != was.feed_mode or modes.units != was.units:
             after = after._replace(feed=None)
-        if modes["speed_mode"] != state.modes["speed_mode"]:
+        if modes.speed_mode != was.speed_mode:
             after = after._replace(speed=None)
         if "speed_mode" in changes and self.dialect.surface_limit:
-            limit = surface_limit(block, modes["speed_mode"], self.dialect)
+            limit = surface_limit(block, modes.speed_mode, self.dialect)
             after = after._replace(speed_limit=limit)
         if "path" in changes:
             after = after._replace(path_words=self._group_words(block, "path"))
@@ -186,16 +192,16 @@ class Interpreter:
                 setting = Setting(plain_value(word), word.value_text, block.line)
                 after = after._replace(speed_limit=setting) if limits else after._replace(speed=setting)
         worked_out = "work_offset" in changes and block.has_macro
-        if worked_out or any(modes.get(g, "off") != state.modes.get(g, "off") for g in _COORDINATE_GROUPS):
+        if worked_out or _COORDINATE_GROUPS.intersection(was.changed(modes)):
             after = after.lost("the coordinate system changed")
         if changes.get("length_offset", "off") != "off" or (
-            "length_offset" in changes and state.modes.get("length_offset") != "off"
+            "length_offset" in changes and was.length_offset != "off"
         ):
             after = after._replace(position=after.position._replace(z=math.nan))
             after = after._replace(unknown_why="tool length compensation changed Z")
         return after
 
-    def _group_words(self, block: Block, group: str) -> str:
+    def _group_words(self, block: Block, group: Group) -> str:
         """``G64 P0.01 Q0.005``, ``G5.1 Q1 R3``: a mode in the program's own words."""
         addresses = {("G", n / 10.0) for n in codes_of(block, group, self.dialect)}
         words = [w for w in block.words if w.address in "PQR" or (w.address, w.number) in addresses]
@@ -239,7 +245,7 @@ class Interpreter:
                 axes = [self.settings.axis_words.axes[w.address] for w in axis_words]
                 state = _lose_axes(state, axes, _LOSES[name], everything=name not in _LOSES_NAMED_AXES)
         has_centre = any(w.address in _CENTRE_LETTERS for w in block.words)
-        is_circle = has_centre and state.modes.get("motion") in _ARCS
+        is_circle = has_centre and state.modes.motion in _ARCS
         if not (axis_words or is_circle) or non_modal & _READS_ALL:
             return state, None
         if unknown:
@@ -261,7 +267,7 @@ class Interpreter:
 
     def _unread(self, block: Block, seen: Words, after: State, move: Move | None) -> Words:
         read = _PLAIN_LETTERS | self.axis_letters
-        motion = after.modes.get("motion", "")
+        motion = after.modes.motion
         if motion in _ARCS:
             read |= _CENTRE_LETTERS | {"R"}
         if motion not in ("rapid", "line", "cw", "ccw"):

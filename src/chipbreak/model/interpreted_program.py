@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from chipbreak.dialects.modes import Motion
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.flow import Flow, read_flow
 from chipbreak.model.interpret import Interpreter, initial_state
@@ -25,7 +26,7 @@ from chipbreak.syntax.parse import Program
 from chipbreak.syntax.shapes import MOTION_CODE, NO_POINT, bits_of
 from chipbreak.units import MM_PER_INCH
 
-_MOTION = ("rapid", "line", "cw", "ccw")
+_MOTION: tuple[Motion, ...] = ("rapid", "line", "cw", "ccw")
 _SHORT_RUN = 8
 
 
@@ -72,7 +73,7 @@ class InterpretedProgram(NamedTuple):
         """The state behind a run of plain lines."""
         if last <= first:
             return state
-        moving = state.modes.get("motion") in _MOTION and not state.ended
+        moving = state.modes.motion in _MOTION and not state.ended
         if moving and self.flow.is_straight and last - first > _SHORT_RUN:
             if not self._has_distances(state, first, last):
                 return self._jump(state, first, last)
@@ -100,7 +101,7 @@ class InterpretedProgram(NamedTuple):
 
     def _has_distances(self, state: State, first: int, last: int) -> bool:
         """True when a run gives distances, by G91 or by U and W."""
-        if state.modes.get("distance", "absolute") == "incremental":
+        if state.modes.distance == "incremental":
             return True
         return bool(_used(self.program.bits[first:last]) & bits_of(self.settings.axis_words.distances))
 
@@ -122,7 +123,7 @@ class InterpretedProgram(NamedTuple):
             scale = (MM_PER_INCH if state.is_inch else 1.0) * words.signs[axis]
             if axis == "X" and is_diameter(state, control):
                 scale /= 2.0
-            is_distance = letter in words.distances or state.modes.get("distance") == "incremental"
+            is_distance = letter in words.distances or state.modes.distance == "incremental"
             total = numbers[:, column].sum() if is_distance else numbers[-1, column]
             ends[axis.lower()] = (ends[axis.lower()] if is_distance else 0.0) + float(total) * scale
         feed = word_of.get("F")
@@ -137,7 +138,7 @@ class InterpretedProgram(NamedTuple):
         used, control, words = _used(bits), self.settings.control, self.settings.axis_words
         if used & MOTION_CODE:
             shape = self.program.shapes[self.program.plain[first + _last_of(bits, MOTION_CODE)]]
-            state = state.with_modes({"motion": _MOTION[shape.motion or 0]})
+            state = state.with_motion(_MOTION[shape.motion or 0])
         letters = [pair for pair in (*words.letters.items(), ("", "F")) if used & bits_of(pair[1])]
         lines = [first + _last_of(bits, bits_of(letter)) for _, letter in letters]
         blocks = {line: self.program.block(line) for line in set(lines)}

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from chipbreak.dialects import Dialect
+from chipbreak.dialects.modes import Group
 from chipbreak.model.modal import State
 
 _SPINDLE = {3: "cw", 4: "ccw", 5: "stop", 19: "stop"}
 _ENDS = (2, 30, 99)
 _KEEPS, _GIVES_BACK = (70, 73), 72
 # Where these change, the numbers of a position mean another place.
-_PLACING = ("work_offset", "length_offset", "diameter")
+_PLACING: frozenset[Group] = frozenset({"work_offset", "length_offset", "diameter"})
 
 
 def m_code(state: State, code: int, dialect: Dialect) -> State:
@@ -32,7 +33,7 @@ def m_code(state: State, code: int, dialect: Dialect) -> State:
 
 def _given_back(state: State, kept: State) -> State:
     """M72 gives back all but the motion mode, the position and the tool."""
-    modes = {**kept.modes, "motion": state.modes["motion"]}
+    modes = kept.modes._replace(motion=state.modes.motion)
     after = state._replace(
         modes=modes,
         feed=kept.feed,
@@ -43,6 +44,6 @@ def _given_back(state: State, kept: State) -> State:
         # It says G96 without the D of the program.
         speed_limit=None,
     )
-    if any(modes.get(group) != state.modes.get(group) for group in _PLACING):
+    if _PLACING.intersection(state.modes.changed(modes)):
         after = after.lost("M72 gave another offset back")
     return after

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import NamedTuple
+
+from chipbreak.dialects.modes import Modes, Motion
 
 UNKNOWN = math.nan
 
@@ -33,8 +34,8 @@ class Setting(NamedTuple):
 class State(NamedTuple):
     """Everything that one block leaves to the next.
 
-    ``modes``          modal group -> value, as in the dialect
-    ``feed``           F as programmed; its unit follows ``modes["feed_mode"]`` and ``units``
+    ``modes``          the value of each modal group
+    ``feed``           F as programmed; its unit follows ``modes.feed_mode`` and ``units``
     ``speed``          S as programmed: rpm under speed_mode rpm, m/min (or ft/min) under surface
     ``speed_limit``    G50/G92 S, LinuxCNC's G96 D [rpm]
     ``unknown_why``    why the position, the feed or the speed cannot be known
@@ -43,7 +44,7 @@ class State(NamedTuple):
     ``kept``           what LinuxCNC's M70 has kept for M72
     """
 
-    modes: Mapping[str, str]
+    modes: Modes
     position: Position = NOWHERE
     unknown_why: str = "no block has moved there yet"
     feed: Setting | None = None
@@ -58,9 +59,11 @@ class State(NamedTuple):
     smooth_words: str = ""
     kept: State | None = None
 
-    def with_modes(self, changes: Mapping[str, str]) -> State:
-        """The same with some modal groups changed."""
-        return self._replace(modes={**self.modes, **changes})
+    def with_motion(self, motion: Motion) -> State:
+        """The same under another motion code."""
+        return (
+            self if motion == self.modes.motion else self._replace(modes=self.modes._replace(motion=motion))
+        )
 
     def lost(self, why: str) -> State:
         """The same with the position unknown."""
@@ -73,7 +76,7 @@ class State(NamedTuple):
     @property
     def is_inch(self) -> bool:
         """True while the program is in inches."""
-        return self.modes.get("units") == "inch"
+        return self.modes.units == "inch"
 
     @property
     def turns(self) -> bool:

@@ -5,16 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from chipbreak.model.block_effect import Move
+from chipbreak.dialects.modes import Modes, Motion
+from chipbreak.model.block_effect import Move, MoveKind
 from chipbreak.model.modal import Position, State
 from chipbreak.model.words import is_diameter, length_mm
 from chipbreak.settings.axis_words import AXES, CENTRES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
 
-_STRAIGHT = ("rapid", "line", "cw", "ccw", "thread", "spline")
-_KNOWN = ("rapid", "line", "cw", "ccw", "thread")
-_OTHER_WAY = {"cw": "ccw", "ccw": "cw"}
+_STRAIGHT: tuple[Motion, ...] = ("rapid", "line", "cw", "ccw", "thread", "spline")
+_KINDS: Mapping[Motion, MoveKind] = {
+    "rapid": "rapid",
+    "line": "line",
+    "cw": "cw",
+    "ccw": "ccw",
+    "thread": "thread",
+}
+_OTHER_WAY: Mapping[MoveKind, MoveKind] = {"cw": "ccw", "ccw": "cw"}
 
 
 def move_of(
@@ -24,7 +31,7 @@ def move_of(
     words, control = settings.axis_words, settings.control
     ends = dict(zip(AXES, state.position, strict=True))
     starts = dict(ends)
-    incremental = state.modes.get("distance") == "incremental"
+    incremental = state.modes.distance == "incremental"
     relative = incremental or bool(axis_words)
     named = ""
     for word in axis_words:
@@ -38,32 +45,32 @@ def move_of(
         relative &= is_distance
         ends[axis] = starts[axis] + value if is_distance else value
         named += axis
-    motion = state.modes.get("motion", "none")
-    kind = motion if motion in _KNOWN else "other"
+    motion = state.modes.motion
+    kind = _KINDS.get(motion, "other")
     if "machine" in non_modal or motion not in _STRAIGHT or "skip" in non_modal:
         kind = "rapid" if "machine" in non_modal and motion == "rapid" else "other"
         ends = _ends_of_other(state.modes, starts, ends, named, non_modal)
     move_end = Position(*(ends[a] for a in AXES))
     if kind not in _OTHER_WAY:
         return Move(kind, state.position, move_end, named, relative)
-    plane, is_mirrored = words.plane(state.modes["plane"])
+    plane, is_mirrored = words.plane(state.modes.plane)
     offsets, radius = _arc_words(block, state, settings)
     kind = _OTHER_WAY[kind] if is_mirrored else kind
     return Move(kind, state.position, move_end, named, relative, offsets, radius, plane)
 
 
 def _ends_of_other(
-    modes: Mapping[str, str],
+    modes: Modes,
     starts: dict[str, float],
     ends: dict[str, float],
     named: str,
     non_modal: frozenset[str],
 ) -> dict[str, float]:
     """Cycles return to their start or to a clearance plane; the rest ends nowhere we know."""
-    motion = modes.get("motion", "none")
+    motion = modes.motion
     if motion in ("turning-cycle", "threading-cycle", "thread-cycle") and not non_modal:
         return starts
-    if motion == "cycle" and not non_modal and modes.get("plane") == "XY":
+    if motion == "cycle" and not non_modal and modes.plane == "XY":
         return {**ends, "Z": math.nan}
     return starts | dict.fromkeys(named, math.nan)
 
@@ -79,6 +86,6 @@ def _arc_words(block: Block, state: State, settings: Settings) -> tuple[Position
         elif word.address == "R":
             radius_mm = length_mm(word, state, settings.control)
     centre = Position(*offsets.values())
-    if state.modes.get("arc_distance") == "absolute":
+    if state.modes.arc_distance == "absolute":
         centre = Position(*(c - s for c, s in zip(centre, state.position, strict=True)))
     return centre, radius_mm

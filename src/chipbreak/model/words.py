@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from chipbreak.dialects import Dialect
+from chipbreak.dialects.modes import UNSAID, Group, SpeedMode
 from chipbreak.model.evaluate import constant
 from chipbreak.model.modal import UNKNOWN, Setting, State
 from chipbreak.settings.sections import Control
@@ -24,7 +25,7 @@ def plain_value(word: Word) -> float:
     return UNKNOWN if value is None else value
 
 
-def codes_of(block: Block, group: str, dialect: Dialect) -> list[int]:
+def codes_of(block: Block, group: Group, dialect: Dialect) -> list[int]:
     """The codes of a modal group that a block says, ten times the G number each."""
     numbers = [round(w.number * 10) for w in block.words if w.address == "G" and w.number is not None]
     return [n for n in numbers if n in dialect.g_codes and dialect.g_codes[n].group == group]
@@ -42,7 +43,7 @@ def offset_of(block: Block, code: str) -> str:
     return code if word is None else f"{code} P{word.value_text}"
 
 
-def surface_limit(block: Block, mode: str, dialect: Dialect) -> Setting | None:
+def surface_limit(block: Block, mode: SpeedMode, dialect: Dialect) -> Setting | None:
     """``G96 D2000 S120``: the limit stands with its G96; one without it has none, and G97 ends it."""
     word = block.word(dialect.surface_limit) if mode == "surface" else None
     return None if word is None else Setting(plain_value(word), word.value_text, block.line)
@@ -70,10 +71,10 @@ def feed_value(word: Word, state: State, control: Control) -> float:
     value = plain_value(word)
     if word.number is None or word.has_point or control.decimal_point == "calculator":
         return value
-    return UNKNOWN if state.modes["feed_mode"] == "rev" and value != 0.0 else value
+    return UNKNOWN if state.modes.feed_mode == "rev" and value != 0.0 else value
 
 
 def is_diameter(state: State, control: Control) -> bool:
     """True while X words are diameters."""
-    mode = state.modes.get("diameter")
-    return control.x_diameter if mode is None else mode == "diameter"
+    mode = state.modes.diameter
+    return control.x_diameter if mode == UNSAID else mode == "diameter"

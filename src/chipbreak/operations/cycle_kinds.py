@@ -11,7 +11,7 @@ _FINE_BORING = 76.0
 
 def kind_by_cycle(effect: BlockEffect) -> Kind | None:
     """The kind of operation that the codes of a block stand for, or None."""
-    non_modal, motion = effect.non_modal, effect.after.modes["motion"]
+    non_modal, motion = effect.non_modal, effect.after.modes.motion
     codes = {word.number for word in effect.block.words if word.address == "G"}
     if "finish-cycle" in non_modal or (motion == "cycle" and _FINE_BORING in codes):
         return Kind.FINISH
@@ -23,6 +23,6 @@ def kind_by_cycle(effect: BlockEffect) -> Kind | None:
         return Kind.THREAD
     if "skip" in non_modal or (effect.move and motion == "probe"):
         return Kind.PROBE
-    if motion == "cycle" and effect.before.modes["motion"] != "cycle":
+    if motion == "cycle" and effect.before.modes.motion != "cycle":
         return Kind.THREAD if codes & set(_TAPPING) else Kind.DRILL
     return None

@@ -109,7 +109,7 @@ def _work(interpreted: InterpretedProgram) -> NDArray[np.int8]:
     given = np.array([-1 if s.motion is None else min(s.motion, 1) for s in program.shapes] + [-1], np.int8)
     mode = given[program.plain]
     for effect in interpreted.effects:
-        mode[effect.block.line] = _WORK_OF_MOTION.get(effect.after.modes["motion"], _CUTS)
+        mode[effect.block.line] = _WORK_OF_MOTION.get(effect.after.modes.motion, _CUTS)
     lines = np.arange(len(mode), dtype=np.int32)
     lines[mode < 0] = 0
     mode = mode[np.maximum.accumulate(lines)]
@@ -134,13 +134,13 @@ def _work_of(effect: BlockEffect) -> int:
     if calls_subprogram(effect) or effect.non_modal & _CUTTING_CODES:
         return _CUTS
     if effect.move is not None:
-        return _CUTS if modes.get("modal_macro") == "on" else _WORK_OF_MOTION.get(modes["motion"], _CUTS)
+        return _CUTS if modes.modal_macro == "on" else _WORK_OF_MOTION.get(modes.motion, _CUTS)
     if effect.non_modal:
         return _NOTHING
     # Full circles name no axis; under a G code this profile does not know nobody has read the axes.
-    moving = _MOVING + "IJK" if modes["motion"] in ("cw", "ccw") else _MOVING
+    moving = _MOVING + "IJK" if modes.motion in ("cw", "ccw") else _MOVING
     if any(word.address in moving for word in block.words):
-        return _WORK_OF_MOTION.get(modes["motion"], _CUTS)
+        return _WORK_OF_MOTION.get(modes.motion, _CUTS)
     return _NOTHING
 
 

@@ -293,6 +293,6 @@ class _Judge:
 def _speed_rpm(state: State) -> float | None:
     """The spindle speed where it is a known number and the spindle turns."""
     speed = state.speed
-    if speed is None or not state.turns or state.modes.get("speed_mode") == "surface":
+    if speed is None or not state.turns or state.modes.speed_mode == "surface":
         return None
     return speed.value if speed.value > 0.0 else None

@@ -25,6 +25,7 @@ from collections.abc import Sequence
 from itertools import groupby
 
 from chipbreak.checks.plan import PlannedCheck, plan_checks
+from chipbreak.dialects.modes import UNSAID
 from chipbreak.editing.edits import Edit
 from chipbreak.insertion.safe_points import SafePoint, retract_blocks
 from chipbreak.model.flow import Flow
@@ -99,7 +100,7 @@ class _Blocks:
         if self.before.coolant:
             self.write("M9")
         # A move in machine coordinates is absolute, and some controls want that said.
-        if self.dialect.retract_is_absolute and self.now.modes.get("distance") == "incremental":
+        if self.dialect.retract_is_absolute and self.now.modes.distance == "incremental":
             self.write(self.dialect.code("distance", "absolute"))
         for text in retract_blocks(self.settings):
             self.write(text)
@@ -113,7 +114,7 @@ class _Blocks:
             self.write(" ".join([f"S{self.before.speed.text}", *starts]))
         last = "X" if self.dialect.is_lathe else "Z"
         first_axes = [axis for axis in self.border.axes if axis != last]
-        if self.border.axes and self.now.modes.get("distance", "absolute") != "absolute":
+        if self.border.axes and self.now.modes.distance != "absolute":
             self.write(self.dialect.code("distance", "absolute"))
         if first_axes:
             self.write(" ".join(["G0", *map(self._word, first_axes)]))
@@ -122,8 +123,9 @@ class _Blocks:
         if last in self.border.axes:
             offset = [self.border.length_offset] if self.border.length_offset else []
             self.write(" ".join(["G0", *offset, self._word(last)]))
-        for group, value in self.before.modes.items():
-            if self.now.modes[group] != value:
+        for group in self.now.modes.changed(self.before.modes):
+            value = self.before.modes.value(group)
+            if value != UNSAID and self.now.modes.value(group) != value:
                 self.write(self.dialect.code(group, value))
 
     def _word(self, axis: str) -> str:

@@ -161,7 +161,7 @@ def _speed_back(change: SpeedChange, interpreted: InterpretedProgram, settings: 
 
 def _check_motion_mode(interpreted: InterpretedProgram, chain: Chain) -> None:
     """The expansion ends in G1; behind a chain that ends in an arc the next move must say its own code."""
-    last_kind = chain.requests[-1].effect.after.modes["motion"]
+    last_kind = chain.requests[-1].effect.after.modes.motion
     if last_kind == "line":
         return
     for effect in interpreted.effects_of(chain.last, interpreted.program.source.body.stop):

@@ -41,8 +41,8 @@ def program_unit(interpreted: InterpretedProgram, line: int) -> tuple[float, str
 
 
 def _unit_at(interpreted: InterpretedProgram, given: list[tuple[int, str]], line: int) -> tuple[float, str]:
+    unit: str = interpreted.settings.dialect.initial.units
     if not given:
-        unit = interpreted.settings.dialect.initial.get("units", "mm")
         who = f"{_word(unit)}, as {interpreted.settings.dialect.title} starts"
     else:
         at = max(bisect_right([number for number, _ in given], line) - 1, 0)

@@ -101,7 +101,7 @@ def _check_digits(cut: CutPlan, words: Words, *, is_too_fine: bool) -> None:
         stroke = f"the stroke of {cut.wave.stroke_mm:.4g} mm"
         message = f"{stroke} has fewer than {_LEAST_STEPS} steps of {step_mm:g} mm"
         help_text, feed = f"raise output.decimals, or {larger}", cut.chain.before.feed
-        if feed is not None and cut.chain.before.modes["feed_mode"] == "minute":
+        if feed is not None and cut.chain.before.modes.feed_mode == "minute":
             # The likeliest cause on a control that starts in G94: a feed per revolution, read per minute.
             message += f"; the feed F{feed.text} is per minute: {cut.wave.feed_mm_rev:.3g} mm per revolution"
             help_text = f"command feed per revolution (G95, G99), {help_text}"
@@ -152,7 +152,7 @@ def _axis_words(
     axes = [AXES.index(axis) for axis in moving]
     letters = [names.letters[axis] for axis in moving]
     incremental = all(move.incremental for move in chain.moves)
-    if incremental and state.modes.get("distance") == "absolute":
+    if incremental and state.modes.distance == "absolute":
         distances = [d for d in map(names.distance_letter, moving) if d]
         incremental = len(distances) == len(moving)
         letters = distances if incremental else letters
@@ -227,5 +227,5 @@ def _feed_words(cut: CutPlan, times: Floats, distance_mm: Floats, words: Words, 
 
 def _tail_is_programmed(cut: CutPlan, settings: Settings) -> bool:
     """True when the cut ends plainly and the output's feed mode is the program's own."""
-    same_mode = cut.chain.before.modes["feed_mode"] == settings.output.feed_mode
+    same_mode = cut.chain.before.modes.feed_mode == settings.output.feed_mode
     return same_mode and settings.output.feed_mode != "inverse" and cut.wave.end_revolutions > 0.0

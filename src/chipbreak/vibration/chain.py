@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from chipbreak.dialects.modes import Group
 from chipbreak.kinematics.toolpath import Leg
 from chipbreak.model.block_effect import BlockEffect, Move
 from chipbreak.model.interpreted_program import InterpretedProgram
@@ -18,7 +19,7 @@ from chipbreak.vibration.directive import KEYS
 from chipbreak.vibration.request import Request
 
 # Modal groups that must be at rest, with what the user knows them as.
-_AT_REST = {
+_AT_REST: dict[Group, tuple[str, str, str, str]] = {
     "compensation": ("off", "VIB040", "tool nose or cutter compensation (G41, G42) is active", "G40"),
     "rotation": ("off", "VIB041", "the coordinate system is rotated (G68)", "G69"),
     "polar": ("off", "VIB041", "polar interpolation or polar input is active", "G15 or G13.1 (G113)"),
@@ -144,7 +145,7 @@ def refusal_of(
         message = "a block with block delete (/) cannot vibrate: the cut would start elsewhere without it"
         return RefusalError("VIB045", message, f"take the / away, or {_without(request)}"), (0, 1)
     for group, (rest, code, what, end) in _AT_REST.items():
-        if state.modes.get(group, rest) != rest:
+        if state.modes.value(group) != rest:
             help_text = f"turn it off before the cut ({end}), or {_without(request)}"
             return RefusalError(code, f"{what}; a cut cannot vibrate in it", help_text), at
     if not state.turns:
@@ -212,7 +213,7 @@ def _way_out_of(word: Word) -> str:
 
 
 def _feed_refusal(interpreted: InterpretedProgram, state: State) -> tuple[RefusalError, None] | None:
-    if state.modes["feed_mode"] == "inverse":
+    if state.modes.feed_mode == "inverse":
         message = "inverse-time feed (G93) gives each block its own time; it cannot be vibrated"
         return RefusalError("VIB049", message, "program the cut in G95 or G94"), None
     if state.feed is None:

@@ -49,7 +49,7 @@ def expansion_edit(
         for line in range(chain.first, chain.last)
         if interpreted.program.block(line).is_empty and interpreted.program.block(line).comments
     ]
-    was = chain.before.modes["feed_mode"]
+    was = chain.before.modes.feed_mode
     mode = was if cut.keeps_feed else settings.output.feed_mode
     head = [*comments, chain.preamble(), speed]
     head += settling(settings) if speed else []
@@ -94,7 +94,7 @@ def _modes_around(chain: Chain, settings: Settings) -> tuple[list[str], list[str
         head.append(planner.smoothing_off)
         tail.append(before.smooth_words or planner.smoothing_on)
     if planner.path_mode and not _is_same_mode(before.path_words, planner.path_mode):
-        if chain.requests[0].effect.before.modes["motion"] != "rapid":
+        if chain.requests[0].effect.before.modes.motion != "rapid":
             head.append(f"G4 {settings.dialect.dwell_word}0")
         head.append(planner.path_mode)
         tail.append(before.path_words or planner.usual_path_mode)

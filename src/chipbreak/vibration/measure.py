@@ -180,7 +180,7 @@ def _check_speed(result: InterpretedProgram, region: Region, plan: CutPlan) -> N
     state = result.before(region.last)
     wanted = plan.solution.speed_rpm
     speed = state.speed.value if state.speed else math.nan
-    if state.modes["speed_mode"] != "rpm" or not abs(speed - wanted) <= 1e-6 * wanted:
+    if state.modes.speed_mode != "rpm" or not abs(speed - wanted) <= 1e-6 * wanted:
         raise SelfCheckError(f"the cut needs {wanted:g} rpm, the output commands {speed:g}")
 
 

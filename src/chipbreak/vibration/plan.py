@@ -109,7 +109,7 @@ def plan_cut(chain: Chain, settings: Settings) -> CutPlan:
     _check_passes(cut, edges)
     time_s, distance_mm = sample(cut)
     if speed is None and state.speed is not None and state.speed.value != solution.speed_rpm:
-        mode = " (G96)" if state.modes["speed_mode"] == "surface" else ""
+        mode = " (G96)" if state.modes.speed_mode == "surface" else ""
         reasons.append(f"S {state.speed.value:g}{mode} -> {solution.speed_rpm:g} rpm, which N and f fix")
     given = {k: g for k, g in (("S", speed), ("N", per_rev), ("F", frequency)) if g is not None}
     all_reasons = (*reasons, *solution.reasons)
@@ -185,7 +185,7 @@ def _active_speed(
     if not 0.0 < speed.value < _MOST_RPM:
         message = f"the spindle speed ({speed.origin}) cannot be known, is zero, or is none of a spindle"
         raise RefusalError("VIB053", message, "give S as a number before the cut")
-    if state.modes["speed_mode"] != "surface":
+    if state.modes.speed_mode != "surface":
         return speed
     diameter_mm = 2.0 * abs(next(chain.moves).start.x)
     limit = _limit_rpm(state, settings)
@@ -235,7 +235,7 @@ def _forward_share(alpha: SourcedValue, waveform: Waveform) -> float:
 def _feed_mm_rev(state: State, speed_rpm: float) -> float:
     assert state.feed is not None
     feed_mm = state.feed.value * (MM_PER_INCH if state.is_inch else 1.0)
-    return feed_mm if state.modes["feed_mode"] == "rev" else feed_mm / speed_rpm
+    return feed_mm if state.modes.feed_mode == "rev" else feed_mm / speed_rpm
 
 
 def _stroke_mm(

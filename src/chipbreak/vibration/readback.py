@@ -105,7 +105,7 @@ def _table_moves(
     unit = MM_PER_INCH if state.is_inch else 1.0
     start = _clean(np.array([state.position]))
     points = np.tile(start, (len(numbers), 1))
-    incremental = state.modes.get("distance") == "incremental"
+    incremental = state.modes.distance == "incremental"
     for column, letter in enumerate(letters):
         name = words.axes.get(letter, "")
         if name not in words.signs:
@@ -134,7 +134,7 @@ def _add(
     """Lengths and feeds [mm/s] of moves between ``ends``, (n + 1, 3), from their F words, (n,)."""
     moved = np.diff(ends, axis=0)
     lengths = np.sqrt(np.einsum("ij,ij->i", moved, moved))
-    mode = state.modes["feed_mode"]
+    mode = state.modes.feed_mode
     if mode == "inverse":
         feeds = lengths * words / S_PER_MIN
     else:

@@ -112,7 +112,7 @@ class RequestReader:
 
     def _cut(self, effect: BlockEffect) -> None:
         # An X, Y or Z that no axis of the profile has: refused later, with what the profile says.
-        is_foreign = any(w.address in AXES for w in effect.unread) and effect.after.modes["motion"] in CUTTING
+        is_foreign = any(w.address in AXES for w in effect.unread) and effect.after.modes.motion in CUTTING
         is_cut = is_foreign if effect.move is None else effect.move.is_cut
         if is_cut and not effect.in_contour:
             self.requests.append(self._request(effect, {}, by_word=False))
@@ -147,7 +147,7 @@ class RequestReader:
             if not self._check_values(effect.block.line, {key: values[key]}, at):
                 return
         speed = effect.block.word("S")
-        is_rpm = effect.after.modes["speed_mode"] == "rpm"  # under G96 an S is metres per minute
+        is_rpm = effect.after.modes.speed_mode == "rpm"  # under G96 an S is metres per minute
         if speed is not None and speed.number is not None and is_rpm:
             values["S"] = SourcedValue(speed.number, f"S word, line {line_number}")
         self.requests.append(self._request(effect, values, by_word=True))

@@ -69,7 +69,7 @@ def speed_changes(
 def _programmed(state: State) -> tuple[str, float] | None:
     if state.speed is None:
         return None
-    return state.modes["speed_mode"], state.speed.value
+    return state.modes.speed_mode, state.speed.value
 
 
 def speed_words(now: tuple[str, float] | None, wanted: tuple[str, float], settings: Settings) -> str:
@@ -97,7 +97,7 @@ def _needs_programmed(
         state = effect.after
         if effect.after.speed != effect.before.speed and effect.after.speed is not None:
             # An S under G96 is metres per minute: it must not meet the G97 of the cut before it.
-            own_mode = effect.after.modes["speed_mode"] == "rpm" or _says_speed_mode(effect)
+            own_mode = effect.after.modes.speed_mode == "rpm" or _says_speed_mode(effect)
             text = "" if own_mode else _own_words(effect.before, interpreted.settings)
             return SpeedChange(effect.block.line, text, None)
         if _depends_on_speed(effect):
@@ -120,9 +120,9 @@ def _own_words(state: State, settings: Settings) -> str:
     """The program's own speed, in its own digits."""
     speed: Setting | None = state.speed
     text = "" if speed is None else f"S{speed.text}"
-    if state.modes["speed_mode"] == "rpm":
+    if state.modes.speed_mode == "rpm":
         return text
-    words = [settings.dialect.code("speed_mode", state.modes["speed_mode"])]
+    words = [settings.dialect.code("speed_mode", state.modes.speed_mode)]
     if settings.dialect.surface_limit and state.speed_limit is not None:
         words.append(f"{settings.dialect.surface_limit}{state.speed_limit.text}")
     return " ".join([*words, text]).rstrip()
