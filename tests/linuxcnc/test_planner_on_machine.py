@@ -10,14 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from chipbreak.text.diagnostics import RefusalError
-from chipbreak.trajectory.model import ControlModel
-from chipbreak.trajectory.planner import (
-    feeds_for_times,
-    predict,
-    reached,
-    shortest_time,
-    trace,
-)
+from chipbreak.trajectory.linuxcnc import LinuxCnc
+from strokes import feeds_for_times, reached, trace
 
 from . import machine
 
@@ -39,10 +33,8 @@ class Case:
     forward_share: float = 0.5
 
     @property
-    def model(self) -> ControlModel:
-        return ControlModel(
-            "linuxcnc", 500.0, self.acceleration_mm_s2, every_block_stops=self.path_mode == "G61.1"
-        )
+    def model(self) -> LinuxCnc:
+        return LinuxCnc(500.0, self.acceleration_mm_s2, every_block_stops=self.path_mode == "G61.1")
 
     @property
     def lengths_mm(self) -> NDArray[np.float64]:
@@ -59,7 +51,7 @@ class Case:
 
     def feasible(self) -> bool:
         strokes = zip(self.lengths_mm, self.times_s, strict=True)
-        return all(shortest_time(length, self.model) <= time for length, time in strokes)
+        return all(self.model.shortest_time(length) <= time for length, time in strokes)
 
     def words(self, feeds_mm_s: NDArray[np.float64]) -> list[str]:
         """The F words, as rounded as a filter would print them."""
@@ -114,7 +106,7 @@ def test_strokes_reach_the_frequency_they_were_asked_for() -> None:
     for case, feeds, done in run(GRID):
         assert done.errors == (), case
         measured = np.array([done.line_times()[3 + i] for i in range(2 * VIBRATIONS)])
-        expected = predict(case.lengths_mm, feeds, case.model)
+        expected = case.model.block_times(case.lengths_mm, feeds)
         # In G64 the first blocks depend on how far the program has been read when the first one starts.
         first = 4 if case.path_mode == "G64" else 0
         assert measured[first:] == pytest.approx(expected[first:], abs=1e-9), case
@@ -124,7 +116,7 @@ def test_strokes_reach_the_frequency_they_were_asked_for() -> None:
         assert per_rev == pytest.approx(60 * case.frequency_hz / case.speed_rpm, rel=0.01), case
         # Not by the clock: on a busy computer the sped-up machine waits for the program now and then.
         whole = sum(done.line_times().values())
-        clean = predict([CLEAN_MM], [CLEAN_MM_S], case.model)[0]
+        clean = case.model.block_times([CLEAN_MM], [CLEAN_MM_S])[0]
         assert whole == pytest.approx(VIBRATIONS / case.frequency_hz + clean, rel=0.02, abs=0.003), case
 
 
@@ -148,7 +140,7 @@ def test_several_blocks_per_stroke_take_the_predicted_time(path_mode: str) -> No
     waves = [np.arange(1, 81) % 8, np.arange(1, 81) % 4]
     shapes = [0.1 * np.minimum(wave, n - wave) / (n // 2) for wave, n in zip(waves, (8, 4), strict=True)]
     for acceleration in (2000.0, 20000.0):
-        model = ControlModel("linuxcnc", 500.0, acceleration, every_block_stops=path_mode == "G61.1")
+        model = LinuxCnc(500.0, acceleration, every_block_stops=path_mode == "G61.1")
         blocks = [np.diff((shape + 0.001 * np.arange(1, 81)).round(4), prepend=0.0) for shape in shapes]
         feeds = [(np.abs(ways) / times * 60).round(2) / 60 for ways in blocks]
         programs = [
@@ -160,7 +152,7 @@ def test_several_blocks_per_stroke_take_the_predicted_time(path_mode: str) -> No
         runs = machine.run_steadily(programs, acceleration_mm_s2=acceleration, lathe=True)
         for ways, feed, done in zip(blocks, feeds, runs, strict=True):
             spent = np.array([done.line_times()[2 + i] for i in range(80)])
-            expected = predict(ways, feed, model)
+            expected = model.block_times(ways, feed)
             assert spent[8:].sum() == pytest.approx(expected[8:].sum(), rel=0.02)
             assert (
                 expected.sum() > 1.1 * times.sum()
@@ -177,4 +169,4 @@ def test_a_wide_tolerance_swallows_the_strokes() -> None:
     assert done.errors == ()
     assert np.all(np.diff(done.moving()[:, 3]) <= 0)  # never back
     with pytest.raises(RefusalError, match="drop strokes"):
-        predict(case.lengths_mm, 4.0, replace(case.model, merge_mm=0.06))
+        replace(case.model, merge_mm=0.06).block_times(case.lengths_mm, 4.0)

@@ -12,8 +12,7 @@ from chipbreak.kinematics.machine_demand import least_acceleration_mm_s2, servo_
 from chipbreak.kinematics.waveform import Waveform, WaveformParameters
 from chipbreak.settings import SettingsError
 from chipbreak.text.diagnostics import RefusalError
-from chipbreak.trajectory.model import ControlModel
-from chipbreak.trajectory.planner import feed_for_time, predict, shortest_time
+from chipbreak.trajectory.trapezoid import Trapezoid
 from chipbreak.vibration.measure import CutReport
 
 PROGRAM = "G21 G99 G97 S1250 M3\nG0 X20. Z2.\nG1 Z-3. F0.1 N1.5\nM30\n"
@@ -112,19 +111,19 @@ def test_acceleration_of_an_even_triangle(frequency_hz: float, stroke_mm: float)
     least = least_acceleration_mm_s2(swing("triangle", frequency_hz, stroke_mm), 1.5)
     assert least == pytest.approx(16.0 * frequency_hz**2 * stroke_mm, rel=1e-6)
     stroke_s = 0.5 / frequency_hz
-    assert shortest_time(stroke_mm, ControlModel("trapezoid", 1e9, least * 1.0001)) <= stroke_s
+    assert Trapezoid(1e9, least * 1.0001).shortest_time(stroke_mm) <= stroke_s
     with pytest.raises(RefusalError):
-        feed_for_time(stroke_mm, stroke_s, ControlModel("trapezoid", 1e9, least * 0.999))
+        Trapezoid(1e9, least * 0.999).feed_for_time(stroke_mm, stroke_s)
 
 
 def test_a_feed_is_reached_only_over_a_long_enough_block() -> None:
     """d = F^2 / A: 1 in/s at 10 in/s^2 needs 0.1 in."""
     inch, feed, acceleration = 25.4, 25.4, 254.0
-    model = ControlModel("trapezoid", 1e9, acceleration)
+    model = Trapezoid(1e9, acceleration)
     edge_mm = feed**2 / acceleration
     assert edge_mm == pytest.approx(0.1 * inch)
     for length_mm, reaches in ((edge_mm * 1.01, True), (edge_mm * 0.99, False)):
-        (time_s,) = predict([length_mm], feed, model)
+        (time_s,) = model.block_times([length_mm], feed)
         assert (time_s == pytest.approx(length_mm / feed + feed / acceleration, rel=1e-9)) == reaches
 
 

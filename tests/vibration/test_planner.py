@@ -10,15 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from chipbreak.text.diagnostics import RefusalError
-from chipbreak.trajectory.model import AxisLimits, ControlModel
-from chipbreak.trajectory.planner import (
-    feed_for_time,
-    feeds_for_times,
-    predict,
-    reached,
-    shortest_time,
-    trace,
-)
+from chipbreak.trajectory.ideal import Ideal
+from chipbreak.trajectory.law import AxisLimits, ControlLaw
+from chipbreak.trajectory.linuxcnc import LinuxCnc
+from chipbreak.trajectory.trapezoid import Trapezoid
+from strokes import feeds_for_times, reached, trace
 
 STROKES_MM = (0.02, 0.05, 0.06, 0.11, 0.31)
 FEEDS_MM_S = (2.0, 5.0, 10.0, 20.0, 50.0)
@@ -56,8 +52,8 @@ MEASURED_HZ = {
 }
 
 
-def linuxcnc(acceleration_mm_s2: float, **more: float | bool) -> ControlModel:
-    return ControlModel("linuxcnc", 500.0, acceleration_mm_s2, **more)  # type: ignore[arg-type]
+def linuxcnc(acceleration_mm_s2: float, **more: float | bool) -> LinuxCnc:
+    return LinuxCnc(500.0, acceleration_mm_s2, **more)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("acceleration", MEASURED_PERIODS)
@@ -67,7 +63,7 @@ def test_single_strokes_take_the_measured_periods(acceleration: float, exact_sto
     lengths = np.repeat(STROKES_MM, 2 * len(FEEDS_MM_S)) * np.tile([1, -1], len(STROKES_MM) * len(FEEDS_MM_S))
     feeds = np.tile(np.repeat(FEEDS_MM_S, 2), len(STROKES_MM))
 
-    periods = np.rint(predict(lengths, feeds, model) / 0.001).reshape(len(STROKES_MM), len(FEEDS_MM_S), 2)
+    periods = np.rint(model.block_times(lengths, feeds) / 0.001).reshape(len(STROKES_MM), len(FEEDS_MM_S), 2)
 
     measured = np.array(MEASURED_PERIODS[acceleration].split(), dtype=float).reshape(periods.shape[:2])
     assert periods[:, :, 0].tolist() == measured.tolist()
@@ -88,7 +84,7 @@ def test_several_blocks_per_stroke_reach_the_measured_frequency(acceleration: fl
 
     found = []
     for model in models:
-        whole = predict(lengths, feeds, model).reshape(-1, 2 * blocks)[2:-2]
+        whole = model.block_times(lengths, feeds).reshape(-1, 2 * blocks)[2:-2]
         found.append(reached(whole, len(whole), 1500.0)[0])
 
     assert found == pytest.approx(MEASURED_HZ[acceleration, blocks], abs=0.006)
@@ -104,17 +100,13 @@ def test_the_feed_found_takes_the_periods_asked_for(acceleration: float, length:
     fewest = next(
         k for k in range(2, 200) if acceleration * 1e-6 * (k * k - k % 2) / 4 >= length * (1 - 1e-9)
     )
-    assert round(shortest_time(length, model) * 1000) in (fewest, fewest + 1)  # + 1: just on the edge
+    assert round(model.shortest_time(length) * 1000) in (fewest, fewest + 1)  # + 1: just on the edge
     if periods <= fewest:
         return
-    feed = feed_for_time(length, periods * 1e-3, model)
-    assert predict([length], [feed], model)[0] == pytest.approx(periods * 1e-3, abs=1e-9)
+    feed = model.feed_for_time(length, periods * 1e-3)
+    assert model.block_times([length], [feed])[0] == pytest.approx(periods * 1e-3, abs=1e-9)
     # The trapezoid of the same feed is at most two periods shorter, and never longer.
-    assert (
-        0
-        <= periods * 1e-3 - predict([length], [feed], ControlModel("trapezoid", 500, acceleration))[0]
-        <= 2e-3
-    )
+    assert 0 <= periods * 1e-3 - Trapezoid(500, acceleration).block_times([length], [feed])[0] <= 2e-3
 
 
 def test_half_periods_are_made_up_for_by_the_next_stroke() -> None:
@@ -122,7 +114,7 @@ def test_half_periods_are_made_up_for_by_the_next_stroke() -> None:
     lengths = np.tile([0.06, -0.05], 20)
     times = np.full(40, 0.0083)
 
-    found = predict(lengths, feeds_for_times(lengths, times, model), model)
+    found = model.block_times(lengths, feeds_for_times(lengths, times, model))
 
     assert set(np.rint(found * 1000)) == {8.0, 9.0}
     assert np.abs(np.cumsum(found - times)).max() <= 0.0005 + 1e-9
@@ -135,77 +127,77 @@ def test_the_trace_ends_where_the_blocks_do_and_blunts_the_reversals() -> None:
 
     assert places[0] == 0.0
     assert places[-1] == pytest.approx(0.04)
-    assert times[-1] == pytest.approx(predict(lengths, feeds, model).sum() + 0.002)
+    assert times[-1] == pytest.approx(model.block_times(lengths, feeds).sum() + 0.002)
     tip = 0.06 - places.max()
     assert 0.0001 < tip < 20000.0 * 0.001**2 / 6  # a third of the last step, which is a·T²/2 at most
 
 
 def test_the_trapezoid_is_the_closed_form() -> None:
-    model = ControlModel("trapezoid", 500.0, 2000.0)
-    assert predict([0.1, -0.1], [2.0, 400.0], model) == pytest.approx([0.05 + 0.001, 2 * sqrt(0.1 / 2000)])
-    assert feed_for_time(0.1, 0.0375, model) == pytest.approx(2.769, abs=5e-4)
-    assert predict([0.1], [feed_for_time(0.1, 0.0375, model)], model)[0] == pytest.approx(0.0375)
+    model = Trapezoid(500.0, 2000.0)
+    assert model.block_times([0.1, -0.1], [2.0, 400.0]) == pytest.approx([0.05 + 0.001, 2 * sqrt(0.1 / 2000)])
+    assert model.feed_for_time(0.1, 0.0375) == pytest.approx(2.769, abs=5e-4)
+    assert model.block_times([0.1], [model.feed_for_time(0.1, 0.0375)])[0] == pytest.approx(0.0375)
 
 
 def test_the_trapezoid_runs_through_joints_and_stops_where_told() -> None:
-    model = ControlModel("trapezoid", 500.0, 1000.0)
-    whole = predict([3.0], [20.0], model)[0]
-    parts = predict([1.0, 1.0, 1.0], 20.0, model)
+    model = Trapezoid(500.0, 1000.0)
+    whole = model.block_times([3.0], [20.0])[0]
+    parts = model.block_times([1.0, 1.0, 1.0], 20.0)
     assert parts.sum() == pytest.approx(whole)
     assert parts[1] == pytest.approx(0.05)
-    exact = predict([1.0, 1.0], 20.0, ControlModel("trapezoid", 500.0, 1000.0, every_block_stops=True))
+    exact = Trapezoid(500.0, 1000.0, every_block_stops=True).block_times([1.0, 1.0], 20.0)
     assert exact == pytest.approx([0.07, 0.07])
     # A fast block behind a slow one starts at the slow one's speed, and the other way round.
-    slow_fast = predict([1.0, 1.0], [10.0, 20.0], model)
+    slow_fast = model.block_times([1.0, 1.0], [10.0, 20.0])
     assert slow_fast == pytest.approx([0.1 + 0.005, 0.01 + 0.02 + (1 - 0.15 - 0.2) / 20])
-    assert predict([1.0, 1.0], [20.0, 10.0], model) == pytest.approx(slow_fast[::-1])
+    assert model.block_times([1.0, 1.0], [20.0, 10.0]) == pytest.approx(slow_fast[::-1])
 
 
 def test_a_control_that_waits_until_the_axis_is_in_position() -> None:
-    model = ControlModel("trapezoid", 500.0, 2000.0, reversal_stop_s=0.005)
+    model = Trapezoid(500.0, 2000.0, reversal_stop_s=0.005)
     lengths = [0.1, 0.1, -0.1]
-    moving = predict(lengths, 5.0, ControlModel("trapezoid", 500.0, 2000.0))
-    assert predict(lengths, 5.0, model) == pytest.approx(moving + np.array([0.0, 0.005, 0.005]))
-    assert feed_for_time(0.1, 0.0425, model) == pytest.approx(2.769, abs=5e-4)
-    assert predict([0.1], [feed_for_time(0.1, 0.0425, model)], model) == pytest.approx([0.0425])
+    moving = Trapezoid(500.0, 2000.0).block_times(lengths, 5.0)
+    assert model.block_times(lengths, 5.0) == pytest.approx(moving + np.array([0.0, 0.005, 0.005]))
+    assert model.feed_for_time(0.1, 0.0425) == pytest.approx(2.769, abs=5e-4)
+    assert model.block_times([0.1], [model.feed_for_time(0.1, 0.0425)]) == pytest.approx([0.0425])
     with pytest.raises(RefusalError) as refused:
-        feed_for_time(0.1, 0.005, model)
+        model.feed_for_time(0.1, 0.005)
     assert refused.value.code == "VIB030"
 
 
 def test_ideal_and_the_limits_of_reading_and_speed() -> None:
-    assert predict([1.0, -0.5], [10.0, 10.0], ControlModel("ideal")) == pytest.approx([0.1, 0.05])
-    slow = ControlModel("ideal", 5.0, blocks_per_s=8.0)
-    assert predict([1.0, -0.5], [10.0, 10.0], slow) == pytest.approx([0.2, 0.125])
-    assert shortest_time(0.1, slow) == pytest.approx(0.125)
+    assert Ideal().block_times([1.0, -0.5], [10.0, 10.0]) == pytest.approx([0.1, 0.05])
+    slow = Ideal(5.0, blocks_per_s=8.0)
+    assert slow.block_times([1.0, -0.5], [10.0, 10.0]) == pytest.approx([0.2, 0.125])
+    assert slow.shortest_time(0.1) == pytest.approx(0.125)
     assert reached([0.02, 0.02], 1, 2000.0) == pytest.approx((25.0, 0.75))
 
 
 def test_the_axis_that_gives_up_first_sets_the_limits() -> None:
     axes = (AxisLimits("X", 100.0, 3000.0), AxisLimits("Z", 200.0, 5000.0))
-    model = ControlModel("linuxcnc").along((3.0, -4.0), axes)
+    model = LinuxCnc().along((3.0, -4.0), axes)
     assert model.acceleration_mm_s2 == pytest.approx(3000 / 0.6)
     assert (model.velocity_mm_s, model.axis) == (pytest.approx(100 / 0.6), "X")
-    straight = ControlModel("linuxcnc").along((0.0, 2.0), axes)
+    straight = LinuxCnc().along((0.0, 2.0), axes)
     assert (straight.acceleration_mm_s2, straight.velocity_mm_s, straight.axis) == (5000.0, 200.0, "Z")
 
 
 @pytest.mark.parametrize(
     ("model", "time", "code", "told"),
     [
-        (ControlModel("trapezoid", 500, 3000, axis="Z"), 0.008, "VIB030", "needs 6.25 m/s², Z has 3 m/s²"),
+        (Trapezoid(500, 3000, axis="Z"), 0.008, "VIB030", "needs 6.25 m/s², Z has 3 m/s²"),
         (linuxcnc(3000.0), 0.008, "VIB030", "needs 6.25 m/s², the axis has 3 m/s²"),
         (linuxcnc(3000.0), 0.009, "VIB030", "needs 5 m/s², the axis has 3 m/s²"),
-        (ControlModel("trapezoid", 10, 90000), 0.008, "VIB031", "the axis has 10 mm/s"),
-        (ControlModel("ideal", 10), 0.008, "VIB031", "needs 12.5 mm/s for 0.1 mm in 8 ms"),
+        (Trapezoid(10, 90000), 0.008, "VIB031", "the axis has 10 mm/s"),
+        (Ideal(10), 0.008, "VIB031", "needs 12.5 mm/s for 0.1 mm in 8 ms"),
         (linuxcnc(20000.0, blocks_per_s=100.0), 0.008, "VIB032", "needs 125 blocks per second"),
     ],
 )
 def test_what_cannot_be_is_refused_with_the_numbers(
-    model: ControlModel, time: float, code: str, told: str
+    model: ControlLaw, time: float, code: str, told: str
 ) -> None:
     with pytest.raises(RefusalError) as refused:
-        feed_for_time(0.1, time, model)
+        model.feed_for_time(0.1, time)
     assert refused.value.code == code
     assert told in refused.value.message
     assert refused.value.help
@@ -214,19 +206,19 @@ def test_what_cannot_be_is_refused_with_the_numbers(
 def test_strokes_within_the_tolerance_are_refused() -> None:
     swallowing = linuxcnc(20000.0, merge_mm=0.04)
     with pytest.raises(RefusalError) as refused:
-        predict([0.06, -0.04, 0.06], 10.0, swallowing)
+        swallowing.block_times([0.06, -0.04, 0.06], 10.0)
     assert refused.value.code == "VIB033"
-    assert predict([0.06, -0.041, 0.06], 10.0, swallowing)[0] == pytest.approx(0.007)
-    assert predict([0.03], 10.0, swallowing)[0] > 0  # a single short block has nothing to be merged with
+    assert swallowing.block_times([0.06, -0.041, 0.06], 10.0)[0] == pytest.approx(0.007)
+    assert swallowing.block_times([0.03], 10.0)[0] > 0  # a single short block has nothing to be merged with
 
 
 def test_impossible_input_is_an_error_of_the_caller() -> None:
     for lengths, feeds in (([0.0], [1.0]), ([1.0], [0.0]), ([np.nan], [1.0])):
         with pytest.raises(ValueError, match="length"):
-            predict(lengths, feeds, linuxcnc(1000.0))
+            linuxcnc(1000.0).block_times(lengths, feeds)
     with pytest.raises(ValueError, match="no feed"):
-        feed_for_time(0.1, 0.0, linuxcnc(1000.0))
+        linuxcnc(1000.0).feed_for_time(0.1, 0.0)
     with pytest.raises(ValueError, match="limits"):
         linuxcnc(0.0)
     with pytest.raises(ValueError, match="acceleration"):
-        feed_for_time(0.1, 0.1, ControlModel("linuxcnc"))
+        LinuxCnc().feed_for_time(0.1, 0.1)

@@ -10,13 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from chipbreak.text.diagnostics import RefusalError
-from chipbreak.trajectory import stretch_laws as laws
 from chipbreak.trajectory.feed_search import Stretch, feed_factors, feeds_of_single_blocks
-from chipbreak.trajectory.linuxcnc_stretches import linuxcnc_many
-from chipbreak.trajectory.model import ControlModel
-from chipbreak.trajectory.planner import feed_for_time, predict
+from chipbreak.trajectory.linuxcnc import LinuxCnc
+from chipbreak.trajectory.linuxcnc_many import linuxcnc_many
+from chipbreak.trajectory.linuxcnc_planner import linuxcnc
 
-MODEL = ControlModel("linuxcnc", velocity_mm_s=100.0, acceleration_mm_s2=2000.0)
+MODEL = LinuxCnc(velocity_mm_s=100.0, acceleration_mm_s2=2000.0)
 
 lengths = st.floats(0.0002, 0.06)
 speeds = st.floats(1.0, 60.0)
@@ -42,7 +41,7 @@ def test_many_stretches_run_like_one(
     columns = np.array(ways), np.array(rates), np.array(allowed)
     times, places = linuxcnc_many(*columns, period, 0.01, before=seen)
     for row, (way, rate, has) in enumerate(zip(ways, rates, allowed, strict=True)):
-        wanted = laws.linuxcnc(tuple(way), tuple(rate), has, period, 0.01, before=before)
+        wanted = linuxcnc(tuple(way), tuple(rate), has, period, 0.01, before=before)
         assert times[row].tolist() == pytest.approx(wanted[0], abs=1e-8)
         assert places[row][~np.isnan(places[row])].tolist() == pytest.approx(wanted[1], abs=1e-7)
 
@@ -56,11 +55,11 @@ def test_feeds_of_single_blocks_are_those_of_each(blocks: list[tuple[float, int]
         feeds = feeds_of_single_blocks(ways, times, np.full(len(ways), 2000.0), MODEL)
     except RefusalError as error:
         with pytest.raises(RefusalError) as alone:
-            [feed_for_time(*pair, MODEL) for pair in zip(ways.tolist(), times.tolist(), strict=True)]
+            [MODEL.feed_for_time(*pair) for pair in zip(ways.tolist(), times.tolist(), strict=True)]
         assert (alone.value.code, alone.value.message) == (error.code, error.message)
         return
     pairs = zip(ways.tolist(), times.tolist(), strict=True)
-    assert feeds.tolist() == pytest.approx([feed_for_time(*pair, MODEL) for pair in pairs], rel=1e-9)
+    assert feeds.tolist() == pytest.approx([MODEL.feed_for_time(*pair) for pair in pairs], rel=1e-9)
 
 
 @pytest.mark.parametrize("per_revolution", [False, True])
@@ -75,11 +74,11 @@ def test_the_factor_gives_the_wanted_time(per_revolution: bool, before: float) -
     ]
     for stretch, factor in zip(several, feed_factors(several, before, model), strict=True):
         assert isinstance(factor, float)
-        took = predict(stretch.lengths_mm, nominal * factor, model, before_mm_s=before).sum()
+        took = model.block_times(stretch.lengths_mm, nominal * factor, before_mm_s=before).sum()
         assert took == pytest.approx(stretch.wanted_s, abs=0.000501)
         # It stands in the middle of those that do.
         for near in (0.99, 1.01):
-            took = predict(stretch.lengths_mm, nominal * factor * near, model, before_mm_s=before).sum()
+            took = model.block_times(stretch.lengths_mm, nominal * factor * near, before_mm_s=before).sum()
             assert took == pytest.approx(stretch.wanted_s, abs=0.001001)
 
 

@@ -29,6 +29,7 @@ from chipbreak.text.diagnostics import Diagnostic, Severity
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.nearest import nearest
 from chipbreak.text.span import Place
+from chipbreak.trajectory.laws import foreign_keys
 
 _PROFILES = Path(__file__).parents[1] / "profiles"
 
@@ -105,10 +106,7 @@ def _build(
     words = _axis_words(layer, axes, dialect, checks=sections["checks"].enabled)
     if sections["output"].form == "loop":
         _check_loop(layer, sections["output"].loop_variable, dialect, words)
-    if sections["planner"].reversal_stop_ms and sections["planner"].model != "trapezoid":
-        message = f"planner.reversal_stop_ms has no place in planner.model {sections['planner'].model!r}"
-        hint = 'planner.model = "trapezoid", or leave it out'
-        raise layer.fail(IMPOSSIBLE, "planner.reversal_stop_ms", message, hint)
+    _check_law(layer, sections["planner"])
     _check_modes(layer, sections["planner"], dialect)
     check_ranges(layer, sections["command"], sections["spindle"])
     check_macros(layer, sections["macros"], dialect)
@@ -128,6 +126,16 @@ def _build(
 def _frozen(values: Mapping[str, Any]) -> FrozenTable[str, Any]:
     """Values of a section, with the tables among them."""
     return FrozenTable({k: FrozenTable(v) if isinstance(v, dict) else v for k, v in values.items()})
+
+
+def _check_law(layer: Layer, planner: Planner) -> None:
+    """Refuse a number that has no meaning for the law of this control."""
+    for key, laws in foreign_keys(planner.model).items():
+        if getattr(planner, key):
+            names = " or ".join(f'"{law}"' for law in laws)
+            message = f"planner.{key} has no place in planner.model {planner.model!r}"
+            hint = f"planner.model = {names}, or leave it out"
+            raise layer.fail(IMPOSSIBLE, f"planner.{key}", message, hint)
 
 
 def _check_loop(layer: Layer, variable: int, dialect: Dialect, words: AxisWords) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 from chipbreak.dialects import Dialect
 from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.text.frozen_table import FrozenTable
+from chipbreak.trajectory.laws import LAWS
 
 
 def _one_of(default: str, *others: str) -> Any:
@@ -113,7 +114,7 @@ class Axis:
 class Planner:
     """How the control times blocks, and the path mode and smoothing it needs around a vibrated cut."""
 
-    model: str = _one_of("ideal", "trapezoid", "linuxcnc")
+    model: str = _one_of(*(law.name for law in LAWS))
     servo_period_ms: float = _above(1.0)
     max_blocks_per_s: float | None = _above(None)
     reversal_stop_ms: float = _at_least(0.0)

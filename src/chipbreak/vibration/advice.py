@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 from chipbreak.kinematics.sourced_value import SourcedValue, shown
 from chipbreak.kinematics.speed_solver import Period
 from chipbreak.kinematics.waveform import forward_ticks
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
-from chipbreak.trajectory.model import ControlModel, control_model
-from chipbreak.trajectory.planner import feed_for_time
+from chipbreak.trajectory.law import ControlLaw
 from chipbreak.vibration.chain import Chain
+from chipbreak.vibration.machine import control_along, law_of
 from chipbreak.vibration.plan import MOST_MOVES, CutPlan, command_group, plan_cut
 
 LIMITS = ("VIB030", "VIB031", "VIB032")
@@ -38,7 +37,7 @@ def with_advice(
     """
     if error.code not in LIMITS:
         return error
-    model = control_model(settings, cut.path, cut.chain.before)
+    law = control_along(settings, cut.path, cut.chain.before)
     group = command_group(settings)
     frequency_hz, tried = cut.solution.frequency_hz, {cut.solution.frequency_hz}
     is_slow = _is_slow_to_plan(cut, settings, len(cut.time_s))
@@ -48,7 +47,7 @@ def with_advice(
         if frequency_hz < _LEAST_SHARE * cut.solution.frequency_hz:
             break
         period = group.nearest(frequency_hz)
-        if period.frequency_hz in tried or not _runs(cut, period, model):
+        if period.frequency_hz in tried or not _runs(cut, period, law):
             continue
         tried.add(period.frequency_hz)
         if moves_left <= 0:
@@ -85,7 +84,7 @@ def _is_slow_to_plan(cut: CutPlan, settings: Settings, move_count: int) -> bool:
     """
     is_long = cut.wave.form == "tick" and move_count > _MANY_IN_STROKES
     bends = any(arc is not None for arc in cut.path.arcs) or len(cut.path.corners_mm()) > _FEW_CORNERS
-    return settings.planner.model == "linuxcnc" and (bends or is_long)
+    return law_of(settings).is_slow_to_try and (bends or is_long)
 
 
 def few(factors: Sequence[float], cut: CutPlan, settings: Settings, move_count: int) -> Sequence[float]:
@@ -115,18 +114,17 @@ def _slower(cut: CutPlan, period: Period, settings: Settings) -> CutPlan:
     return plan_cut(Chain(tuple(requests)), settings)
 
 
-def _runs(cut: CutPlan, period: Period, model: ControlModel) -> bool:
+def _runs(cut: CutPlan, period: Period, law: ControlLaw) -> bool:
     """True when both strokes of a full vibration can be run in a slower period."""
     ahead = forward_ticks(period.ticks, cut.wave.alpha_share)
     share = ahead / period.ticks
     advance_mm = cut.wave.feed_mm_rev / cut.solution.per_rev
     forward_mm = cut.wave.stroke_mm + share * advance_mm
     back_mm = cut.wave.stroke_mm - (1.0 - share) * advance_mm
-    plain = replace(model, merge_mm=0.0)
     try:
-        feed_for_time(forward_mm, share * period.period_s, plain)
+        law.feed_for_time(forward_mm, share * period.period_s)
         if back_mm > 0.0:
-            feed_for_time(back_mm, (1.0 - share) * period.period_s, plain)
+            law.feed_for_time(back_mm, (1.0 - share) * period.period_s)
     except RefusalError:
         return False
     return True

@@ -19,14 +19,12 @@ from chipbreak.model.words import is_diameter
 from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
-from chipbreak.trajectory.junctions import blocks_of
-from chipbreak.trajectory.model import control_model
-from chipbreak.trajectory.timing import feeds_for_spans
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
 from chipbreak.vibration.block_text import Columns, Words, content_of
 from chipbreak.vibration.dwell import dwell_s, printed_s, without_stands
 from chipbreak.vibration.loop import Loop, among_kept, looped_points, same_feeds
 from chipbreak.vibration.loop_names import LoopNames
+from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.plan import CutPlan
 
 Floats = NDArray[np.float64]
@@ -204,10 +202,10 @@ def _feed_words(cut: CutPlan, times: Floats, distance_mm: Floats, words: Words, 
     moved = np.diff(words.points_mm, axis=0)
     spans = np.diff(times)
     plain_from = int(np.searchsorted(times[:-1], cut.time_s[-2] - _SAME_S))
-    model = control_model(settings, cut.path, cut.chain.before)
-    blocks = blocks_of(moved, np.diff(distance_mm), settings)
-    feeds_mm_s = feeds_for_spans(blocks, spans, model, plain_from)
-    same_feeds(feeds_mm_s, words.loops, blocks, model, cut.wave.period_s)
+    law = control_along(settings, cut.path, cut.chain.before)
+    blocks = law.blocks(moved, np.diff(distance_mm))
+    feeds_mm_s = law.feeds_for_spans(blocks, spans, plain_from)
+    same_feeds(feeds_mm_s, words.loops, blocks, law, cut.wave.period_s)
     unit = MM_PER_INCH if cut.chain.before.is_inch else 1.0
     mode = settings.output.feed_mode
     if mode == "inverse":

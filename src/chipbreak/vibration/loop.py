@@ -19,9 +19,9 @@ from chipbreak.kinematics.waveform import full_window
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.trajectory.junctions import Blocks
-from chipbreak.trajectory.model import ControlModel
-from chipbreak.trajectory.timing import motion_of
+from chipbreak.trajectory.law import ControlLaw
 from chipbreak.units import MS_PER_S
+from chipbreak.vibration.machine import law_of
 from chipbreak.vibration.plan import CutPlan
 
 Floats = NDArray[np.float64]
@@ -117,7 +117,7 @@ def _stretches(cut: CutPlan) -> Iterator[tuple[int, int]]:
 
 def _closing(cut: CutPlan, settings: Settings) -> int:
     """How many vibrations take whole servo periods, where the control runs whole ones."""
-    if settings.planner.model != "linuxcnc" or cut.keeps_feed:
+    if not law_of(settings).runs_whole_periods or cut.keeps_feed:
         return 1
     servo_s = settings.planner.servo_period_ms / MS_PER_S
     periods = np.arange(1, _MOST_PERIODS + 1) * cut.wave.period_s / servo_s
@@ -206,7 +206,7 @@ def among_kept(loops: Sequence[Loop], keep: NDArray[np.bool_]) -> list[Loop]:
 
 
 def same_feeds(
-    feeds: Floats, loops: Sequence[Loop], blocks: Blocks, model: ControlModel, period_s: float
+    feeds: Floats, loops: Sequence[Loop], blocks: Blocks, law: ControlLaw, period_s: float
 ) -> None:
     """Give every pass of a loop the feeds of its second one, in place.
 
@@ -217,9 +217,9 @@ def same_feeds(
         passes = feeds[loop.first : loop.stop].reshape(loop.passes, loop.count)
         passes[:] = passes[1]
         two = slice(loop.first, loop.first + 2 * loop.count)
-        run = Blocks(blocks.lengths_mm[two], blocks.bends[two], blocks.acceleration_mm_s2[two])
+        run = blocks.part(two)
         places_mm = np.append(0.0, np.cumsum(run.lengths_mm))
-        took_s = float(motion_of(places_mm, run, feeds[two], model).spans_s[loop.count :].sum())
+        took_s = float(law.motion(places_mm, run, feeds[two]).spans_s[loop.count :].sum())
         wanted_s = loop.vibrations * period_s
         if abs(took_s - wanted_s) > _TIME_SHARE * wanted_s:
             message = (

@@ -15,11 +15,10 @@ from chipbreak.kinematics.machine_demand import flank_clearance_deg, least_accel
 from chipbreak.kinematics.waveform import WaveformParameters, full_window
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.text.diagnostics import SelfCheckError
-from chipbreak.trajectory.junctions import Blocks, blocks_of
-from chipbreak.trajectory.model import ControlModel, control_model
+from chipbreak.trajectory.law import ControlLaw
 from chipbreak.units import MM_PER_INCH, MS_PER_S
 from chipbreak.vibration.blocks import Expansion
-from chipbreak.vibration.dwell import motion_with_stands
+from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.plan import CutPlan
 from chipbreak.vibration.readback import ReadBack, read_moves
 
@@ -78,15 +77,15 @@ def measure_cut(result: InterpretedProgram, region: Region, plan: CutPlan, expan
     _check_speed(result, region, plan)
     distance_mm = _check_path(result, moves, plan, expansion)
     moved = np.diff(np.vstack((plan.path.legs[0].start, moves.points_mm)), axis=0)
-    model = control_model(result.settings, plan.path, plan.chain.before)
-    blocks = blocks_of(moved, np.diff(distance_mm), result.settings)
-    motion = motion_with_stands(distance_mm, blocks, moves.feed_mm_s, model, moves.stand_s)
+    law = control_along(result.settings, plan.path, plan.chain.before)
+    blocks = law.blocks(moved, np.diff(distance_mm))
+    motion = law.motion(distance_mm, blocks, moves.feed_mm_s, moves.stand_s)
     if not np.all(motion.spans_s > 0.0):
         raise SelfCheckError("a move takes no time")
     _check_stands(moves.stand_s, expansion.stand_s)
     spans_s = motion.spans_s + moves.stand_s if len(moves.stand_s) else motion.spans_s
     time_s = np.concatenate(([0.0], np.cumsum(spans_s)))
-    is_late = _is_late(result, float(time_s[-1]), plan.wave.duration_s + plan.end_stand_s)
+    is_late = _is_late(law, float(time_s[-1]), plan.wave.duration_s + plan.end_stand_s)
     largest_mm, smallest_mm = _diameters(np.append(plan.path.legs[0].start[0], moves.points_mm[:, 0]))
     verdict = judge(
         motion.time_s,
@@ -99,20 +98,21 @@ def measure_cut(result: InterpretedProgram, region: Region, plan: CutPlan, expan
         waveform=plan.wave.waveform,
         alpha_share=plan.wave.alpha_share,
     )
-    if model.law == "trapezoid":
-        verdict = replace(verdict, peak_speed_mm_s=_top_speed(moves, blocks, model))
+    peak_mm_s = law.peak_speed_mm_s(blocks, moves.feed_mm_s)
+    if peak_mm_s is not None:
+        verdict = replace(verdict, peak_speed_mm_s=peak_mm_s)
     clearances = [
         Clearance(d, flank_clearance_deg(verdict.peak_speed_mm_s, d, plan.solution.speed_rpm))
         for d in dict.fromkeys((largest_mm, smallest_mm))
         if largest_mm > 0.0
     ]
     per_rev = plan.solution.per_rev
-    # An ideal control takes the times of the blocks, just checked: a crest moved by rounding is no other N.
-    off_count = model.law != "ideal" and abs(verdict.per_rev - per_rev) > _COUNT_TOLERANCE * per_rev
+    # Where blocks take their own times, just checked, a crest moved by rounding is no other N.
+    off_count = not law.keeps_time and abs(verdict.per_rev - per_rev) > _COUNT_TOLERANCE * per_rev
     return CutReport(
         plan,
         expansion,
-        model.law,
+        law.name,
         float(time_s[-1]),
         count,
         verdict,
@@ -134,12 +134,6 @@ def _check_stands(stand_s: Floats, wanted_s: Floats) -> None:
     alike = len(stand_s) == len(wanted_s)
     if not (alike and np.abs(stand_s - wanted_s).max(initial=0.0) <= _SAME_STAND_S):
         raise SelfCheckError("the tool does not stand where, or as long as, it should")
-
-
-def _top_speed(moves: ReadBack, blocks: Blocks, model: ControlModel) -> float:
-    """What an axis reaches that speeds up and brakes within a block, of which only the ends are known."""
-    reachable = np.sqrt(model.acceleration_mm_s2 * np.abs(blocks.lengths_mm))
-    return float(np.minimum(np.minimum(moves.feed_mm_s, model.velocity_mm_s), reachable).max())
 
 
 def _servo_share(result: InterpretedProgram, plan: CutPlan) -> float | None:
@@ -166,10 +160,10 @@ def _steady_s(plan: CutPlan, expansion: Expansion, time_s: Floats) -> tuple[floa
     return float(first), float(last)
 
 
-def _is_late(result: InterpretedProgram, duration_s: float, planned_s: float) -> bool:
+def _is_late(law: ControlLaw, duration_s: float, planned_s: float) -> bool:
     """True when the control needs another time than planned.  Raises SelfCheckError when F is to blame."""
     tolerance_s = _TIME_TOLERANCE * planned_s
-    if result.settings.planner.model == "ideal":
+    if law.keeps_time:
         if abs(duration_s - planned_s) > tolerance_s:
             raise SelfCheckError(f"a cut planned to take {planned_s:.3f} s takes {duration_s:.3f} s")
         return False

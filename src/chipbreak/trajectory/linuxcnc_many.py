@@ -1,4 +1,4 @@
-"""LinuxCNC's law for many stretches at once: ``laws.linuxcnc`` with a row for each of them.
+"""LinuxCNC's planner for many stretches at once: ``linuxcnc_planner.linuxcnc`` with a row for each of them.
 
 Every row goes through the same steps as there, one servo period at a time; a test holds the two equal.
 Lengths in mm, speeds in mm/s, acceleration in mm/s², times in s.
@@ -11,37 +11,18 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from chipbreak.trajectory.model import ControlModel
-from chipbreak.trajectory.stretch_laws import LEAST_PERIODS, NOTHING, STANDING
+from chipbreak.trajectory.linuxcnc_planner import LEAST_PERIODS, NOTHING, STANDING
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Places = NDArray[np.intp]
 
 
-def can_run_many(model: ControlModel) -> bool:
-    """True where blocks in a row are run as :func:`linuxcnc_many` says."""
-    return model.law == "linuxcnc" and model.merge_mm == 0.0 and not model.every_block_stops
-
-
-def run_many(
-    lengths: Floats, feeds: Floats, acceleration: Floats, before: Floats, model: ControlModel
-) -> tuple[Floats, Floats]:
-    """:func:`planner.run_stretch` for stretches of as many blocks each, two or more: (m, n) and (m,)."""
-    speeds = np.minimum(feeds, model.velocity_mm_s)
-    seen = before if model.per_revolution else None
-    times, places = linuxcnc_many(
-        lengths, speeds, acceleration, model.servo_period_s, model.ramp_s, before=seen
-    )
-    return np.maximum(times, 1.0 / model.blocks_per_s if model.blocks_per_s else 0.0), places
-
-
-def middle_feeds(lengths: Floats, times: Floats, acceleration: Floats, model: ControlModel) -> Floats:
-    """The feed of :func:`planner.feed_for_time` for single blocks from rest to rest, (m,) each.
+def middle_feeds(lengths: Floats, times: Floats, acceleration: Floats, period: float, ramp: float) -> Floats:
+    """The feed of :meth:`ControlLaw.feed_for_time` for single blocks from rest to rest, (m,) each.
 
     Whether the control can do it has been asked before.
     """
-    period = model.servo_period_s
     periods, least = np.rint(times / period), 2.0 * np.sqrt(lengths / acceleration) / period
 
     def slowest(most: Floats) -> Floats:
@@ -50,9 +31,7 @@ def middle_feeds(lengths: Floats, times: Floats, acceleration: Floats, model: Co
         for _ in range(14):
             middle = (low + high) / 2.0
             feeds = _speeds_for_times(lengths, middle * period, acceleration)
-            took, _ = linuxcnc_many(
-                lengths[:, np.newaxis], feeds[:, np.newaxis], acceleration, period, model.ramp_s
-            )
+            took, _ = linuxcnc_many(lengths[:, np.newaxis], feeds[:, np.newaxis], acceleration, period, ramp)
             fits = np.rint(took[:, 0] / period) <= most
             low, high = np.where(fits, middle, low), np.where(fits, high, middle)
         return low
@@ -62,7 +41,7 @@ def middle_feeds(lengths: Floats, times: Floats, acceleration: Floats, model: Co
 
 
 def _speeds_for_times(lengths: Floats, times: Floats, acceleration: Floats) -> Floats:
-    """:func:`laws.speed_for_time` for many."""
+    """:func:`planner.speed_for_time` for many."""
     rate = acceleration * times
     speeds: Floats = (rate - np.sqrt(np.maximum(rate * rate - 4.0 * acceleration * lengths, 0.0))) / 2.0
     return speeds
@@ -101,7 +80,7 @@ def linuxcnc_many(
 
 @dataclass
 class _Rows:
-    """Where the stretches stand that have not ended; (k,) each, as in ``laws._Stretch``.
+    """Where the stretches stand that have not ended; (k,) each, as in ``linuxcnc_planner._Stretch``.
 
     ``leaves``: the block ends within the next period, after ``rest`` and at ``end_speed``.
     """

@@ -1,45 +1,19 @@
-"""How long a stretch of blocks that go the same way takes, from rest to rest: declared law and LinuxCNC's.
+"""LinuxCNC's trajectory planner on blocks that go the same way, from rest to rest.
 
 Blocks are given as lengths [mm] and speeds [mm/s], all above zero; acceleration in mm/s², times in s.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import lru_cache
 from itertools import pairwise
 from math import inf, sqrt
 
-Numbers = tuple[float, ...]
+from chipbreak.trajectory.planner import Numbers, joint_speeds
 
 NOTHING = 1e-12  # mm and s that count as none
 STANDING = 1e-8  # mm/s
 LEAST_PERIODS = 1.02  # a block that LinuxCNC runs into takes at least this many periods
-
-
-def trapezoid(lengths: Sequence[float], speeds: Sequence[float], acceleration: float) -> Numbers:
-    """Time of each block when the axis runs through the joints as fast as speeds and braking allow.
-
-    One block alone takes d/v + v/a, or 2·sqrt(d/a) when it is too short to reach v.
-    """
-    ends = _joint_speeds(lengths, [min(pair) for pair in pairwise(speeds)], acceleration)
-    times, start = [], 0.0
-    for length, speed, end in zip(lengths, speeds, ends, strict=True):
-        end_speed = min(end, sqrt(start * start + 2.0 * acceleration * length))
-        top = min(speed, sqrt(acceleration * length + (start * start + end_speed * end_speed) / 2.0))
-        ramps = (2.0 * top - start - end_speed) / acceleration
-        way = (2.0 * top * top - start * start - end_speed * end_speed) / (2.0 * acceleration)
-        times.append(ramps + max(length - way, 0.0) / top)
-        start = end_speed
-    return tuple(times)
-
-
-def _joint_speeds(lengths: Sequence[float], limits: Sequence[float], acceleration: float) -> list[float]:
-    """The highest speed at the end of each block from which all later ones can still brake to rest."""
-    ends = [*limits, 0.0]
-    for index in range(len(lengths) - 1, 0, -1):
-        ends[index - 1] = min(ends[index - 1], sqrt(ends[index] ** 2 + 2.0 * acceleration * lengths[index]))
-    return ends
 
 
 @lru_cache(maxsize=4096)
@@ -81,7 +55,8 @@ class _Stretch:
         self.speeds = [min(pair) for pair in zip(speeds, self.caps, strict=True)]
         self.ends = self._end_speeds()
         self.times, self.places = [0.0] * len(lengths), list[float]()
-        self.block, self.done, self.speed, self.before = 0, 0.0, 0.0, 0.0
+        self.block = 0
+        self.done = self.speed = self.before = 0.0
         self.leaving: tuple[float, float] | None = None  # time to the end of the block, and the speed there
         self.finished = False
         self._enter()
@@ -89,7 +64,7 @@ class _Stretch:
     def _end_speeds(self) -> list[float]:
         """The speed at the end of each block."""
         joints = [min(pair) for pair in pairwise(self.speeds)]
-        return _joint_speeds(self.lengths, joints, self.acceleration)
+        return joint_speeds(self.lengths, joints, self.acceleration)
 
     def advance(self) -> None:
         """One servo period, or as many as pass at an even speed far from the end of the block."""
@@ -191,7 +166,7 @@ class _PerRevolution(_Stretch):
 
     def _end_speeds(self) -> list[float]:
         joints = [min(pair) for pair in pairwise(self.caps)]
-        self.reachable = _joint_speeds(self.lengths, joints, self.acceleration)
+        self.reachable = joint_speeds(self.lengths, joints, self.acceleration)
         own = zip(self.reachable, self.speeds, [*self.caps[1:], inf], strict=True)
         return [min(speeds) for speeds in own]
 
@@ -210,17 +185,3 @@ class _PerRevolution(_Stretch):
         left = self.lengths[self.block] - self.done
         both = self.speed + min(self.reachable[self.block], self.feed_before, self.caps[self.block])
         self.even = self.block < len(self.lengths) - 1 and 2.0 * left < self.ramp * both
-
-
-def speed_for_time(length: float, time: float, acceleration: float) -> float:
-    """The speed of a trapezoid over ``length`` in ``time``: (a·t − sqrt(a²t² − 4·a·d))/2.
-
-    The peak of the triangle where the acceleration leaves no time at an even speed.
-
-    >>> round(speed_for_time(0.1, 0.0375, 2000.0), 3)
-    2.769
-    """
-    if acceleration == inf:
-        return length / time
-    rate = acceleration * time
-    return (rate - sqrt(max(rate * rate - 4.0 * acceleration * length, 0.0))) / 2.0

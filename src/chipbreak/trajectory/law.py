@@ -1,0 +1,302 @@
+"""What every control has in common, and the questions that a law of control answers.
+
+A law says what a kind of control makes of blocks: how long each takes, where the tool is when, and which feed
+takes a wanted time.  Lengths [mm] are signed along the path, feeds [mm/s] are positive, times [s].
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import inf, sqrt
+from typing import ClassVar, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.trajectory.junctions import Blocks, blocks_of
+from chipbreak.units import S_PER_MIN
+
+Floats = NDArray[np.float64]
+
+_NOTHING_MM = 1e-12  # of a length that counts as none
+_SOON_S = 1e-9
+
+
+class AxisLimits(NamedTuple):
+    """What one axis can do: speed [mm/s] and acceleration [mm/s²]."""
+
+    axis: str
+    velocity_mm_s: float
+    acceleration_mm_s2: float
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """What a control makes of some blocks: how long each takes [s], (n,), and where the tool is when.
+
+    ``time_s`` and ``distance_mm`` are the knots of the motion along the path, (m,), behind all that the
+    control does to it; between them it is even.
+    """
+
+    spans_s: Floats
+    time_s: Floats
+    distance_mm: Floats
+
+
+@dataclass(frozen=True)
+class ControlLaw(ABC):
+    """A control along one path: the numbers of its profile, and what it makes of blocks.
+
+    ``axes`` stand in the order of the coordinates of a point.  ``every_block_stops``: exact stop (G61.1, G9).
+    ``merge_mm``: the control joins blocks of one feed whose points lie within this distance of one line
+    (LinuxCNC G64 with Q, or with P alone).  ``blocks_per_s``: the most the control reads, None for no limit.
+    ``axis`` names the axis that limits, for messages.
+
+    A new kind of control is a subclass in its own module and a line in ``laws.LAWS``.  It says what it is
+    (the class variables) and answers the abstract methods; what the others answer is right for most.
+    """
+
+    name: ClassVar[str]
+    needs_acceleration: ClassVar[bool] = True
+    keeps_time: ClassVar[bool] = False
+    """Blocks take the time that they say: a crest moved by rounding is then no other frequency."""
+    runs_whole_periods: ClassVar[bool] = False
+    """Times are whole servo periods."""
+    is_slow_to_try: ClassVar[bool] = False
+    """Each stroke of several blocks takes milliseconds to plan."""
+    own_keys: ClassVar[tuple[str, ...]] = ()
+    """Keys of ``[planner]`` that have a meaning for few laws, this one among them."""
+
+    velocity_mm_s: float = inf
+    acceleration_mm_s2: float = inf
+    every_block_stops: bool = False
+    merge_mm: float = 0.0
+    servo_period_s: float = 0.001
+    blocks_per_s: float | None = None
+    axis: str = ""
+    per_revolution: bool = False
+    axes: tuple[AxisLimits, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not all(n > 0 for n in (self.velocity_mm_s, self.acceleration_mm_s2, self.servo_period_s)):
+            raise ValueError(f"a control needs limits and a period above zero: {self}")
+
+    def along(self, direction: Sequence[float], axes: Sequence[AxisLimits]) -> Self:
+        """The same control with the limits of ``axes`` on a path of this direction (any length).
+
+        The axis that reaches its limit first sets the limit; ``axis`` names it for the messages.
+        """
+        size = sqrt(sum(part * part for part in direction))
+        shares = [(abs(part) / size, axis) for part, axis in zip(direction, axes, strict=True) if part]
+        velocity = min(axis.velocity_mm_s / share for share, axis in shares)
+        acceleration, name = min((one.acceleration_mm_s2 / share, one.axis) for share, one in shares)
+        return replace(
+            self, velocity_mm_s=velocity, acceleration_mm_s2=acceleration, axis=name, axes=tuple(axes)
+        )
+
+    def with_acceleration(self, acceleration_mm_s2: float) -> Self:
+        """The same control where it has another acceleration."""
+        return replace(self, acceleration_mm_s2=acceleration_mm_s2)
+
+    @property
+    def read_s(self) -> float:
+        """The least time of a block, for the control to read it."""
+        return 1.0 / self.blocks_per_s if self.blocks_per_s else 0.0
+
+    @property
+    def late_s(self) -> float:
+        """How much longer than its block a move goes on before a dwell."""
+        return 0.0
+
+    def rounded(self, time_s: float) -> float:
+        """The nearest time that a block can take."""
+        return time_s
+
+    def blocks(self, moved_mm: Floats, ahead_mm: Floats) -> Blocks:
+        """Blocks from their moves, (n, 3), and how far each one leads along the path, (n,)."""
+        return blocks_of(moved_mm, ahead_mm, [axis.acceleration_mm_s2 for axis in self.axes])
+
+    @abstractmethod
+    def block_times(
+        self, lengths_mm: ArrayLike, feeds_mm_s: ArrayLike, *, before_mm_s: float = 0.0
+    ) -> Floats:
+        """Time [s] of each block, (n,), from rest before the first to rest after the last.
+
+        ``lengths_mm`` (n,) are signed along the path, none of them zero; ``feeds_mm_s`` (n,) or one for all.
+        Give the feeds as the F words print them: at the edge of a period, rounding decides.  ``before_mm_s``
+        is the feed of the block before, which counts for feed per revolution.  Errors: VIB033 when the
+        control could merge strokes away.
+        """
+
+    @abstractmethod
+    def feeds_for_spans(self, blocks: Blocks, spans_s: Floats, plain_from: int) -> Floats:
+        """Feed [mm/s] of each block, (n,), so that every stroke takes its time on this control.
+
+        Blocks from ``plain_from`` on run at their own feed.  A stroke round a corner, where the control
+        rests, may be too short for its time: then it runs as fast as it can, and those behind it are so much
+        later.  Errors: VIB030 acceleration, VIB031 speed, VIB032 blocks per second, VIB033 strokes that would
+        be lost.
+        """
+
+    @abstractmethod
+    def motion_between_dwells(self, distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats) -> Motion:
+        """:meth:`motion` of blocks behind none of which the tool dwells."""
+
+    @abstractmethod
+    def _feed_for(self, length_mm: float, time_s: float) -> float:
+        """The feed for a time that the control can make, see :meth:`feed_for_time`."""
+
+    @abstractmethod
+    def _acceleration_for(self, length_mm: float, time_s: float) -> float:
+        """The acceleration [mm/s²] below which no feed takes the time."""
+
+    def motion(
+        self, distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats, dwell_s: Floats | None = None
+    ) -> Motion:
+        """The motion of blocks between the places ``distance_mm`` along the path, (n + 1,).
+
+        The tool dwells ``dwell_s`` behind each block, (n,); this is no part of the spans.
+        """
+        if dwell_s is None or not dwell_s.any():
+            return self.motion_between_dwells(distance_mm, blocks, feeds_mm_s)
+        return _motion_with_dwells(self, distance_mm, blocks, feeds_mm_s, dwell_s)
+
+    def peak_speed_mm_s(self, blocks: Blocks, feeds_mm_s: Floats) -> float | None:
+        """The highest speed of the axis where the knots of the motion do not show it, else None."""
+        return None
+
+    def shortest_time(self, length_mm: float) -> float:
+        """The least time [s] from rest to rest over ``length_mm``, whatever the feed.
+
+        t = 2·sqrt(d/a) while the speed allows it.
+        """
+        length = abs(length_mm)
+        top = min(self.velocity_mm_s, sqrt(length * self.acceleration_mm_s2))
+        return max(float(replace(self, merge_mm=0.0).block_times([length], [top])[0]), self.read_s)
+
+    def feed_for_time(self, length_mm: float, time_s: float) -> float:
+        """The feed [mm/s] to command so that a block from rest to rest really takes ``time_s``.
+
+        A time that the control cannot make is rounded to one that it can.  Errors: VIB030 acceleration,
+        VIB031 speed, VIB032 blocks per second.
+        """
+        if not (abs(length_mm) > _NOTHING_MM and 0 < time_s < inf):
+            raise ValueError(f"no feed for {length_mm} mm in {time_s} s")
+        return _feed(abs(float(length_mm)), float(time_s), replace(self, merge_mm=0.0))
+
+    def refuse_too_short(self, length_mm: float, time_s: float) -> None:
+        """Errors: VIB030 and VIB032 where no feed takes the time, see :meth:`feed_for_time`."""
+        stroke = f"a stroke of {length_mm:.4g} mm in {time_s * 1000:.4g} ms"
+        if self.blocks_per_s and time_s * self.blocks_per_s < 1.0 - 1e-9:
+            rate = f"{1 / time_s:.4g} blocks per second, the control reads {self.blocks_per_s:.4g}"
+            way_out = "ask for a lower frequency, or one block per stroke"
+            raise RefusalError("VIB032", f"{stroke} needs {rate}", way_out)
+        least = replace(self, velocity_mm_s=inf, blocks_per_s=None).shortest_time(length_mm)
+        if time_s >= least * (1.0 - 1e-9):
+            return
+        needed = self._acceleration_for(length_mm, time_s)
+        has = f"{self.limiting} {self.acceleration_mm_s2 / 1000:.3g} m/s²"
+        way = (
+            f"this stroke takes at least {least * 1000:.4g} ms; ask for a lower frequency or a smaller stroke"
+        )
+        raise RefusalError("VIB030", f"{stroke} needs {needed / 1000:.3g} m/s², {has}", way)
+
+    @property
+    def limiting(self) -> str:
+        """The axis that limits, and "has", for messages."""
+        return f"{self.axis} has" if self.axis else "the axis has"
+
+    def feed_within_limits(self, length_mm: float, time_s: float) -> float:
+        """:meth:`feed_for_time` without what it keeps in mind."""
+        wanted = self.rounded(time_s)
+        self.refuse_too_short(length_mm, wanted)
+        feed = self._feed_for(length_mm, wanted)
+        if feed > self.velocity_mm_s:
+            told = f"{feed:.4g} mm/s for {length_mm:.4g} mm in {wanted * 1000:.4g} ms"
+            has = f"{self.limiting} {self.velocity_mm_s:.4g} mm/s"
+            help_text = "ask for a lower frequency or a smaller stroke"
+            raise RefusalError("VIB031", f"needs {told}, {has}", help_text)
+        return feed
+
+    def refuse_lost_strokes(self, lengths_mm: Floats) -> None:
+        """Errors: VIB033 when a stroke is so small that the control's path mode drops it."""
+        if self.merge_mm <= 0.0:
+            return
+        strokes = np.abs(np.add.reduceat(lengths_mm, np.r_[0, turns_of(lengths_mm)]))
+        if len(strokes) > 1 and np.min(strokes) <= self.merge_mm:
+            told = f"the control joins points within {self.merge_mm:.4g} mm of a line and would drop strokes"
+            small = f"the smallest stroke is {np.min(strokes):.4g} mm; "
+            raise RefusalError("VIB033", told, small + "switch to G61, or G64 with a smaller P or Q")
+
+    def refuse_overload(self, feeds_mm_s: Floats, spans_s: Floats) -> None:
+        """Errors: VIB031 speed, VIB032 blocks per second, of blocks that take their spans exactly."""
+        top = float(feeds_mm_s.max())
+        if top > self.velocity_mm_s:
+            has = f"{self.axis or 'the axis'} has {self.velocity_mm_s * S_PER_MIN:.0f}"
+            help_text = "ask for a lower frequency, a smaller stroke or less feed"
+            message = f"the strokes need {top * S_PER_MIN:.0f} mm/min, {has}"
+            raise RefusalError("VIB031", message, help_text)
+        least_s = float(spans_s.min())
+        if self.blocks_per_s is not None and least_s * self.blocks_per_s < 1.0 - 1e-9:
+            message = f"needs {1.0 / least_s:.0f} blocks per second, the control reads {self.blocks_per_s:g}"
+            help_text = 'ask for a lower frequency, or take output.segments = "stroke"'
+            raise RefusalError("VIB032", message, help_text)
+
+    def checked(self, lengths_mm: ArrayLike, feeds_mm_s: ArrayLike) -> tuple[Floats, Floats]:
+        """Lengths and feeds as arrays, (n,) each.  Errors: ValueError for what are none, VIB033."""
+        lengths = np.atleast_1d(np.asarray(lengths_mm, dtype=np.float64))
+        feeds = np.broadcast_to(np.asarray(feeds_mm_s, dtype=np.float64), lengths.shape)
+        are_moves = np.all(np.isfinite(lengths)) and np.all(np.abs(lengths) > _NOTHING_MM)
+        if not (are_moves and np.all(feeds > 0)):
+            raise ValueError("every block needs a length and a feed or time above zero")
+        self.refuse_lost_strokes(lengths)
+        return lengths, feeds
+
+
+@lru_cache(maxsize=4096)
+def _feed(length_mm: float, time_s: float, law: ControlLaw) -> float:
+    return law.feed_within_limits(length_mm, time_s)
+
+
+def turns_of(lengths_mm: Floats) -> NDArray[np.intp]:
+    """The blocks that go the other way than the one before."""
+    return np.flatnonzero(np.diff(np.sign(lengths_mm))) + 1
+
+
+def _motion_with_dwells(
+    law: ControlLaw, distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats, dwell_s: Floats
+) -> Motion:
+    """The motion from dwell to dwell, each part worked out once: a cut has many alike."""
+    ends = np.flatnonzero(dwell_s > 0.0) + 1
+    if ends[-1] != len(dwell_s):
+        ends = np.append(ends, len(dwell_s))
+    spans_s = np.empty(len(dwell_s))
+    known: dict[tuple[bytes, bytes], Motion] = {}
+    times, places = list[Floats](), list[Floats]()
+    now_s, first = 0.0, 0
+    for last in ends.tolist():
+        run = slice(first, last)
+        key = (blocks.lengths_mm[run].tobytes(), feeds_mm_s[run].tobytes())
+        if key not in known:
+            known[key] = _from_rest_to_rest(law, blocks.part(run), feeds_mm_s[run])
+        motion = known[key]
+        spans_s[run] = motion.spans_s
+        times.append(now_s + motion.time_s)
+        places.append(distance_mm[first] + motion.distance_mm)
+        places[-1][-1] = distance_mm[last]
+        # A motion may end a little later than its blocks.
+        now_s = max(now_s + float(motion.spans_s.sum() + dwell_s[last - 1]), float(times[-1][-1]) + _SOON_S)
+        first = last
+    if dwell_s[-1] > 0.0:
+        times.append(np.array([now_s]))
+        places.append(distance_mm[-1:])
+    return Motion(spans_s, np.concatenate(times), np.concatenate(places))
+
+
+def _from_rest_to_rest(law: ControlLaw, blocks: Blocks, feeds_mm_s: Floats) -> Motion:
+    ways_mm = np.append(0.0, np.cumsum(blocks.lengths_mm))
+    return law.motion_between_dwells(ways_mm, blocks, feeds_mm_s)

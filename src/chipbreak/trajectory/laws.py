@@ -1,0 +1,30 @@
+"""The laws of control, one a kind of control; ``planner.model`` of a profile names one of them."""
+
+from __future__ import annotations
+
+from chipbreak.trajectory.ideal import Ideal
+from chipbreak.trajectory.law import ControlLaw
+from chipbreak.trajectory.linuxcnc import LinuxCnc
+from chipbreak.trajectory.trapezoid import Trapezoid
+
+LAWS: tuple[type[ControlLaw], ...] = (
+    Ideal,  # nothing known: the blocks, exactly; what profiles have that say nothing
+    Trapezoid,  # a rest at every reversal, and the acceleration that the profile declares
+    LinuxCnc,  # LinuxCNC's planner, period by period
+)
+
+
+def law_named(name: str) -> type[ControlLaw]:
+    """The law of this name.  Errors: KeyError."""
+    return {law.name: law for law in LAWS}[name]
+
+
+def foreign_keys(name: str) -> dict[str, list[str]]:
+    """Keys of ``[planner]`` that mean nothing to this law, with the laws to which they mean something."""
+    own = law_named(name).own_keys
+    found: dict[str, list[str]] = {}
+    for law in LAWS:
+        for key in law.own_keys:
+            if key not in own:
+                found.setdefault(key, []).append(law.name)
+    return found

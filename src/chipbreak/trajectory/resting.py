@@ -1,0 +1,274 @@
+"""Laws by which the axis rests where the tool turns back, and at corners that it cannot follow at speed.
+
+Such a law knows one stretch, the blocks from rest to rest; a vibrated cut is many thousands of them, of few
+kinds.  Each kind is worked out once.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.trajectory.feed_search import Stretch, feed_factors, feeds_of_single_blocks, forget
+from chipbreak.trajectory.junctions import (
+    CORNER_LIMIT,
+    Blocks,
+    Parts,
+    four_digits,
+    least_of_parts,
+    parts_of,
+)
+from chipbreak.trajectory.law import ControlLaw, Floats, Motion, turns_of
+from chipbreak.trajectory.planner import speed_for_time
+
+_ROUNDS = 4
+Run = tuple[Floats, Floats]  # times of the blocks of a stretch [s], places [mm] after each period of it
+
+
+class Kind(NamedTuple):
+    """A stretch with its feeds; ``before_mm_s`` is the feed of the block before it, as far as it counts."""
+
+    lengths_mm: tuple[float, ...]
+    feeds_mm_s: tuple[float, ...]
+    acceleration_mm_s2: float
+    before_mm_s: float
+
+
+@dataclass(frozen=True)
+class RestingLaw(ControlLaw):
+    """A law that is known when one stretch is: how it runs, and how far its times may be off."""
+
+    @abstractmethod
+    def run(self, ways_mm: Floats, speeds_mm_s: Floats, before_mm_s: float) -> Run:
+        """One stretch, all above zero, (n,): the times of its blocks, and the way after each servo period.
+
+        Where a law does not go by periods, there are no such ways.  ``before_mm_s`` is the feed of the block
+        before the stretch.
+        """
+
+    @abstractmethod
+    def knots(
+        self, distance_mm: Floats, lengths_mm: Floats, parts: Parts, runs: Sequence[Run]
+    ) -> tuple[Floats, Floats]:
+        """Time [s] and place [mm] of each knot of the motion, (m,), from the runs of its parts."""
+
+    @abstractmethod
+    def slack_s(self, wanted_s: float) -> float:
+        """By how much a stretch may miss its time where its feeds have been found."""
+
+    def time_step_s(self, wanted_s: float) -> float:
+        """The steps in which a stroke of about this time is shared out among its parts."""
+        return wanted_s * 1e-9
+
+    def corner_shares(self, blocks: Blocks, feeds_mm_s: Floats) -> Floats:
+        """Each corner as a share of what the control still runs through, (n,); 1 or more is a rest.
+
+        In exact stop every end of a block is a rest.
+        """
+        if self.every_block_stops:
+            return np.ones(len(blocks.corners))
+        return blocks.corners / CORNER_LIMIT
+
+    def in_corners(self, acceleration_mm_s2: Floats, parts: Parts, corner_shares: Floats) -> Floats:
+        """What of the acceleration in each part, (p,), its corners leave."""
+        return acceleration_mm_s2
+
+    @property
+    def befores_mm_s(self) -> tuple[float, ...]:
+        """All that :meth:`counted` says, where these are few, and all kinds can be worked out at once."""
+        return ()
+
+    def counted(self, before_mm_s: float, length_mm: float) -> float:
+        """The feed of the block before a stretch of several, as far as it counts for its first one."""
+        return before_mm_s if self.per_revolution else 0.0
+
+    def run_kinds(self, kinds: Sequence[Kind]) -> list[Run]:
+        """Each kind as :meth:`run` has it, within the limits."""
+        runs = []
+        for lengths_mm, feeds_mm_s, has_mm_s2, before_mm_s in kinds:
+            law = self.with_acceleration(has_mm_s2)
+            lengths, feeds = law.checked(lengths_mm, feeds_mm_s)
+            runs.append(law._run_within_limits(lengths, feeds, before_mm_s))
+        return runs
+
+    def times_alike(
+        self, lengths_mm: Floats, feeds_mm_s: Floats, acceleration_mm_s2: Floats, before_mm_s: float
+    ) -> Floats:
+        """Times of the blocks of stretches of n blocks each, (k, n), with an acceleration each, (k,)."""
+        laws = {has: self.with_acceleration(has) for has in set(acceleration_mm_s2.tolist())}
+        rows = zip(acceleration_mm_s2.tolist(), lengths_mm, feeds_mm_s, strict=True)
+        return np.array(
+            [laws[has].block_times(ways, feeds, before_mm_s=before_mm_s) for has, ways, feeds in rows]
+        )
+
+    def single_feeds(self, lengths_mm: Floats, times_s: Floats, acceleration_mm_s2: Floats) -> list[float]:
+        """:meth:`feed_for_time` of blocks with an acceleration each, (k,)."""
+        rows = zip(lengths_mm.tolist(), times_s.tolist(), acceleration_mm_s2.tolist(), strict=True)
+        return [self.with_acceleration(has).feed_for_time(length, time) for length, time, has in rows]
+
+    def refuse_too_fast(self, length_mm: float, time_s: float) -> None:
+        """The errors of :meth:`feed_for_time`, without a feed."""
+        wanted = self.rounded(time_s)
+        self.refuse_too_short(length_mm, wanted)
+        # Less by two periods: no feed in the middle is that fast, so only beyond it there is need to look.
+        fastest = speed_for_time(length_mm, wanted - 2.0 * self.servo_period_s, self.acceleration_mm_s2)
+        if fastest > self.velocity_mm_s:
+            self.feed_for_time(length_mm, time_s)
+
+    def block_times(
+        self, lengths_mm: ArrayLike, feeds_mm_s: ArrayLike, *, before_mm_s: float = 0.0
+    ) -> Floats:
+        """See :meth:`ControlLaw.block_times`."""
+        lengths, feeds = self.checked(lengths_mm, feeds_mm_s)
+        times = np.empty(len(lengths))
+        for first, last in self._stretches(lengths):
+            before = float(feeds[first - 1]) if first else before_mm_s
+            times[first:last] = self._run_within_limits(lengths[first:last], feeds[first:last], before)[0]
+        return times
+
+    def _stretches(self, lengths_mm: Floats) -> Iterator[tuple[int, int]]:
+        """First and behind-last block of each stretch from rest to rest."""
+        if self.every_block_stops:
+            return pairwise(range(len(lengths_mm) + 1))
+        return pairwise([0, *turns_of(lengths_mm).tolist(), len(lengths_mm)])
+
+    def _run_within_limits(self, lengths_mm: Floats, feeds_mm_s: Floats, before_mm_s: float) -> Run:
+        speeds = np.minimum(feeds_mm_s, self.velocity_mm_s)
+        times, places = self.run(np.abs(lengths_mm), speeds, before_mm_s)
+        return np.maximum(times, self.read_s), places
+
+    def feeds_for_spans(self, blocks: Blocks, spans_s: Floats, plain_from: int) -> Floats:
+        """See :meth:`ControlLaw.feeds_for_spans`."""
+        self.refuse_lost_strokes(blocks.lengths_mm)
+        forget(self)
+        # Where the control rests at a corner depends on the feeds, and the feeds on where it rests.
+        shares = self.corner_shares(blocks, np.abs(blocks.lengths_mm) / spans_s)
+        for _ in range(_ROUNDS):
+            found = self._feeds(blocks, spans_s, shares, plain_from)
+            before = shares
+            shares = self.corner_shares(blocks, found)
+            if np.array_equal(before >= 1.0, shares >= 1.0):
+                break
+            shares = np.maximum(before, shares)
+        return found
+
+    def _feeds(self, blocks: Blocks, spans_s: Floats, corner_shares: Floats, plain_from: int) -> Floats:
+        """:meth:`feeds_for_spans` where it is known what corners take."""
+        ways_mm = np.abs(blocks.lengths_mm)
+        feeds = ways_mm / spans_s
+        parts = parts_of(blocks.lengths_mm, corner_shares, plain_from)
+        has_mm_s2 = self._accelerations(blocks, corner_shares, parts)
+        times_s = self._times_of_parts(parts, ways_mm, spans_s, has_mm_s2)
+        alone = parts.stops - parts.starts == 1
+        firsts = parts.starts[alone]
+        feeds[firsts] = feeds_of_single_blocks(ways_mm[firsts], times_s[alone], has_mm_s2[alone], self)
+        self._fit_several(_several(parts, ways_mm, feeds, times_s, has_mm_s2), feeds)
+        return feeds
+
+    def _accelerations(self, blocks: Blocks, corner_shares: Floats, parts: Parts) -> Floats:
+        """What the control has in each part, (p,)."""
+        if self.acceleration_mm_s2 == np.inf or not len(parts.starts):
+            return np.full(len(parts.starts), self.acceleration_mm_s2)
+        least = least_of_parts(parts, blocks.acceleration_mm_s2)
+        return four_digits(self.in_corners(least, parts, corner_shares))
+
+    def _times_of_parts(self, parts: Parts, ways_mm: Floats, spans_s: Floats, has_mm_s2: Floats) -> Floats:
+        """How long each part should take, (p,)."""
+        times_s: list[float] = []
+        done_s = late_s = 0.0
+        for first, last, end_s in _strokes(parts, spans_s):
+            # What rounding to servo periods takes from one stroke, the next one gets.
+            wanted_s = self.rounded(end_s + late_s - done_s)
+            shares = [wanted_s]
+            if last - first > 1:
+                ways = np.add.reduceat(ways_mm[: parts.stops[last - 1]], parts.starts[first:last]).tolist()
+                shares = self._shared_out(wanted_s, ways, has_mm_s2[first:last].tolist())
+            for share in shares:
+                done_s += share
+            times_s += shares
+            late_s += max(0.0, done_s - end_s - late_s - self.servo_period_s)
+        return np.array(times_s)
+
+    def _shared_out(
+        self, wanted_s: float, ways_mm: Sequence[float], has_mm_s2: Sequence[float]
+    ) -> list[float]:
+        """The time of each part of a stroke that rests between them: the least each needs, and by length."""
+        pairs = zip(ways_mm, has_mm_s2, strict=True)
+        least_s = [self.with_acceleration(has).shortest_time(way) for way, has in pairs]
+        step_s = self.time_step_s(wanted_s)
+        spare = max(0, round((wanted_s - sum(least_s)) / step_s))
+        given = [int(spare * way / sum(ways_mm)) for way in ways_mm]
+        given[ways_mm.index(max(ways_mm))] += spare - sum(given)
+        return [least + more * step_s for least, more in zip(least_s, given, strict=True)]
+
+    def _fit_several(self, several: Sequence[tuple[slice, Stretch]], feeds: Floats) -> None:
+        """Change the feeds of the parts that are several blocks, so that these take their times."""
+        found: dict[tuple[Stretch, float], float | RefusalError] = {}
+        kinds = list(dict.fromkeys(stretch for _, stretch in several))
+        for before in self.befores_mm_s:
+            factors = feed_factors(kinds, before, self)
+            found |= {(kind, before): factor for kind, factor in zip(kinds, factors, strict=True)}
+        for run, stretch in several:
+            before = self._counted_at(run.start, feeds, stretch.lengths_mm[0])
+            if (stretch, before) not in found:
+                [found[stretch, before]] = feed_factors([stretch], before, self)
+            factor = found[stretch, before]
+            if isinstance(factor, RefusalError):
+                raise factor
+            feeds[run] *= factor
+
+    def _counted_at(self, start: int, feeds_mm_s: Floats, length_mm: float) -> float:
+        return self.counted(float(feeds_mm_s[start - 1]) if start else 0.0, length_mm)
+
+    def motion_between_dwells(self, distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats) -> Motion:
+        """See :meth:`ControlLaw.motion`."""
+        self.refuse_lost_strokes(blocks.lengths_mm)
+        shares = self.corner_shares(blocks, feeds_mm_s)
+        parts = parts_of(blocks.lengths_mm, shares, len(blocks.lengths_mm))
+        has_mm_s2 = self._accelerations(blocks, shares, parts)
+        runs = self._runs_of_parts(parts, np.abs(blocks.lengths_mm), feeds_mm_s, has_mm_s2)
+        time_s, knots_mm = self.knots(distance_mm, blocks.lengths_mm, parts, runs)
+        return Motion(np.concatenate([times for times, _ in runs]), time_s, knots_mm)
+
+    def _runs_of_parts(
+        self, parts: Parts, ways_mm: Floats, feeds_mm_s: Floats, has_mm_s2: Floats
+    ) -> list[Run]:
+        """How each part runs; those of one kind share it."""
+        keys: list[Kind] = []
+        rows = zip(parts.starts.tolist(), parts.stops.tolist(), has_mm_s2.tolist(), strict=True)
+        for start, stop, has in rows:
+            lengths = tuple(ways_mm[start:stop].tolist())
+            before = self._counted_at(start, feeds_mm_s, lengths[0]) if len(lengths) > 1 else 0.0
+            keys.append(Kind(lengths, tuple(feeds_mm_s[start:stop].tolist()), has, before))
+        kinds = list(dict.fromkeys(keys))
+        found = dict(zip(kinds, self.run_kinds(kinds), strict=True))
+        return [found[key] for key in keys]
+
+
+def _several(
+    parts: Parts, ways_mm: Floats, feeds_mm_s: Floats, times_s: Floats, has_mm_s2: Floats
+) -> list[tuple[slice, Stretch]]:
+    """The parts of several blocks: which blocks they are, and what is wanted of them."""
+    found = []
+    for part in np.flatnonzero(parts.stops - parts.starts > 1).tolist():
+        run = slice(int(parts.starts[part]), int(parts.stops[part]))
+        lengths, feeds = tuple(ways_mm[run].tolist()), tuple(feeds_mm_s[run].tolist())
+        found.append((run, Stretch(lengths, feeds, float(times_s[part]), float(has_mm_s2[part]))))
+    return found
+
+
+def _strokes(parts: Parts, spans_s: Floats) -> Iterator[tuple[int, int, float]]:
+    """First and behind-last part of each stroke, and when it should end [s]."""
+    firsts = np.flatnonzero(np.diff(parts.strokes, prepend=-1)).tolist()
+    if not firsts:
+        return iter(())
+    lasts = [*firsts[1:], len(parts.starts)]
+    ends_s = np.cumsum(spans_s)[parts.stops[np.array(lasts, np.intp) - 1] - 1].tolist()
+    return zip(firsts, lasts, ends_s, strict=True)

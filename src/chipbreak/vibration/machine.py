@@ -1,0 +1,97 @@
+"""This machine's control along the path of a cut: its law, the limits of its axes, the path mode."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import fields, replace
+from math import inf
+from typing import Any
+
+from chipbreak.kinematics.toolpath import Path
+from chipbreak.model.modal import State
+from chipbreak.settings.sections import Axis, Settings
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.trajectory.law import AxisLimits, ControlLaw
+from chipbreak.trajectory.laws import law_named
+from chipbreak.units import MM_PER_INCH, MS_PER_S, S_PER_MIN
+
+_CODE = re.compile(r"G\s*(\d+(?:\.\d)?)", re.IGNORECASE)
+_TOLERANCE = re.compile(r"([PQ])\s*(\d*\.?\d+)", re.IGNORECASE)
+
+
+def law_of(settings: Settings) -> type[ControlLaw]:
+    """The law of the profile's control."""
+    return law_named(settings.planner.model)
+
+
+def control_along(settings: Settings, path: Path, state: State) -> ControlLaw:
+    """The control and its axes along a path: the limits of the direction that is limited most.
+
+    ``state`` is that before the cut; its path mode counts where the profile switches to none.  Errors: VIB035
+    when a law that speeds up and brakes needs an acceleration that the profile does not have.
+    """
+    law = _with_numbers(law_of(settings), settings)
+    law = _in_path_mode(law, settings, state)
+    axes = [_limits(name, axis) for name, axis in settings.axes.items()]
+    directions = _directions(path)
+    if law.needs_acceleration:
+        _require_accelerations(axes, directions)
+    laws = [law.along(direction, axes) for direction in directions]
+    return min(laws, key=lambda one: (one.acceleration_mm_s2, one.velocity_mm_s))
+
+
+def _with_numbers(law: type[ControlLaw], settings: Settings) -> ControlLaw:
+    """The law with what the profile says; what means nothing to it is left out."""
+    planner = settings.planner
+    numbers: dict[str, Any] = {
+        "servo_period_s": planner.servo_period_ms / MS_PER_S,
+        "blocks_per_s": planner.max_blocks_per_s,
+        "per_revolution": settings.output.feed_mode == "rev",
+        "reversal_stop_s": planner.reversal_stop_ms / MS_PER_S,
+    }
+    own = {field.name for field in fields(law)}
+    return law(**{name: number for name, number in numbers.items() if name in own})
+
+
+def _require_accelerations(
+    axes: Sequence[AxisLimits], directions: Sequence[tuple[float, float, float]]
+) -> None:
+    for index, axis in enumerate(axes):
+        if axis.acceleration_mm_s2 == inf and any(direction[index] for direction in directions):
+            key = f"axes.{axis.axis}.max_acceleration_mm_s2"
+            message = f"{axis.axis} moves, and the profile does not say how fast it can speed up ({key})"
+            raise RefusalError("VIB035", message, f'give {key}, or planner.model = "ideal"')
+
+
+def _in_path_mode(law: ControlLaw, settings: Settings, state: State) -> ControlLaw:
+    """Exact stop, and how far from a line points may lie that are joined: Q, or P where there is no Q."""
+    words = settings.planner.path_mode or state.path_words or settings.planner.usual_path_mode
+    code = _CODE.match(words)
+    group = settings.dialect.g_codes.get(round(float(code[1]) * 10)) if code else None
+    given = {letter.upper(): float(number) for letter, number in _TOLERANCE.findall(words)}
+    merge_mm = given.get("Q", given.get("P", 0.0)) * (MM_PER_INCH if state.is_inch else 1.0)
+    return replace(
+        law,
+        every_block_stops=group is not None and group.value == "exact-stop",
+        merge_mm=merge_mm if group is not None and group.value == "blend" else 0.0,
+    )
+
+
+def _limits(name: str, axis: Axis) -> AxisLimits:
+    velocity = inf if axis.max_velocity_mm_min is None else axis.max_velocity_mm_min / S_PER_MIN
+    acceleration = inf if axis.max_acceleration_mm_s2 is None else axis.max_acceleration_mm_s2
+    return AxisLimits(name, velocity, acceleration)
+
+
+def _directions(path: Path) -> list[tuple[float, float, float]]:
+    """The directions of the lines; an arc takes every direction of its plane, its axes limit most."""
+    directions = []
+    for leg, arc in zip(path.legs, path.arcs, strict=True):
+        if arc is None:
+            x, y, z = (e - s for s, e in zip(leg.start, leg.end, strict=True))
+            directions.append((x, y, z))
+            continue
+        for axis in arc.axes:
+            directions.append((float(axis == 0), float(axis == 1), float(axis == 2)))
+    return directions
