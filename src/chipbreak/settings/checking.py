@@ -65,20 +65,26 @@ def checked_value(layer: Layer, section: str, key: str, value: Any) -> Any:
     hints = typing.get_type_hints(SECTIONS[section])
     meta = fields[key].metadata
     if meta.get("table"):
-        if not isinstance(value, dict):
-            raise layer.fail(WRONG_TYPE, full, f"{full} is a table", f"write [{full}] with a line for each")
-        for tool in value:
-            if not tool.isdecimal():
-                message = f"{full}: {tool!r} is no tool number"
-                raise layer.fail(IMPOSSIBLE, f"{full}.{tool}", message, "one line a tool, such as 4 = ...")
-        inner = typing.get_args(hints[key])[1]
-        return {k: _checked_value(layer, f"{full}.{k}", v, (inner,), meta) for k, v in value.items()}
+        return _checked_table(layer, full, value, typing.get_args(hints[key])[1], meta)
     kinds = _kinds(hints[key])
     if tuple in kinds:
         items = value if isinstance(value, list) else [value]
         inner = typing.get_args(next(a for a in _options(hints[key]) if typing.get_origin(a) is tuple))[0]
         return tuple(_checked_value(layer, full, item, (inner,), meta) for item in items)
     return _checked_value(layer, full, value, kinds, meta)
+
+
+def _checked_table(
+    layer: Layer, full: str, value: Any, kind: type, meta: Mapping[str, Any]
+) -> dict[str, Any]:
+    """A table with a line for each tool: number -> value."""
+    if not isinstance(value, dict):
+        raise layer.fail(WRONG_TYPE, full, f"{full} is a table", f"write [{full}] with a line for each")
+    for tool in value:
+        if not tool.isdecimal():
+            message = f"{full}: {tool!r} is no tool number"
+            raise layer.fail(IMPOSSIBLE, f"{full}.{tool}", message, "one line a tool, such as 4 = ...")
+    return {k: _checked_value(layer, f"{full}.{k}", v, (kind,), meta) for k, v in value.items()}
 
 
 def _options(hint: Any) -> tuple[Any, ...]:

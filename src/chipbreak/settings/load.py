@@ -161,16 +161,8 @@ def _check_loop(layer: Layer, variable: int, dialect: Dialect, words: AxisWords)
 def _axis_words(layer: Layer, axes: Mapping[str, Axis], dialect: Dialect, *, checks: bool) -> AxisWords:
     """The letters and signs of the axes, where the control can have them."""
     letters = {name: axis.letter or name for name, axis in axes.items()}
-    for name, letter in letters.items():
-        key = f"axes.{name}.letter"
-        if letter not in dialect.axis_letters:
-            message = f"{key} = {letter!r}: {dialect.title} has another meaning for this letter"
-            raise layer.fail(IMPOSSIBLE, key, message, f"one of {', '.join(dialect.axis_letters)}")
-        other = next(axis for axis, one in letters.items() if one == letter)
-        if other != name:
-            message = f"{key} = {letter!r} is the letter of {other} too"
-            way_out = f"give axes.{other}.letter or axes.{name}.letter another one"
-            raise layer.fail(IMPOSSIBLE, key, message, way_out)
+    for name in letters:
+        _check_letter(layer, name, letters, dialect)
     if letters["X"] != "X" and dialect.can("diameter", "diameter"):
         message = f"axes.X.letter = {letters['X']!r}: G7 and G8 of {dialect.title} know X alone"
         raise layer.fail(IMPOSSIBLE, "axes.X.letter", message, "leave the letter of X as it is")
@@ -180,6 +172,20 @@ def _axis_words(layer: Layer, axes: Mapping[str, Axis], dialect: Dialect, *, che
             message = f"tool checks retract with {text}, for which these axis letters leave no word"
             raise layer.fail(IMPOSSIBLE, "checks.enabled", message, "checks.enabled = false")
     return words
+
+
+def _check_letter(layer: Layer, name: str, letters: Mapping[str, str], dialect: Dialect) -> None:
+    """The letter of an axis is one of the control's, and of no other axis."""
+    key = f"axes.{name}.letter"
+    letter = letters[name]
+    if letter not in dialect.axis_letters:
+        message = f"{key} = {letter!r}: {dialect.title} has another meaning for this letter"
+        raise layer.fail(IMPOSSIBLE, key, message, f"one of {', '.join(dialect.axis_letters)}")
+    other = next(axis for axis, one in letters.items() if one == letter)
+    if other != name:
+        message = f"{key} = {letter!r} is the letter of {other} too"
+        way_out = f"give axes.{other}.letter or axes.{name}.letter another one"
+        raise layer.fail(IMPOSSIBLE, key, message, way_out)
 
 
 def _check_modes(layer: Layer, planner: Planner, dialect: Dialect) -> None:
@@ -194,10 +200,15 @@ def _check_modes(layer: Layer, planner: Planner, dialect: Dialect) -> None:
             text = getattr(planner, key)
             if not _is_mode(text, group, dialect):
                 message = f"planner.{key} = {text!r} is no such mode of {dialect.title}"
-                codes = [n for n, code in sorted(dialect.g_codes.items()) if code.group == group]
-                known = ", ".join(f"G{n / 10:g}" for n in codes)
-                help_text = f"it has {known}; {example}" if codes else f"it has none: leave {switched} out"
+                known = _codes_of_group(group, dialect)
+                help_text = f"it has {known}; {example}" if known else f"it has none: leave {switched} out"
                 raise layer.fail(IMPOSSIBLE, f"planner.{key}", message, help_text)
+
+
+def _codes_of_group(group: str, dialect: Dialect) -> str:
+    """``G61, G61.1, G64``."""
+    numbers = sorted(number for number, code in dialect.g_codes.items() if code.group == group)
+    return ", ".join(f"G{number / 10:g}" for number in numbers)
 
 
 def _is_mode(text: str, group: str, dialect: Dialect) -> bool:

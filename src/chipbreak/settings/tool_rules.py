@@ -6,21 +6,42 @@ from chipbreak.dialects import Dialect
 from chipbreak.settings.checking import IMPOSSIBLE, Layer
 from chipbreak.settings.sections import LEAST_STORE, Checks, Macros
 
+_LONGEST_BLOCK = 72
+
 
 def check_macros(layer: Layer, macros: Macros, dialect: Dialect) -> None:
     """What one key of [macros] alone does not say."""
+    for rule in (_check_orient, _check_blocks, _check_room, _check_store):
+        rule(layer, macros, dialect)
+
+
+def _check_orient(layer: Layer, macros: Macros, _: Dialect) -> None:
     if "{angle}" not in macros.orient or set("{}") & set(macros.orient.replace("{angle}", "")):
         message = f'macros.orient = "{macros.orient}": its one field is {{angle}}'
         raise layer.fail(IMPOSSIBLE, "macros.orient", message, 'for example "M19 R{angle}"')
+
+
+def _check_blocks(layer: Layer, macros: Macros, _: Dialect) -> None:
     for key in ("orient", "laser_on", "laser_off"):
         for text in getattr(macros, key).split("\n"):
-            if not (text.isascii() and (text.isprintable() or not text)) or len(text) > 72:
+            if not _is_readable(text):
                 message = f'macros.{key}: "{text}" is no block that a control can read'
-                raise layer.fail(IMPOSSIBLE, f"macros.{key}", message, "plain letters and digits, 72 at most")
+                help_text = f"plain letters and digits, {_LONGEST_BLOCK} at most"
+                raise layer.fail(IMPOSSIBLE, f"macros.{key}", message, help_text)
+
+
+def _is_readable(text: str) -> bool:
+    return not text or (text.isascii() and text.isprintable() and len(text) <= _LONGEST_BLOCK)
+
+
+def _check_room(layer: Layer, macros: Macros, _: Dialect) -> None:
     if macros.store_last < macros.store_first + LEAST_STORE:
         message = f"macros.store_last = {macros.store_last} leaves no room behind store_first"
         help_text = f"at least {LEAST_STORE}: a tool takes 12 variables, and its teeth times its heights"
         raise layer.fail(IMPOSSIBLE, "macros.store_last", message, help_text)
+
+
+def _check_store(layer: Layer, macros: Macros, dialect: Dialect) -> None:
     kept = dialect.kept_variables
     if kept and not any(a <= macros.store_first and macros.store_last <= b for a, b in kept):
         message = f"macros.store_first = {macros.store_first}, store_last = {macros.store_last} cannot be"

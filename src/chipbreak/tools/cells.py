@@ -41,8 +41,7 @@ def rows(errors: Errors, required: Collection[str], optional: Collection[str] = 
 
     Raises ToolFileError when there is no header or when it lacks a required column.
     """
-    lines = [(n, line.rstrip("\r")) for n, line in enumerate(errors.lines, 1)]
-    lines = [(n, line) for n, line in lines if line.strip() and not line.lstrip().startswith("#")]
+    lines = _lines_that_count(errors)
     known = (*required, *optional)
     if not lines:
         errors.stop(NO_FORMAT, "this table is empty", f"its first line is {','.join(known)}")
@@ -55,16 +54,30 @@ def rows(errors: Errors, required: Collection[str], optional: Collection[str] = 
         errors.stop(UNKNOWN_KEY, message, f"columns are {','.join(known)}", at, (0, len(header)))
     for number, line in lines[1:]:
         cells = _split(line, separator)
-        extra = next((cell for cell in cells[len(columns) :] if cell.text), None)
-        if extra:
-            message = f"this row has {len(cells)} cells, the header has {len(columns)} columns"
-            help_text = 'a cell with a separator in it stands in quotes: "a, b"'
-            errors.add(NO_FORMAT, message, help_text, number, extra[1:])
-            continue
-        if separator == ";":
-            cells = [cell._replace(text=cell.text.replace(",", ".")) for cell in cells]
-        named = zip(columns, cells, strict=False)
-        yield Row(number, {name: cell for name, cell in named if cell.text})
+        if _fits(errors, number, cells, columns):
+            yield Row(number, _named(columns, cells, has_decimal_comma=separator == ";"))
+
+
+def _lines_that_count(errors: Errors) -> list[tuple[int, str]]:
+    lines = [(number, line.rstrip("\r")) for number, line in enumerate(errors.lines, 1)]
+    return [(n, line) for n, line in lines if line.strip() and not line.lstrip().startswith("#")]
+
+
+def _fits(errors: Errors, number: int, cells: list[Cell], columns: list[str]) -> bool:
+    """False, and an error, for a row with text beyond the last column."""
+    extra = next((cell for cell in cells[len(columns) :] if cell.text), None)
+    if extra is None:
+        return True
+    message = f"this row has {len(cells)} cells, the header has {len(columns)} columns"
+    help_text = 'write a cell with a separator in it in quotes: "a, b"'
+    errors.add(NO_FORMAT, message, help_text, number, extra[1:])
+    return False
+
+
+def _named(columns: list[str], cells: list[Cell], *, has_decimal_comma: bool) -> dict[str, Cell]:
+    if has_decimal_comma:
+        cells = [cell._replace(text=cell.text.replace(",", ".")) for cell in cells]
+    return {name: cell for name, cell in zip(columns, cells, strict=False) if cell.text}
 
 
 def _columns(errors: Errors, line: int, cells: list[Cell], known: Collection[str]) -> list[str]:
@@ -86,30 +99,46 @@ def _split(line: str, separator: str) -> list[Cell]:
     cells: list[Cell] = []
     at = 0
     while True:
-        start = at
-        while line[at : at + 1].isspace() and line[at] != separator:
-            at += 1
-        if line[at : at + 1] == '"':
-            at += 1
-            text = ""
-            while at < len(line):
-                end = line.find('"', at)
-                end = len(line) if end < 0 else end
-                text += line[at:end]
-                at = end + 1
-                if line[at : at + 1] != '"':
-                    break
-                text += '"'
-                at += 1
-            end = line.find(separator, at)
-            end = len(line) if end < 0 else end
-            text += line[at:end]
-        else:
-            end = line.find(separator, at)
-            end = len(line) if end < 0 else end
-            text = line[at:end]
-        blank = len(line[start:end]) - len(line[start:end].lstrip())
-        cells.append(Cell(text.strip(), start + blank, max(start + blank, len(line[:end].rstrip()))))
+        text, end = _text_of_cell(line, at, separator)
+        cells.append(_cell(line, at, end, text))
         if end >= len(line):
             return cells
         at = end + 1
+
+
+def _text_of_cell(line: str, at: int, separator: str) -> tuple[str, int]:
+    """The text of the cell that starts at a character, and its end."""
+    first = at
+    while line[first : first + 1].isspace() and line[first] != separator:
+        first += 1
+    quoted = ""
+    if line[first : first + 1] == '"':
+        quoted, first = _quoted(line, first + 1)
+    end = _find(line, separator, first)
+    return quoted + line[first:end], end
+
+
+def _quoted(line: str, at: int) -> tuple[str, int]:
+    """The text from a character to the closing quote, and the character after it."""
+    text = ""
+    while at < len(line):
+        end = _find(line, '"', at)
+        text += line[at:end]
+        at = end + 1
+        if line[at : at + 1] != '"':
+            break
+        text += '"'
+        at += 1
+    return text, at
+
+
+def _find(line: str, what: str, at: int) -> int:
+    """Where the next such character is; the end of the line where there is none."""
+    found = line.find(what, at)
+    return len(line) if found < 0 else found
+
+
+def _cell(line: str, start: int, end: int, text: str) -> Cell:
+    """A cell with its place, blanks around it left out."""
+    blank = len(line[start:end]) - len(line[start:end].lstrip())
+    return Cell(text.strip(), start + blank, max(start + blank, len(line[:end].rstrip())))

@@ -123,16 +123,23 @@ class _Reader:
         for field, length in (("length_mm", stick_out_said(text)), ("holder_mm", holder_said(text))):
             values[field] = length.value * scales[length.unit] if length else None
         if note:
-            unit = scales[note.unit]
-            values["type"] = (type_of(note.type) or name_of(note.type)) if note.type else None
-            values["diameter_mm"] = note.diameter * unit if note.diameter else None
-            values["corner_radius_mm"] = None if note.corner_radius is None else note.corner_radius * unit
-            # Fusion's TAPER is the point angle of a drill, and the side of a tapered mill.
-            is_point = tip_of_type(values["type"]) is Tip.POINT
-            values["point_deg"] = note.taper_deg if is_point else None
-            is_name = not (TOOL_FACT.match(note.text.strip()) or FUSION_TOOL.match(note.text))
-            values["name"] = name_of(note.text) if is_name else None
+            values |= _values_of_note(note, scales[note.unit])
         return {key: value for key, value in values.items() if value is not None and _can_be(key, value)}
+
+
+def _values_of_note(note: ToolNote, unit_mm: float) -> dict[str, Any]:
+    """The fields that a comment about a tool gives, None for those it does not."""
+    kind = (type_of(note.type) or name_of(note.type)) if note.type else None
+    # Fusion's TAPER is the point angle of a drill, and the side of a tapered mill.
+    is_point = tip_of_type(kind) is Tip.POINT
+    is_name = not (TOOL_FACT.match(note.text.strip()) or FUSION_TOOL.match(note.text))
+    return {
+        "type": kind,
+        "diameter_mm": note.diameter * unit_mm if note.diameter else None,
+        "corner_radius_mm": None if note.corner_radius is None else note.corner_radius * unit_mm,
+        "point_deg": note.taper_deg if is_point else None,
+        "name": name_of(note.text) if is_name else None,
+    }
 
 
 def _can_be(field: str, value: Any) -> bool:

@@ -76,15 +76,34 @@ def _tool(errors: Errors, index: int, entry: Mapping[str, Any], post: Mapping[st
     """The tool of an entry, or nothing when something in it is wrong."""
     before = len(errors.found)
     number = _number(errors, (index, "post-process", "number"), "number", post["number"])
+    scale = _unit_mm(errors, index, entry)
+    if scale is None:
+        return []
+    values = _geometry(errors, index, entry, scale)
+    said = entry.get("type")
+    if isinstance(said, str):
+        values["type"] = type_of(said) or name_of(said.lower())
+    text = entry.get("description")
+    values["name"] = name_of(text) if isinstance(text, str) else None
+    if len(errors.found) > before or number is None:
+        return []
+    return [ToolData.said(int(number), f"{errors.name}, data[{index}]", values)]
+
+
+def _unit_mm(errors: Errors, index: int, entry: Mapping[str, Any]) -> float | None:
+    """mm per unit of an entry; None, and an error, where its unit is not known."""
     # Older exports have the unit as an expression: "'inches'".
     unit = entry.get("unit", _table(entry, "expressions").get("tool_unit"))
-    unit = unit.strip("'") if isinstance(unit, str) else None
-    scale = _UNITS.get(unit or "")
+    scale = _UNITS.get(unit.strip("'")) if isinstance(unit, str) else None
     if scale is None:
         line = json_line(errors, ("data", index, "unit"))
         message = f"data[{index}] has no unit that is known"
         errors.add(NO_UNIT, message, f"known: {', '.join(_UNITS)}", line)
-        return []
+    return scale
+
+
+def _geometry(errors: Errors, index: int, entry: Mapping[str, Any], scale: float) -> dict[str, Any]:
+    """The numbers of an entry; a zero is nothing, but a corner radius of zero is a sharp corner."""
     values: dict[str, Any] = {}
     for key, field in _GEOMETRY.items():
         given = _table(entry, "geometry").get(key)
@@ -93,18 +112,11 @@ def _tool(errors: Errors, index: int, entry: Mapping[str, Any], post: Mapping[st
             values[field] = _number(errors, (index, "geometry", key), field, given, factor)
         elif given == 0 and field == "corner_radius_mm":
             values[field] = 0.0
-    gauge_mm, length_mm = values.pop("gauge_mm", None), values.get("length_mm")
+    gauge_mm = values.pop("gauge_mm", None)
+    length_mm = values.get("length_mm")
     if gauge_mm and length_mm and gauge_mm > length_mm:  # equal where the library has no holder
         values["holder_mm"] = gauge_mm - length_mm
-    said = entry.get("type")
-    if isinstance(said, str):
-        values["type"] = type_of(said) or name_of(said.lower())
-    text = entry.get("description")
-    values["name"] = name_of(text) if isinstance(text, str) else None
-    if len(errors.found) > before or number is None:
-        return []
-    origin = f"{errors.name}, data[{index}]"
-    return [ToolData.said(int(number), origin, values)]
+    return values
 
 
 def _number(

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.operations import calls_tool
 from chipbreak.tools.comments import program_unit, tools_in_comments
-from chipbreak.tools.data import FIELDS
+from chipbreak.tools.data import FIELDS, ToolData
 from chipbreak.tools.files import files_of, read_files, table_unit
 from chipbreak.tools.merge import ToolTable, merge
 from chipbreak.tools.needs import Check, lacking
@@ -54,16 +54,25 @@ def table_text(table: ToolTable) -> list[str]:
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows]
     for number, tool in table.tools.items():
-        lines += ["", f"T{number}"]
-        by_origin: dict[str, list[str]] = {}
-        for field in tool.known():
-            by_origin.setdefault(tool.origins[field], []).append(field)
-        lines += [f"  {', '.join(fields)}: {origin}" for origin, fields in by_origin.items()]
-        for check in Check:
-            fields = lacking(tool, check)
-            if fields:
-                lines.append(f"  the {check.value} check lacks {', '.join(fields)}")
+        lines += ["", f"T{number}", *_origins(tool), *_gaps(tool)]
     return lines
+
+
+def _origins(tool: ToolData) -> Iterator[str]:
+    """Who said which fields."""
+    by_origin: dict[str, list[str]] = {}
+    for field in tool.known():
+        by_origin.setdefault(tool.origins[field], []).append(field)
+    for origin, fields in by_origin.items():
+        yield f"  {', '.join(fields)}: {origin}"
+
+
+def _gaps(tool: ToolData) -> Iterator[str]:
+    """Which check lacks which fields."""
+    for check in Check:
+        fields = lacking(tool, check)
+        if fields:
+            yield f"  the {check.value} check lacks {', '.join(fields)}"
 
 
 def table_json(table: ToolTable) -> dict[str, Any]:
