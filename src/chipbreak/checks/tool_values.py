@@ -30,11 +30,17 @@ DATA_FIELDS: Final = (
     *_ANGLES,
     *(name + unit for name in _LENGTHS for unit in ("", "_mm")),
 )
-_DECIMALS, _INCH_DECIMALS, _DEGREE_DECIMALS = 4, 5, 2
+_DECIMALS: Final = 4
+_INCH_DECIMALS: Final = 5
+_DEGREE_DECIMALS: Final = 2
 
 
 def data_texts(tool: ToolData, *, is_inch: bool) -> dict[str, str]:
     """The texts of all fields that are known; lengths without ``_mm`` are in program units."""
+    return {**_lengths(tool, is_inch), **_angles(tool), **_type_and_teeth(tool), **_kind_and_tip(tool)}
+
+
+def _lengths(tool: ToolData, is_inch: bool) -> dict[str, str]:
     texts: dict[str, str] = {}
     for name, field in _LENGTHS.items():
         value_mm = getattr(tool, field)
@@ -42,21 +48,30 @@ def data_texts(tool: ToolData, *, is_inch: bool) -> dict[str, str]:
             texts[f"{name}_mm"] = print_number(value_mm, _DECIMALS)
             inches = print_number(value_mm / MM_PER_INCH, _INCH_DECIMALS)
             texts[name] = inches if is_inch else texts[f"{name}_mm"]
-    for name, field in _ANGLES.items():
-        value_deg = getattr(tool, field)
-        if value_deg is not None:
-            texts[name] = print_number(value_deg, _DEGREE_DECIMALS)
+    return texts
+
+
+def _angles(tool: ToolData) -> dict[str, str]:
+    values_deg = {name: getattr(tool, field) for name, field in _ANGLES.items()}
+    return {name: print_number(deg, _DEGREE_DECIMALS) for name, deg in values_deg.items() if deg is not None}
+
+
+def _type_and_teeth(tool: ToolData) -> dict[str, str]:
+    texts: dict[str, str] = {}
     if tool.type is not None:
         texts["type"] = tool.type.upper()
     if tool.teeth is not None:
         texts["teeth"] = str(tool.teeth)
-    tip = tip_of(tool)
-    if tip in _KINDS:
-        texts["kind"] = str(_REAMER if tool.type == "reamer" else _KINDS[tip])
-        value = _tip_value(tool, tip)
-        if value is not None:
-            texts["tip"] = print_number(value, _DECIMALS)
     return texts
+
+
+def _kind_and_tip(tool: ToolData) -> dict[str, str]:
+    tip = tip_of(tool)
+    if tip not in _KINDS:
+        return {}
+    texts = {"kind": str(_REAMER if tool.type == "reamer" else _KINDS[tip])}
+    value = _tip_value(tool, tip)
+    return texts if value is None else {**texts, "tip": print_number(value, _DECIMALS)}
 
 
 def _tip_value(tool: ToolData, tip: Tip) -> float | None:

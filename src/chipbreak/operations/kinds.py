@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import enum
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
 from chipbreak.operations import kind_words as words
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.lazy_pattern import LazyPattern
 from chipbreak.text.nearest import nearest
 
 LONGEST_TEXT = 400  # characters; what follows belongs to a manual or a picture
@@ -225,29 +226,58 @@ def tool_text(text: str) -> ToolNote | None:
     reading = _readings(text)[0]
     if len(reading) > LONGEST_TEXT or words.ACTIVE_OR_CODE.search(reading):
         return None
-    if hit := words.FUSION_TOOL.match(reading):
-        said = hit["type"] or ""
-        radius, taper = _number(hit["cr"]), _number(hit["taper"])
-        tool_type = _tool_type(said) or said.lower() or None
-        return ToolNote(int(hit["n"]), float(hit["d"]), radius, taper, tool_type, reading)
-    if hit := words.MASTERCAM_TOOL.match(reading):
-        return _described(int(hit["n"]), hit["name"], reading)
-    if _is_prose_or_code(reading):
-        return None
-    if hit := words.CAMBAM_TOOL.match(reading):
-        return ToolNote(int(hit["n"]), float(hit["d"]), None, None, None, reading)
-    if hit := words.TOOL_FACT.match(reading):
-        if hit["d"] or hit["cr"]:
-            return ToolNote(None, _number(hit["d"]), _number(hit["cr"]), None, None, reading)
-        return _described(None, hit["name"] or hit["change"], reading)
-    if hit := words.TOOL_NUMBER.match(reading):
-        return _described(int(hit["n"]), hit["rest"], reading)
-    if hit := words.HAND_TOOL.match(reading):
-        digits = hit["n"].upper().replace("O", "0")
-        # Four digits may be tool and offset: the caller knows its control.
-        note = _described(int(digits) if len(digits) <= 3 else None, hit["rest"], reading)
-        return note if note.type or note.diameter or note.corner_radius else None
-    return _unnumbered_tool(reading)
+    is_sentence = _is_prose_or_code(reading)
+    for pattern, note_of in _POST_FORMS if is_sentence else (*_POST_FORMS, *_HAND_FORMS):
+        if hit := pattern.match(reading):
+            return note_of(hit, reading)
+    return None if is_sentence else _unnumbered_tool(reading)
+
+
+def _fusion_tool(hit: re.Match[str], reading: str) -> ToolNote:
+    said = hit["type"] or ""
+    tool_type = _tool_type(said) or said.lower() or None
+    return ToolNote(
+        int(hit["n"]), float(hit["d"]), _number(hit["cr"]), _number(hit["taper"]), tool_type, reading
+    )
+
+
+def _mastercam_tool(hit: re.Match[str], reading: str) -> ToolNote:
+    return _described(int(hit["n"]), hit["name"], reading)
+
+
+def _cambam_tool(hit: re.Match[str], reading: str) -> ToolNote:
+    return ToolNote(int(hit["n"]), float(hit["d"]), None, None, None, reading)
+
+
+def _tool_fact(hit: re.Match[str], reading: str) -> ToolNote:
+    if hit["d"] or hit["cr"]:
+        return ToolNote(None, _number(hit["d"]), _number(hit["cr"]), None, None, reading)
+    return _described(None, hit["name"] or hit["change"], reading)
+
+
+def _tool_number(hit: re.Match[str], reading: str) -> ToolNote:
+    return _described(int(hit["n"]), hit["rest"], reading)
+
+
+def _hand_tool(hit: re.Match[str], reading: str) -> ToolNote | None:
+    digits = hit["n"].upper().replace("O", "0")
+    # Four digits may be tool and offset: the caller knows its control.
+    note = _described(int(digits) if len(digits) <= 3 else None, hit["rest"], reading)
+    return note if note.type or note.diameter or note.corner_radius else None
+
+
+_Form = tuple[LazyPattern, Callable[[re.Match[str], str], ToolNote | None]]
+# The first form that a comment has decides what it says; those of posts may be as long as sentences.
+_POST_FORMS: tuple[_Form, ...] = (
+    (words.FUSION_TOOL, _fusion_tool),
+    (words.MASTERCAM_TOOL, _mastercam_tool),
+)
+_HAND_FORMS: tuple[_Form, ...] = (
+    (words.CAMBAM_TOOL, _cambam_tool),
+    (words.TOOL_FACT, _tool_fact),
+    (words.TOOL_NUMBER, _tool_number),
+    (words.HAND_TOOL, _hand_tool),
+)
 
 
 def _unnumbered_tool(reading: str) -> ToolNote | None:

@@ -21,7 +21,9 @@ _SUBPROGRAM_CALLS = (97, 98, 198)
 _CUTTING_CODES = frozenset(
     {"rough-cycle", "finish-cycle", "peck-cycle", "thread-cycle", "macro-call", "service"}
 )
-_NOTHING, _CUTS, _PROBES = 0, 1, 2
+_NOTHING = 0
+_CUTS = 1
+_PROBES = 2
 _MOVING = "XYZUVWABC"
 _WORK_OF_MOTION = {"rapid": _NOTHING, "none": _NOTHING, "probe": _PROBES}
 
@@ -79,28 +81,40 @@ def main_program(interpreted: InterpretedProgram) -> MainProgram:
 
 def _bodies(interpreted: InterpretedProgram) -> tuple[tuple[tuple[int, int], ...], int]:
     """Subprogram bodies, and the line of the program's end."""
-    body = interpreted.program.source.body
     bodies: list[tuple[int, int]] = []
     opened: int | None = None
-    last = body.stop
+    last = interpreted.program.source.body.stop
     begun = False
     for effect in interpreted.effects:
         keywords = {control.keyword for control in effect.block.controls}
-        is_next = begun and effect.block.word("O") is not None and not keywords  # without M30 before it
-        begun = begun or not (effect.block.is_empty or effect.block.opaque)
         if "O-SUB" in keywords and opened is None:
             opened = effect.block.line
         elif "O-ENDSUB" in keywords and opened is not None:
             bodies.append((opened, effect.block.line))
             opened = None
-        elif opened is None and (is_next or (effect.after.ended and not effect.before.ended)):
+        elif opened is None and (_ends(effect) or (begun and _is_next_program(effect))):
             last = effect.block.line
             break
+        begun = begun or not (effect.block.is_empty or effect.block.opaque)
     if opened is not None:
         bodies.append((opened, last))
-    while last > body.start and interpreted.program.block(last - 1).mark:
+    return tuple(bodies), _before_marks(interpreted, last)
+
+
+def _ends(effect: BlockEffect) -> bool:
+    return effect.after.ended and not effect.before.ended
+
+
+def _is_next_program(effect: BlockEffect) -> bool:
+    """``O2000`` without an M30 before it."""
+    return effect.block.word("O") is not None and not effect.block.controls
+
+
+def _before_marks(interpreted: InterpretedProgram, last: int) -> int:
+    """The line after the last one that is no mark of this filter."""
+    while last > interpreted.program.source.body.start and interpreted.program.block(last - 1).mark:
         last -= 1
-    return tuple(bodies), last
+    return last
 
 
 def _work(interpreted: InterpretedProgram) -> NDArray[np.int8]:

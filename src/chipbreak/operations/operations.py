@@ -71,6 +71,28 @@ class _Remark(NamedTuple):
     text: str
 
 
+class _Said(NamedTuple):
+    """A comment, and the tool, the title or mark and the directive it holds, None where there is none."""
+
+    remark: _Remark
+    tool: int | None
+    mark: OperationMark | None
+    ordered: Kind | None
+    may_name: bool
+
+    @property
+    def is_title(self) -> bool:
+        return self.may_name and self.mark is not None and self.mark.is_start
+
+    @property
+    def begins(self) -> bool:
+        return self.is_title or self.ordered is not None
+
+    @property
+    def ends(self) -> bool:
+        return self.mark is not None and not self.mark.is_start
+
+
 @dataclass(eq=False)
 class _Draft:
     """An operation while it is read; ``named`` is False for what stands before the first start."""
@@ -125,36 +147,47 @@ class _Scan:
         called = effect is not None and calls_tool(effect, self.interpreted.settings.dialect.tool_change)
         if self.above and self._has_plain(self.above[-1].line, block.line):
             self.above = []
+        call = effect if called else None
         # Beside a block that does something else a comment explains that block.
-        is_free = called or effect is None or not (effect.move or effect.non_modal)
-        ends_here = False
-        for comment in block.comments:
-            remark = _Remark(block.line, comment.text)
-            note, title = tool_text(comment.text), operation_title(comment.text)
-            is_header = block.is_empty and block.sequence is not None and note is None
-            if title is None and is_header and kind_of_text(comment.text, KindRules()):
-                title = OperationMark(True, comment.text.strip())  # "N2 (FIN)"
-            ordered = self._directive(block, comment)
-            is_title = is_free and title is not None and title.is_start
-            if called or ordered or is_title:
-                self._start(block.line, effect if called else None)
-                called = False
-            draft = self.drafts[-1]
-            if note and note.number is not None:
-                self.tool_list.setdefault(note.number, remark)
-            if ordered:
-                draft.ordered = (ordered, remark)
-            elif is_title:
-                draft.titles.append(remark)
-            elif title is None and not self.main.has_work(draft.first, block.line):
-                draft.remarks.append(remark)
-            ends_here |= title is not None and not title.is_start
-        if called:
-            self._start(block.line, effect)
-        remarks = [_Remark(block.line, c.text) for c in block.comments]
-        self.above = self.above + remarks if block.is_empty and not ends_here else []
+        may_name = called or effect is None or not (effect.move or effect.non_modal)
+        said = [self._said(block, comment, may_name=may_name) for comment in block.comments]
+        for one in said:
+            if call or one.begins:
+                self._start(block.line, call)
+                call = None
+            self._note(one)
+        if call:
+            self._start(block.line, call)
+        self._remember(said, goes_on=block.is_empty and not any(one.ends for one in said))
         if effect and effect.move:
             self.last_move = block.line
+
+    def _remember(self, said: Sequence[_Said], *, goes_on: bool) -> None:
+        """Comments on lines of their own belong to the start that may come straight after them."""
+        self.above = [*self.above, *(one.remark for one in said)] if goes_on else []
+
+    def _said(self, block: Block, comment: Comment, *, may_name: bool) -> _Said:
+        """What a comment says; ``may_name`` is False beside a block that it only explains."""
+        note = tool_text(comment.text)
+        title = operation_title(comment.text)
+        is_header = block.is_empty and block.sequence is not None and note is None
+        if title is None and is_header and kind_of_text(comment.text, KindRules()):
+            title = OperationMark(True, comment.text.strip())  # "N2 (FIN)"
+        ordered = self._directive(block, comment)
+        tool = note.number if note else None
+        return _Said(_Remark(block.line, comment.text), tool, title, ordered, may_name)
+
+    def _note(self, said: _Said) -> None:
+        """Keep what a comment says for the operation it is about."""
+        draft = self.drafts[-1]
+        if said.tool is not None:
+            self.tool_list.setdefault(said.tool, said.remark)
+        if said.ordered:
+            draft.ordered = (said.ordered, said.remark)
+        elif said.is_title:
+            draft.titles.append(said.remark)
+        elif said.mark is None and not self.main.has_work(draft.first, said.remark.line):
+            draft.remarks.append(said.remark)
 
     def _directive(self, block: Block, comment: Comment) -> Kind | None:
         try:
