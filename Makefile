@@ -6,8 +6,9 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 SAMPLE := samples/turning.nc
 PROFILE := generic-lathe
+CODE := src tests benchmarks
 
-.PHONY: demo test lint bench wheel clean
+.PHONY: demo test lint test-pythons hooks bench wheel release-dry-run clean
 
 $(BIN)/chipbreak: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -27,15 +28,28 @@ demo: $(BIN)/chipbreak
 	@echo
 	@echo "The corrected program is $(VENV)/turning.out.nc"
 
-test: $(VENV)/.dev
+# The fast part of the tests measures coverage, because that takes half as long again; "make test-pythons" runs it on
+# every Python.
+FAST := tests/test_cases.py tests/test_cli.py tests/test_bad.py tests/test_diff.py tests/test_emit.py \
+	tests/test_model.py tests/test_settings.py tests/test_restore.py tests/tools tests/syntax tests/checks/test_plan.py
+
+test: $(VENV)/.dev lint
 	@sh tests/linuxcnc/install.sh
-	$(BIN)/ruff check .
-	$(BIN)/mypy
-	$(BIN)/pytest -n auto
+	$(BIN)/pytest -n auto --cov --cov-report= $(FAST)
+	$(BIN)/pytest -n auto $(FAST:%=--ignore=%)
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .
+	$(BIN)/ruff format --check $(CODE)
 	$(BIN)/mypy
+
+test-pythons:
+	sh tests/pythons.sh $(VENV) $(FAST)
+
+# Checks before every commit, with the tools of this environment.
+hooks: $(VENV)/.dev
+	$(BIN)/python -m pip install --quiet pre-commit
+	$(BIN)/pre-commit install
 
 $(VENV)/.bench: $(VENV)/.dev
 	$(BIN)/python -m pip install --quiet --editable '.[dev,bench]'
@@ -45,7 +59,12 @@ bench: $(VENV)/.bench
 	$(BIN)/python benchmarks/run.py --json benchmarks/results.json
 
 wheel: $(VENV)/.dev
+	rm -f dist/chipbreak-*.whl
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+
+# Everything of a release but the upload; VERSION=1.2.3 tries it under that number.
+release-dry-run:
+	sh tests/release_dry_run.sh $(PYTHON) $(VERSION)
 
 clean:
 	rm -rf $(VENV) dist build .pytest_cache .hypothesis .mypy_cache .ruff_cache
