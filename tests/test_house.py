@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import re
 from collections import defaultdict
 from pathlib import Path
@@ -11,8 +10,6 @@ import pytest
 
 CHECKOUT = Path(__file__).parents[1]
 SOURCES = sorted((CHECKOUT / "src").rglob("*.py"))
-MOST_LINES = 300
-MOST_LINES_OF_A_FUNCTION = 60
 
 # The repository speaks of machines and programs, not of the desk it was written on.  A pytest fixture may
 # live for a session, and nothing else does.
@@ -76,18 +73,6 @@ def test_there_is_something_to_look_at() -> None:
     assert len(SOURCES) > 10
     assert CHECKOUT / "pyproject.toml" in our_text_files()
     assert CHECKOUT / "grammar" / "nc.lark" in our_text_files()
-
-
-@pytest.mark.parametrize("path", SOURCES, ids=_name)
-def test_files_and_functions_are_short(path: Path) -> None:
-    text = path.read_text("utf-8")
-    assert len(text.splitlines()) <= MOST_LINES, f"{_name(path)} asks to be two files"
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
-            length = (node.end_lineno or 0) - node.lineno + 1
-            assert length <= MOST_LINES_OF_A_FUNCTION, (
-                f"{node.name} in {_name(path)} asks to be two functions"
-            )
 
 
 @pytest.mark.parametrize("path", our_text_files(), ids=_name)
