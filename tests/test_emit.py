@@ -13,13 +13,13 @@ from hypothesis import strategies as st
 
 import chipbreak
 from chipbreak.editing.edits import Edit, MoveTable, OverlapError
+from chipbreak.editing.promise import KEPT
 from chipbreak.editing.render import print_moves, render
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
-from chipbreak.passes import vibrate
-from chipbreak.passes.vibrate import VibrationPlan
 from chipbreak.syntax.parse import parse
 from chipbreak.text.source import read
 from chipbreak.verify import verify
+from chipbreak.vibration.cuts import edits_of_cuts
 from chipbreak.vibration.request import requests_of
 
 SETTINGS = chipbreak.load("generic-lathe")
@@ -73,7 +73,7 @@ def test_a_number_that_cannot_be_written_is_never_written(value: float) -> None:
 
 
 def edit(first: int, last: int, *content: str, name: str = "a") -> Edit:
-    return Edit(first, last, content, "TEST", "a reason", name)
+    return Edit(first, last, content, "TEST", "a reason", KEPT, name)
 
 
 @given(st.binary(max_size=200))
@@ -192,11 +192,11 @@ def test_the_corpus_comes_out_byte_for_byte(profile: str, corpus: list[Path]) ->
 # --- the self-check ---------------------------------------------------------------------------------------
 
 
-def planned(data: bytes, *sets: str) -> tuple[InterpretedProgram, VibrationPlan, bytes]:
+def planned(data: bytes, *sets: str) -> tuple[InterpretedProgram, list[Edit], bytes]:
     settings = chipbreak.load("generic-lathe", sets)
     interpreted = interpret(parse(read(data)), settings)
-    plan = vibrate.plan(interpreted, settings, requests_of(interpreted)[0])
-    return interpreted, plan, b"".join(render(interpreted.program, list(plan.edits), settings))
+    edits, _ = edits_of_cuts(interpreted, requests_of(interpreted)[0])
+    return interpreted, edits, b"".join(render(interpreted.program, edits, settings))
 
 
 def resealed(output: bytes) -> bytes:
@@ -213,30 +213,30 @@ def resealed(output: bytes) -> bytes:
     return re.sub(pattern, seal, text, flags=re.DOTALL).encode("latin-1")
 
 
-def caught(interpreted: InterpretedProgram, plan: VibrationPlan, output: bytes) -> bool:
+def caught(interpreted: InterpretedProgram, edits: list[Edit], output: bytes) -> bool:
     """True when the self-check stops the output."""
     try:
-        verify(interpreted, output, list(plan.edits), plan.cuts)
+        verify(interpreted, output, edits)
     except Exception as error:
         assert type(error).__name__ in ("SelfCheckError", "ProgramRejectedError"), error
         return True
     return False
 
 
-TRACE, PLAN, OUTPUT = planned(CUT)
+TRACE, EDITS, OUTPUT = planned(CUT)
 _BODY = range(OUTPUT.index(b"(CHIPBREAK BEGIN VIB"), OUTPUT.index(b"G1 X30."))
 
 
 def test_the_output_as_it_is_passes() -> None:
     assert resealed(OUTPUT) == OUTPUT
-    assert not caught(TRACE, PLAN, OUTPUT)
+    assert not caught(TRACE, EDITS, OUTPUT)
 
 
 @given(st.data())
 def test_a_lost_line_is_caught(data: st.DataObject) -> None:
     lines = OUTPUT.splitlines(keepends=True)
     index = data.draw(st.integers(0, len(lines) - 1))
-    assert caught(TRACE, PLAN, resealed(b"".join(lines[:index] + lines[index + 1 :]))), lines[index]
+    assert caught(TRACE, EDITS, resealed(b"".join(lines[:index] + lines[index + 1 :]))), lines[index]
 
 
 @given(st.data())
@@ -245,7 +245,7 @@ def test_a_doubled_line_is_caught(data: st.DataObject) -> None:
     index = data.draw(st.integers(0, len(lines) - 1))
     doubled = resealed(b"".join(lines[: index + 1] + lines[index:]))
     # A modal word said twice does the same, inside a change.
-    assert caught(TRACE, PLAN, doubled) or lines[index] in (b"S2500\n", b"S3000\n")
+    assert caught(TRACE, EDITS, doubled) or lines[index] in (b"S2500\n", b"S3000\n")
 
 
 @given(st.data())
@@ -260,7 +260,7 @@ def test_a_changed_digit_of_a_position_is_caught(data: st.DataObject) -> None:
     far = [b"%d" % other for other in range(10) if abs(other - int(digit)) > 1]
     other = data.draw(st.sampled_from(far))
     mutant = resealed(OUTPUT[:at] + other + OUTPUT[at + 1 :])
-    assert caught(TRACE, PLAN, mutant), mutant[at - 12 : at + 12]
+    assert caught(TRACE, EDITS, mutant), mutant[at - 12 : at + 12]
 
 
 @pytest.mark.parametrize(
@@ -286,13 +286,13 @@ def test_a_changed_digit_of_a_position_is_caught(data: st.DataObject) -> None:
 def test_a_mutant_is_caught(old: bytes, new: bytes) -> None:
     assert OUTPUT.count(old) >= 1
     mutant = resealed(OUTPUT.replace(old, new, 1))
-    assert caught(TRACE, PLAN, mutant)
+    assert caught(TRACE, EDITS, mutant)
 
 
 def test_a_speed_that_no_feed_depends_on_is_checked_too() -> None:
-    interpreted, plan, output = planned(CUT, "output.feed_mode=minute")
-    assert not caught(interpreted, plan, output)
-    assert caught(interpreted, plan, resealed(output.replace(b"S2500\n", b"S2400\n", 1)))
+    interpreted, edits, output = planned(CUT, "output.feed_mode=minute")
+    assert not caught(interpreted, edits, output)
+    assert caught(interpreted, edits, resealed(output.replace(b"S2500\n", b"S2400\n", 1)))
 
 
 def test_a_file_without_a_last_line_end_keeps_none() -> None:
@@ -303,12 +303,12 @@ def test_a_file_without_a_last_line_end_keeps_none() -> None:
 def test_feeds_that_take_another_time_are_caught() -> None:
     slower = re.sub(rb"F0\.1([0-9]+)", rb"F0.2\1", OUTPUT)
     assert slower != OUTPUT
-    assert caught(TRACE, PLAN, resealed(slower))
+    assert caught(TRACE, EDITS, resealed(slower))
 
 
 def test_a_line_too_long_for_the_control_is_caught() -> None:
     mutant = OUTPUT.replace(b"S2500\n", b"S2500 (" + b"X" * 80 + b")\n", 1)
-    assert caught(TRACE, PLAN, resealed(mutant))
+    assert caught(TRACE, EDITS, resealed(mutant))
 
 
 @pytest.mark.parametrize(

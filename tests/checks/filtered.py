@@ -21,7 +21,8 @@ from chipbreak.model.words import codes_of, is_diameter, plain_value
 from chipbreak.operations.kinds import KindRules
 from chipbreak.operations.main_program import main_program
 from chipbreak.operations.operations import Operation, operations_of
-from chipbreak.passes.check_tools import plan
+from chipbreak.passes.base import Context
+from chipbreak.passes.check_tools import CheckTools
 from chipbreak.settings import Settings
 from chipbreak.syntax.parse import parse
 from chipbreak.text.diagnostics import Diagnostic
@@ -83,9 +84,9 @@ def filtered(data: bytes, profile: str = "fanuc-mill", *options: str) -> Filtere
     interpreted = traced(data, rules)
     main = main_program(interpreted)
     operations = operations_of(interpreted, main, KindRules.from_profile(rules.operations))
-    edits, diagnostics = plan(interpreted, main, operations, rules, EveryTool({}, ()))
+    edits, diagnostics = CheckTools().plan(Context(interpreted, main, operations, lambda: EveryTool({}, ())))
     output = b"".join(render(interpreted.program, edits, rules))
-    return Filtered(rules, data, output, interpreted, operations, edits, diagnostics)
+    return Filtered(rules, data, output, interpreted, operations, list(edits), list(diagnostics))
 
 
 def pairs(result: Filtered) -> list[tuple[BlockEffect, BlockEffect | None]]:

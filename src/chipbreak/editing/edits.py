@@ -10,6 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from chipbreak.editing.promise import Promise
+from chipbreak.text.diagnostics import SelfCheckError
+
 
 @dataclass(frozen=True, eq=False)
 class MoveTable:
@@ -35,7 +38,8 @@ class MoveTable:
 class Edit(NamedTuple):
     """Lines ``first`` to ``last`` (exclusive) of the original become ``content``; first == last inserts.
 
-    ``title`` names the change in the program itself, ``reason`` explains it to the user.
+    ``title`` names the change in the program itself, ``reason`` explains it to the user, ``promise`` is what
+    must hold of it in the bytes that were written.  ``pass_name`` is filled in by who asked the pass.
     """
 
     first: int
@@ -43,10 +47,11 @@ class Edit(NamedTuple):
     content: tuple[str | MoveTable, ...]
     title: str
     reason: str
-    pass_name: str
+    promise: Promise
+    pass_name: str = ""
 
 
-class OverlapError(Exception):
+class OverlapError(SelfCheckError):
     """Two passes want to change the same lines: a fault of this program, not of the user's."""
 
     def __init__(self, one: Edit, other: Edit) -> None:

@@ -27,44 +27,53 @@ from itertools import groupby
 from chipbreak.checks.plan import PlannedCheck, plan_checks
 from chipbreak.dialects.modes import UNSAID
 from chipbreak.editing.edits import Edit
+from chipbreak.editing.promise import SpindleRestarted
 from chipbreak.insertion.safe_points import SafePoint, retract_blocks
 from chipbreak.model.flow import Flow
 from chipbreak.model.interpret import Interpreter
-from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import is_diameter
-from chipbreak.operations.main_program import MainProgram
-from chipbreak.operations.operations import Operation
-from chipbreak.passes import CHECK_TOOLS
+from chipbreak.passes.base import Context, Pass, Planned
+from chipbreak.settings.checking import SettingsError
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.syntax.parse import read_block
-from chipbreak.text.diagnostics import Diagnostic
-from chipbreak.tools.merge import ToolTable
+from chipbreak.text.diagnostics import RefusalError
 from chipbreak.units import MM_PER_INCH
 
+CHECK_TOOLS = "check_tools"
 _SPINDLE = {"cw": "M3", "ccw": "M4"}
 _COOLANT = {"mist": "M7", "flood": "M8"}
 # As many as any program has: a position is printed back as it was programmed, never rounder.
 _DECIMALS = 6
 
 
-def plan(
-    interpreted: InterpretedProgram,
-    main: MainProgram,
-    operations: Sequence[Operation],
-    settings: Settings,
-    tools: ToolTable,
-) -> tuple[list[Edit], list[Diagnostic]]:
-    """The insertions of all checks, and what could not be checked.
+class CheckTools(Pass):
+    """Checks of tools between operations, where the machine can be left and found again."""
 
-    Raises RefusalError when the calls of the profile cannot be used.
-    """
-    if not settings.checks.enabled:
-        return [], []
-    checks, diagnostics = plan_checks(operations, interpreted, main, settings, tools)
-    checks.sort(key=lambda check: check.border.line)
-    edits = [_edit(list(group), settings) for _, group in groupby(checks, lambda check: check.border.line)]
-    return edits, diagnostics
+    name = CHECK_TOOLS
+
+    def plan(self, context: Context) -> Planned:
+        """The insertions of all checks, and what could not be checked.
+
+        Raises ToolFileError for a file of tools, and SettingsError for calls, that cannot be used.
+        """
+        try:
+            return self._plan(context)
+        except RefusalError as error:
+            raise SettingsError.of(error, context.settings.name) from None
+
+    def _plan(self, context: Context) -> Planned:
+        settings, tools = context.settings, context.tools
+        if not settings.checks.enabled:
+            return Planned()
+        checks, found = plan_checks(context.operations, context.interpreted, context.main, settings, tools)
+        checks.sort(key=_line)
+        edits = [_edit(list(group), settings) for _, group in groupby(checks, _line)]
+        return Planned(edits, [*tools.diagnostics, *found])
+
+
+def _line(check: PlannedCheck) -> int:
+    return check.border.line
 
 
 def _edit(checks: Sequence[PlannedCheck], settings: Settings) -> Edit:
@@ -78,7 +87,7 @@ def _edit(checks: Sequence[PlannedCheck], settings: Settings) -> Edit:
     blocks.put_back()
     title = ", ".join(check.title for check in checks)
     reason = "; ".join(check.reason for check in checks)
-    return Edit(border.line, border.line, tuple(blocks.texts), title, reason, CHECK_TOOLS)
+    return Edit(border.line, border.line, tuple(blocks.texts), title, reason, SpindleRestarted())
 
 
 class _Blocks:
@@ -109,9 +118,21 @@ class _Blocks:
 
     def put_back(self) -> None:
         """Speed and spindle, the position from above, coolant, and the modal groups."""
+        self._put_back_spindle()
+        self._put_back_position_and_coolant()
+        for group in self.now.modes.changed(self.before.modes):
+            value = self.before.modes.value(group)
+            # A block that gives one group back may give another back with it.
+            if value != UNSAID and self.now.modes.value(group) != value:
+                self.write(self.dialect.code(group, value))
+
+    def _put_back_spindle(self) -> None:
         if self.border.needs_speed and self.before.speed:
             starts = [_SPINDLE[self.before.spindle]] if self.before.turns else []
             self.write(" ".join([f"S{self.before.speed.text}", *starts]))
+
+    def _put_back_position_and_coolant(self) -> None:
+        """The axis that comes down to the work is the last, and the coolant flows by then."""
         last = "X" if self.dialect.is_lathe else "Z"
         first_axes = [axis for axis in self.border.axes if axis != last]
         if self.border.axes and self.now.modes.distance != "absolute":
@@ -123,10 +144,6 @@ class _Blocks:
         if last in self.border.axes:
             offset = [self.border.length_offset] if self.border.length_offset else []
             self.write(" ".join(["G0", *offset, self._word(last)]))
-        for group in self.now.modes.changed(self.before.modes):
-            value = self.before.modes.value(group)
-            if value != UNSAID and self.now.modes.value(group) != value:
-                self.write(self.dialect.code(group, value))
 
     def _word(self, axis: str) -> str:
         """Where an axis stood, as a word."""

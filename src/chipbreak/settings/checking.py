@@ -6,11 +6,11 @@ import dataclasses
 import re
 import types
 import typing
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS
-from chipbreak.text.diagnostics import ChipbreakError, Diagnostic, Severity
+from chipbreak.text.diagnostics import ChipbreakError, Diagnostic, RefusalError, Severity
 from chipbreak.text.nearest import nearest
 from chipbreak.text.span import Place
 
@@ -30,6 +30,12 @@ class SettingsError(ChipbreakError):
     def __init__(self, diagnostic: Diagnostic) -> None:
         super().__init__(diagnostic)
         self.diagnostic = diagnostic
+
+    @classmethod
+    def of(cls, error: RefusalError, profile: str) -> SettingsError:
+        """A rule or a call of a profile that was refused when it was used."""
+        message = f"{profile}: {error.message}"
+        return cls(Diagnostic(error.code, Severity.ERROR, message, error.help))
 
     def __str__(self) -> str:
         return self.diagnostic.message
@@ -120,23 +126,45 @@ def _checked_value(
 
 
 def _checked_open(layer: Layer, section: str, key: str, value: Any) -> Any:
-    full = f"{section}.{key}"
-    if section == "operations":
-        if isinstance(value, str):
-            value = [value]
-        if not (isinstance(value, list) and all(isinstance(v, str) for v in value)):
-            raise layer.fail(WRONG_TYPE, full, f"{full} is not a list of regular expressions", '["ROUGH.*"]')
-        return tuple(value)
+    return _OPEN[section](layer, f"{section}.{key}", value)
+
+
+def _expressions(layer: Layer, full: str, value: Any) -> tuple[str, ...]:
+    expressions = [value] if isinstance(value, str) else value
+    if not _is_texts(expressions):
+        raise layer.fail(WRONG_TYPE, full, f"{full} is not a list of regular expressions", '["ROUGH.*"]')
+    return tuple(expressions)
+
+
+def _call_set(layer: Layer, full: str, value: Any) -> dict[str, tuple[str, ...]]:
     if not isinstance(value, dict):
         raise layer.fail(WRONG_TYPE, full, f"{full} is a table of calls", f"write [{full}]")
     calls = {}
     for name, given in value.items():
-        lines = [given] if isinstance(given, str) else given
-        if not (isinstance(lines, list) and all(isinstance(line, str) for line in lines)):
+        blocks = [given] if isinstance(given, str) else given
+        if not _is_texts(blocks):
             message = f"{full}.{name} is not a list of blocks"
             raise layer.fail(WRONG_TYPE, f"{full}.{name}", message, '["G65 ..."]')
-        calls[name] = tuple(lines)
+        calls[name] = tuple(blocks)
     return calls
+
+
+def _is_texts(value: Any) -> bool:
+    return isinstance(value, list) and all(isinstance(one, str) for one in value)
+
+
+def _plug_in_options(layer: Layer, full: str, value: Any) -> dict[str, Any]:
+    """What a pass of another package reads is its own business."""
+    if not isinstance(value, dict):
+        raise layer.fail(WRONG_TYPE, full, f"{full} is a table of options", f"write [{full}]")
+    return value
+
+
+_OPEN: Mapping[str, Callable[[Layer, str, Any], Any]] = {
+    "operations": _expressions,
+    "calls": _call_set,
+    "plugins": _plug_in_options,
+}
 
 
 def _expected(kinds: tuple[type, ...], meta: Mapping[str, Any]) -> str:

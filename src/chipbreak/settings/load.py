@@ -22,6 +22,7 @@ from chipbreak.settings.checking import (
     checked_value,
     hint_at,
 )
+from chipbreak.settings.plug_ins import check_plug_ins
 from chipbreak.settings.ranges import check_ranges
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS, Axis, Planner, Settings
 from chipbreak.settings.tool_rules import check_macros, check_sisters
@@ -111,10 +112,12 @@ def _build(
     check_ranges(layer, sections["command"], sections["spindle"])
     check_macros(layer, sections["macros"], dialect)
     check_sisters(layer, sections["checks"])
+    check_plug_ins(layer, sections["passes"].extra, values["plugins"])
     return Settings(
         name=profile,
         call_sets=_frozen(values["calls"]),
         operations=_frozen(values["operations"]),
+        plugins=_frozen(values["plugins"]),
         axes=FrozenTable(axes),
         axis_words=words,
         dialect=dialect,

@@ -215,8 +215,18 @@ class Tools:
 
 
 @dataclass(frozen=True)
+class Passes:
+    """Passes of other installed packages that run behind the shipped ones, in the order of their names."""
+
+    extra: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Settings:
-    """Everything a run needs to know about the machine.  ``origins`` maps ``section.key`` to its source."""
+    """Everything a run needs to know about the machine.  ``origins`` maps ``section.key`` to its source.
+
+    ``plugins`` holds the options of each pass of another package as the profile says them, unchecked.
+    """
 
     name: str
     control: Control
@@ -228,10 +238,12 @@ class Settings:
     macros: Macros
     tools: Tools
     planner: Planner
+    passes: Passes
     axes: Mapping[str, Axis]
     axis_words: AxisWords
     call_sets: Mapping[str, Mapping[str, tuple[str, ...]]]
     operations: Mapping[str, tuple[str, ...]]
+    plugins: Mapping[str, Mapping[str, Any]]
     dialect: Dialect
     origins: Mapping[str, str]
 
@@ -253,7 +265,9 @@ SECTIONS: Mapping[str, type[Any]] = {
     "checks": Checks,
     "macros": Macros,
     "tools": Tools,
+    "passes": Passes,
     **{f"axes.{axis}": Axis for axis in AXES},
 }
-# Tables whose keys the user chooses: operation kinds with regular expressions, and named sets of calls.
-OPEN_SECTIONS = ("operations", "calls")
+# Tables whose keys the user chooses: operation kinds with regular expressions, named sets of calls, options
+# of passes that other packages offer.
+OPEN_SECTIONS = ("operations", "calls", "plugins")

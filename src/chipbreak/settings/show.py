@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 from collections.abc import Iterator, Mapping
+from datetime import date, time
 from typing import Any
 
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS, Settings
@@ -24,7 +25,7 @@ def show_profile(settings: Settings) -> Iterator[str]:
                 yield f"# {field.name} is not set"
             else:
                 yield f"{field.name} = {_toml(value)}  # {settings.origin(f'{section}.{field.name}')}"
-    tables = (settings.operations, settings.call_sets)
+    tables = (settings.operations, settings.call_sets, settings.plugins)
     for section, table in zip(OPEN_SECTIONS, tables, strict=True):
         if table:
             yield ""
@@ -36,6 +37,8 @@ def show_profile(settings: Settings) -> Iterator[str]:
 def _toml(value: Any) -> str:
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{json.dumps(k)} = {_toml(v)}" for k, v in value.items()) + "}"
-    if isinstance(value, tuple):
+    if isinstance(value, tuple | list):
         return "[" + ", ".join(_toml(v) for v in value) + "]"
-    return json.dumps(value)
+    if isinstance(value, date | time):  # only a plug-in has such options; a datetime is a date
+        return value.isoformat()
+    return repr(value) if isinstance(value, float) else json.dumps(value)

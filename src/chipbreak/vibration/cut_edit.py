@@ -5,74 +5,71 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from chipbreak.editing.edits import Edit, MoveTable
+from chipbreak.editing.edits import Edit
+from chipbreak.editing.promise import Promise, Written
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
-from chipbreak.vibration.blocks import Expansion, moves_of
+from chipbreak.vibration.blocks import Expansion
 from chipbreak.vibration.chain import Chain
-from chipbreak.vibration.plan import CutPlan, plan_cut
-from chipbreak.vibration.speeds import speed_words
-
-VIBRATE = "vibrate"  # the pass that these edits belong to
+from chipbreak.vibration.measure import CutReport, measure_cut
+from chipbreak.vibration.plan import CutPlan
 
 
-@dataclass(frozen=True, eq=False)
-class PlannedCut:
-    """A vibrated cut, its blocks, and the edit that puts them into the program."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class VibratedCut(Promise):
+    """The blocks of the edit run this plan: along its path, in its time, at its spindle speed."""
 
     plan: CutPlan
     expansion: Expansion
-    edit: Edit
+    leaves_speed: bool = True
+
+    def check(self, written: Written) -> CutReport:
+        """Measure the cut as the output commands it, and judge its chips."""
+        return measure_cut(written.result, written.region, self.plan, self.expansion)
 
 
-def planned_cut(chain: Chain, interpreted: InterpretedProgram, settings: Settings) -> PlannedCut:
-    """One cut on its own, with its speed said; for trying what would work.  Errors: RefusalError."""
-    cut = plan_cut(chain, settings)
-    made = moves_of(cut, settings)
-    speed = speed_words(None, ("rpm", cut.solution.speed_rpm), settings)
-    return PlannedCut(cut, made, expansion_edit(cut, made.content, speed, interpreted, settings))
-
-
-def expansion_edit(
-    cut: CutPlan,
-    moves: tuple[str | MoveTable, ...],
-    speed: str,
-    interpreted: InterpretedProgram,
-    settings: Settings,
-) -> Edit:
-    """The edit of one cut: comments kept, words that act first, speed, feed mode, moves, modes given back."""
-    chain = cut.chain
-    comments = [
-        interpreted.program.block(line).text
-        for line in range(chain.first, chain.last)
-        if interpreted.program.block(line).is_empty and interpreted.program.block(line).comments
-    ]
-    was = chain.before.modes.feed_mode
-    mode = was if cut.keeps_feed else settings.output.feed_mode
-    head = [*comments, chain.preamble(), speed]
-    head += settling(settings) if speed else []
-    feed_back = f"F{chain.after.feed.text}" if chain.after.feed else ""
-    if mode != was:
-        like = {n for s in interpreted.effects for n in codes_of(s.block, "feed_mode", settings.dialect)}
-        head.append(settings.dialect.code("feed_mode", mode, like))
-        feed_back = f"{settings.dialect.code('feed_mode', was, like)} {feed_back}"
-    feed_stands = cut.keeps_feed or cut.wave.end_revolutions > 0.0
-    tail = [] if mode == was and feed_stands else [feed_back]
+def cut_edit(plan: CutPlan, expansion: Expansion, speed: str, interpreted: InterpretedProgram) -> Edit:
+    """The edit of one cut; ``speed`` are the words that command its spindle speed, empty where it has it."""
+    settings, chain = interpreted.settings, plan.chain
     switched, given_back = _modes_around(chain, settings)
-    head += switched
-    tail += given_back
-    solution = cut.solution
-    title = (
-        f"VIB N{print_number(solution.per_rev, 4, point=False)}"
-        f" F{print_number(solution.frequency_hz, 3, point=False)}"
-        f" S{print_number(solution.speed_rpm, 3, point=False)}"
-        f" {'DWELL' if cut.keeps_feed else f'STROKE {print_number(cut.wave.stroke_mm, 4)}'}"
-    )
-    reason = "; ".join(cut.reasons) or "nothing to correct"
-    content = (*(text for text in head if text), *moves, *tail)
-    return Edit(chain.first, chain.last, content, title, reason, VIBRATE)
+    feed_mode, feed_back = _feed_modes(plan, interpreted)
+    settle = settling(settings) if speed else []
+    head = [*_comments(chain, interpreted), chain.preamble(), speed, *settle, feed_mode, *switched]
+    content = (*(text for text in head if text), *expansion.content, *feed_back, *given_back)
+    reason = "; ".join(plan.reasons) or "nothing to correct"
+    ends_in_line = chain.after.modes.motion == "line"
+    promise = VibratedCut(plan=plan, expansion=expansion, leaves_motion=not ends_in_line)
+    return Edit(chain.first, chain.last, content, _title(plan), reason, promise)
+
+
+def _comments(chain: Chain, interpreted: InterpretedProgram) -> list[str]:
+    """The comments between the blocks of a chain stay."""
+    blocks = map(interpreted.program.block, range(chain.first, chain.last))
+    return [block.text for block in blocks if block.is_empty and block.comments]
+
+
+def _feed_modes(plan: CutPlan, interpreted: InterpretedProgram) -> tuple[str, list[str]]:
+    """The feed mode of the moves where it is another, and the blocks that give the programmed feed back."""
+    chain, dialect = plan.chain, interpreted.settings.dialect
+    was = chain.before.modes.feed_mode
+    mode = was if plan.keeps_feed else interpreted.settings.output.feed_mode
+    feed = f"F{chain.after.feed.text}" if chain.after.feed else ""
+    if mode != was:
+        like = {n for e in interpreted.effects for n in codes_of(e.block, "feed_mode", dialect)}
+        return dialect.code("feed_mode", mode, like), [f"{dialect.code('feed_mode', was, like)} {feed}"]
+    is_in_force = plan.keeps_feed or plan.wave.end_revolutions > 0.0
+    return "", [] if is_in_force else [feed]
+
+
+def _title(plan: CutPlan) -> str:
+    """``VIB N1.5 F62.5 S2500 STROKE 0.04``."""
+    solution = plan.solution
+    how = "DWELL" if plan.keeps_feed else f"STROKE {print_number(plan.wave.stroke_mm, 4)}"
+    words = (("N", solution.per_rev, 4), ("F", solution.frequency_hz, 3), ("S", solution.speed_rpm, 3))
+    said = [f"{letter}{print_number(value, decimals, point=False)}" for letter, value, decimals in words]
+    return " ".join(["VIB", *said, how])
 
 
 def settling(settings: Settings) -> list[str]:

@@ -1,0 +1,135 @@
+"""What must hold of an edit in the bytes that were written, whichever pass made it.
+
+A pass gives every edit a promise; when the output is read again, each promise is looked after.  Part of every
+promise is that the edit leaves no trace: before and behind it the control is in the state of the original and
+the tool in its place, or on a way on which the program itself takes it to the next cut.  A class here, or in
+the room that makes the edit, says what must hold beyond that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from chipbreak.editing.restore import Region
+from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.modal import State
+from chipbreak.model.state_difference import spindle_speed
+from chipbreak.text.diagnostics import SelfCheckError
+
+if TYPE_CHECKING:
+    from chipbreak.editing.edits import Edit
+
+
+@dataclass(frozen=True, eq=False)
+class Written:
+    """An edit, and what stands for it in the output.
+
+    ``original`` and ``result`` are the program before and after all edits, loops written out.  ``region`` is
+    the place of the edit in ``result``; ``stop`` the line of ``original`` at which the next edit begins, or
+    the program ends.
+    """
+
+    edit: Edit
+    region: Region
+    original: InterpretedProgram
+    result: InterpretedProgram
+    stop: int
+
+    @property
+    def was_behind(self) -> State:
+        """The state of the original behind the edit."""
+        return self.original.before(self.edit.last)
+
+    @property
+    def now_behind(self) -> State:
+        """The state of the output behind the edit."""
+        return self.result.before(self.region.last)
+
+    def first_cut_behind(self) -> BlockEffect | None:
+        """The first block of the original behind the edit that feeds; None where another edit comes first."""
+        for effect in self.blocks_behind():
+            if effect.move is not None and effect.move.kind != "rapid":
+                return effect
+        return None
+
+    def blocks_behind(self) -> Iterator[BlockEffect]:
+        """What the original does from the edit to the next one, or to the end of the program."""
+        for effect in self.original.effects_of(self.edit.last, self.stop):
+            if effect.after.ended:
+                return
+            yield effect
+
+    def line_in_result(self, line: int) -> int:
+        """Where a line of the original before the next edit stands in the output."""
+        return self.region.last + line - self.edit.last
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Promise:
+    """Nothing but what every edit keeps: the state of the control, the place of the tool, the spindle speed.
+
+    ``leaves_motion``: behind the edit another of G0 to G3 may be in force, for the next move says its own.
+    ``leaves_speed``: the edit may leave another spindle speed behind.
+    """
+
+    leaves_motion: bool = False
+    leaves_speed: bool = False
+
+    def check(self, written: Written) -> object | None:
+        """Look at what was promised beyond that; what is worth a report is returned.
+
+        Raises SelfCheckError where the output does not do it.
+        """
+        return None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SpeedCommanded(Promise):
+    """Behind the edit the spindle is commanded to turn at ``speed_rpm``."""
+
+    speed_rpm: float
+    leaves_speed: bool = True
+
+    def check(self, written: Written) -> None:
+        """Compare what the output commands; a call in the same block may leave it unknown."""
+        now = spindle_speed(written.now_behind)
+        if now.value is not None and (now.mode != "rpm" or now.value != self.speed_rpm):
+            needed = f"the spindle needs {self.speed_rpm:g} rpm behind line {written.edit.first + 1}"
+            raise SelfCheckError(f"{needed}, S{now.value:g} is commanded")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SpeedGivenBack(Promise):
+    """Behind the edit the spindle speed is the programmed one, in its mode."""
+
+    leaves_speed: bool = True
+
+    def check(self, written: Written) -> None:
+        """Compare with the original."""
+        if spindle_speed(written.was_behind) != spindle_speed(written.now_behind):
+            line = written.edit.last + 1
+            raise SelfCheckError(f"before line {line} the spindle speed is not the programmed one")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SpindleRestarted(Promise):
+    """The spindle is stopped and started again; the next cut behind has the programmed speed."""
+
+    leaves_speed: bool = True
+
+    def check(self, written: Written) -> None:
+        """The speed is back behind the edit, or the program commands one itself before it cuts."""
+        if spindle_speed(written.was_behind) == spindle_speed(written.now_behind):
+            return
+        for effect in written.blocks_behind():
+            if effect.after.speed != effect.before.speed:
+                return
+            if effect.move is not None and effect.move.kind != "rapid":
+                at = written.edit.first + 1
+                raise SelfCheckError(f"behind the insertion at line {at} a cut begins at another speed")
+
+
+KEPT = Promise()

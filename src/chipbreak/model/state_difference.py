@@ -1,0 +1,103 @@
+"""What differs between two states of a control, said in a few words for a message."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+from chipbreak.dialects.modes import UNSAID
+from chipbreak.model.modal import Setting, State
+from chipbreak.settings.sections import Settings
+from chipbreak.units import MM_PER_INCH
+
+_Rule = Callable[[State, State], str]
+
+
+def difference(was: State, now: State) -> str:
+    """The first thing other than position and spindle speed that differs; empty where nothing does.
+
+    Where ``was`` says nothing (a path mode that was given back as usual) there is nothing to differ from.
+    """
+    return next((said for rule in _RULES if (said := rule(was, now))), "")
+
+
+def _modal_groups(was: State, now: State) -> str:
+    said = {group for group in was.modes.changed(now.modes) if was.modes.value(group) != UNSAID}
+    groups = said - {"speed_mode"}
+    return f"the modal state ({', '.join(sorted(groups))})" if groups else ""
+
+
+def _path_mode(was: State, now: State) -> str:
+    return "the path mode" if was.path_words and was.path_words != now.path_words else ""
+
+
+def _smoothing(was: State, now: State) -> str:
+    return "the smoothing" if was.smooth_words and was.smooth_words != now.smooth_words else ""
+
+
+def _feed(was: State, now: State) -> str:
+    return "the feed" if _value(was.feed) != _value(now.feed) else ""
+
+
+def _speed_limit(was: State, now: State) -> str:
+    # A speed mode that was changed on purpose takes its limit with it, until both come back.
+    if was.modes.speed_mode != now.modes.speed_mode:
+        return ""
+    return "the limit of the spindle" if _value(was.speed_limit) != _value(now.speed_limit) else ""
+
+
+def _tool(was: State, now: State) -> str:
+    return "the tool" if was.tool != now.tool else ""
+
+
+def _spindle(was: State, now: State) -> str:
+    return "the spindle" if was.spindle != now.spindle else ""
+
+
+def _coolant(was: State, now: State) -> str:
+    return "the coolant" if was.coolant != now.coolant else ""
+
+
+_RULES: tuple[_Rule, ...] = (
+    _modal_groups,
+    _path_mode,
+    _smoothing,
+    _feed,
+    _speed_limit,
+    _tool,
+    _spindle,
+    _coolant,
+)
+
+
+class SpindleSpeed(NamedTuple):
+    """The commanded spindle speed: its mode, S and the limit, None where one is not known."""
+
+    mode: str
+    value: float | None
+    limit_rpm: float | None
+
+
+def spindle_speed(state: State) -> SpindleSpeed:
+    """The spindle speed of a state."""
+    return SpindleSpeed(state.modes.speed_mode, _value(state.speed), _value(state.speed_limit))
+
+
+def is_same_place(was: State, now: State) -> bool:
+    """True where the tool stands exactly where it stood, or nowhere that is known in both."""
+    pairs = zip(was.position, now.position, strict=True)
+    return all(a == b or (math.isnan(a) and math.isnan(b)) for a, b in pairs)
+
+
+def moved(was: State, now: State, settings: Settings) -> str:
+    """Which axis does not stand where it stood, by more than half a last digit of the output."""
+    tolerance_mm = 0.51 * 10.0**-settings.output.decimals * (MM_PER_INCH if was.is_inch else 1.0)
+    for axis, a, b in zip("XYZ", was.position, now.position, strict=True):
+        if not (math.isnan(a) and math.isnan(b)) and not abs(a - b) <= tolerance_mm:
+            return f"the position of {axis} ({a:g} and {b:g})"
+    return ""
+
+
+def _value(setting: Setting | None) -> float | None:
+    return None if setting is None or math.isnan(setting.value) else setting.value

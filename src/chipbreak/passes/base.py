@@ -1,0 +1,84 @@
+"""What a pass is: it looks at the interpreted program, and plans edits.
+
+A pass sees the work of others only in its context, and there only where edits stand and what they promise.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from chipbreak.editing.edits import Edit
+from chipbreak.editing.promise import Promise
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.operations.main_program import MainProgram
+from chipbreak.operations.operations import Operation
+from chipbreak.settings.sections import Settings
+from chipbreak.text.diagnostics import Diagnostic
+from chipbreak.tools.merge import ToolTable
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """What the user wants of this run, whatever the machine.
+
+    ``allow_unbroken``: cuts that do not break their chips are let pass, with a warning.
+    """
+
+    allow_unbroken: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Context:
+    """All that a pass may look at.
+
+    ``read_tools`` gives the tool table, read when it is first asked for.  ``planned`` are the edits of the
+    passes before.
+    """
+
+    interpreted: InterpretedProgram
+    main: MainProgram
+    operations: Sequence[Operation]
+    read_tools: Callable[[], ToolTable]
+    options: RunOptions = RunOptions()
+    planned: tuple[Edit, ...] = ()
+
+    @property
+    def settings(self) -> Settings:
+        """The machine."""
+        return self.interpreted.settings
+
+    @property
+    def tools(self) -> ToolTable:
+        """What is known of the tools.  Raises ToolFileError for a file of tools that cannot be used."""
+        return self.read_tools()
+
+    def lines_of(self, promise: type[Promise]) -> list[int]:
+        """The lines (from 0) at which edits with such a promise stand."""
+        return [edit.first for edit in self.planned if isinstance(edit.promise, promise)]
+
+
+class Planned(NamedTuple):
+    """What a pass wants to change, and what it found.  With an error among it, no edit is used."""
+
+    edits: Sequence[Edit] = ()
+    diagnostics: Sequence[Diagnostic] = ()
+
+
+class Pass(ABC):
+    """One thing that is done to programs.
+
+    ``name`` is what its edits carry, and what messages call it.
+    """
+
+    name: str
+
+    @abstractmethod
+    def plan(self, context: Context) -> Planned:
+        """The edits of this pass.  Raises SettingsError for a profile that it cannot use."""
+
+    def findings(self, context: Context, reports: Sequence[object]) -> Sequence[Diagnostic]:
+        """What the reports of this pass's promises say about the output; nothing, if it does not look."""
+        return ()

@@ -1,0 +1,180 @@
+"""All vibrated cuts of a program: planned, made into blocks, and put into edits with their spindle speeds."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from chipbreak.editing.edits import Edit
+from chipbreak.editing.promise import SpeedGivenBack
+from chipbreak.kinematics.toolpath import BAD_ARC, path_of
+from chipbreak.kinematics.waveform import TOO_SHORT
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.words import codes_of
+from chipbreak.settings.sections import Settings
+from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
+from chipbreak.vibration.advice import with_advice
+from chipbreak.vibration.blocks import Expansion, moves_of
+from chipbreak.vibration.chain import Chain, chains_of, legs_of
+from chipbreak.vibration.cut_edit import cut_edit, settling
+from chipbreak.vibration.loop_names import LoopNames, free_names
+from chipbreak.vibration.plan import CutPlan, plan_cut
+from chipbreak.vibration.request import Request
+from chipbreak.vibration.speeds import SpeedChange, speed_changes
+
+_MOST_ADVISED = 3  # what works is tried for the first refused cuts; the others fail alike
+SMOOTHED = "VIB063"
+_OFF = re.compile(r"[PQ]\s*0\b")
+_NO_KNOTS = np.empty(0)
+
+
+def edits_of_cuts(
+    interpreted: InterpretedProgram,
+    requests: Sequence[Request],
+    *,
+    restarted_at: Collection[int] = (),
+    allow_unbroken: bool = False,
+) -> tuple[list[Edit], list[Diagnostic]]:
+    """The edits of every vibrated cut.  Errors are diagnostics; with one, there are no edits.
+
+    ``restarted_at`` are the lines before which an edit starts the spindle as programmed.
+    ``allow_unbroken``: cuts too short to vibrate stay as they are, with a warning, where no word of theirs
+    asks for vibration (it would reach the control).
+    """
+    chains, refused = chains_of(interpreted, requests)
+    try:
+        names = free_names(interpreted.program, interpreted.settings) if chains else None
+    except RefusalError as error:
+        return [], [_at_chain(interpreted, chains[0], error)]
+    made = _made(interpreted, chains, names, len(refused), allow_unbroken=allow_unbroken)
+    refused += made.refused
+    if refused:
+        # A refused cut leaves the speeds around it open: nothing more can be said honestly.
+        return [], sorted(refused, key=_by_line)
+    plans = [plan for plan, _ in made.cuts]
+    try:
+        changes = speed_changes(interpreted, plans, interpreted.settings, restarted_at)
+    except RefusalError as error:
+        chain = next(chain for chain in chains if chain.before.speed is None)
+        return [], [_at_chain(interpreted, chain, error)]
+    own = {change.line: change.text for change in changes if change.for_cut is not None}
+    edits = [
+        cut_edit(plan, expansion, own.get(plan.chain.first, ""), interpreted) for plan, expansion in made.cuts
+    ]
+    back = [_speed_back(change, interpreted) for change in changes if change.for_cut is None]
+    return edits + back, [*made.warnings, *_smoothed(interpreted, chains)]
+
+
+@dataclass(frozen=True)
+class _Made:
+    """What became of the chains: cuts with their blocks, errors, warnings."""
+
+    cuts: list[tuple[CutPlan, Expansion]] = field(default_factory=list)
+    refused: list[Diagnostic] = field(default_factory=list)
+    warnings: list[Diagnostic] = field(default_factory=list)
+
+
+def _made(
+    interpreted: InterpretedProgram,
+    chains: Sequence[Chain],
+    names: LoopNames | None,
+    refused_before: int,
+    *,
+    allow_unbroken: bool,
+) -> _Made:
+    """Plan every chain and make its blocks."""
+    made = _Made()
+    for chain in chains:
+        advise = refused_before + len(made.refused) < _MOST_ADVISED
+        try:
+            plan, expansion = _cut(interpreted, chain, names, advise=advise)
+        except RefusalError as error:
+            found = _at_chain(interpreted, chain, error)
+            if allow_unbroken and error.code == TOO_SHORT and not chain.asked_by_word:
+                made.warnings.append(found._replace(severity=Severity.WARNING))
+            else:
+                made.refused.append(found)
+            continue
+        made.cuts.append((plan, expansion))
+        names = names.behind(len(expansion.loops or ())) if names is not None else None
+    return made
+
+
+def _cut(
+    interpreted: InterpretedProgram, chain: Chain, names: LoopNames | None, *, advise: bool
+) -> tuple[CutPlan, Expansion]:
+    settings = interpreted.settings
+    plan = plan_cut(chain, settings)
+    _check_motion_mode(interpreted, chain)
+    expansion = _expand(plan, settings, names, advise=advise)
+    # Its blocks are made: the knots have served, and a long program has many.
+    return replace(plan, time_s=_NO_KNOTS, distance_mm=_NO_KNOTS), expansion
+
+
+def _expand(plan: CutPlan, settings: Settings, names: LoopNames | None, *, advise: bool) -> Expansion:
+    try:
+        return moves_of(plan, settings, names)
+    except RefusalError as error:
+        if not advise:
+            raise
+        raise with_advice(error, plan, settings, moves_of) from None
+
+
+def _by_line(diagnostic: Diagnostic) -> int:
+    return diagnostic.place.line if diagnostic.place else 0
+
+
+def _at_chain(interpreted: InterpretedProgram, chain: Chain, error: RefusalError) -> Diagnostic:
+    effect = chain.requests[_at_fault(chain, error)].effect
+    at = (effect.vibration[0].start, effect.vibration[-1].end) if effect.vibration else None
+    return interpreted.program.diagnose(effect.block.line, error.code, error.message, error.help, at=at)
+
+
+def _at_fault(chain: Chain, error: RefusalError) -> int:
+    """Which block of a chain: the arc that cannot be, of anything else the first."""
+    if error.code != BAD_ARC:
+        return 0
+    for index, leg in enumerate(legs_of(chain)):
+        try:
+            path_of([leg])
+        except RefusalError as alone:
+            if alone.code == BAD_ARC:
+                return index
+    return 0
+
+
+def _smoothed(interpreted: InterpretedProgram, chains: Sequence[Chain]) -> Iterator[Diagnostic]:
+    """A warning where the program smooths and the profile does not say how that is switched off."""
+    for chain in chains:
+        words = chain.before.smooth_words
+        if interpreted.settings.planner.smoothing_off or not words or _OFF.search(words):
+            continue
+        message = f"smoothing or look-ahead ({words}) is active and may round the oscillation away"
+        help_text = "switch it off before the cut, or give planner.smoothing_off and smoothing_on"
+        yield interpreted.program.diagnose(
+            chain.first, SMOOTHED, message, help_text, severity=Severity.WARNING
+        )
+
+
+def _speed_back(change: SpeedChange, interpreted: InterpretedProgram) -> Edit:
+    reason = "the programmed spindle speed comes back before the block that needs it"
+    effect = interpreted.effect(change.line)
+    # A cut must find the speed reached, a thread above all; the end of the program need not.
+    waits = effect.before.turns and not effect.after.ended
+    content = (change.text, *(settling(interpreted.settings) if waits else ()))
+    return Edit(change.line, change.line, content, "SPEED AS PROGRAMMED", reason, SpeedGivenBack())
+
+
+def _check_motion_mode(interpreted: InterpretedProgram, chain: Chain) -> None:
+    """The expansion ends in G1; behind a chain that ends in an arc the next move must say its own code."""
+    if chain.after.modes.motion == "line":
+        return
+    behind = interpreted.effects_of(chain.last, interpreted.program.source.body.stop)
+    effect = next((effect for effect in behind if effect.move is not None), None)
+    if effect is not None and not codes_of(effect.block, "motion", interpreted.settings.dialect):
+        line = effect.block.line + 1
+        message = f"line {line} goes on as an arc without saying G2 or G3, but this cut will end in G1"
+        raise RefusalError("VIB056", message, f"write the motion code in line {line}")

@@ -1,0 +1,154 @@
+"""What the emitted moves of a vibrated cut do not do, said with what would work."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.operations.kinds import Kind
+from chipbreak.operations.operations import Operation
+from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.units import MM_PER_INCH
+from chipbreak.vibration.measure import CutReport
+from chipbreak.vibration.ways_out import ways_out
+
+UNBROKEN, FINISHING, SERVO = "VIB060", "VIB061", "VIB062"
+MISSED, TOO_FAST = "VIB034", "VIB064"
+_MOST_ADVISED = 3  # what works is tried for the first of many cuts that fail alike
+# How much more surface speed than G96 asked for is said aloud.
+_MUCH_FASTER = 1.25
+
+
+class _Judged(NamedTuple):
+    """A cut with all that is asked of it; ``advise``: what would work may be tried, which takes time."""
+
+    interpreted: InterpretedProgram
+    operations: Sequence[Operation]
+    report: CutReport
+    allow_unbroken: bool
+    advise: bool
+
+    def diagnose(self, code: str, message: str, help_text: str, severity: Severity) -> Diagnostic:
+        """A diagnostic at the first line of the cut."""
+        line = self.report.plan.chain.first
+        return self.interpreted.program.diagnose(line, code, message, help_text, severity=severity)
+
+    @property
+    def unbroken_severity(self) -> Severity:
+        """How much whole chips weigh in this run."""
+        return Severity.WARNING if self.allow_unbroken else Severity.ERROR
+
+    def ways_out(self) -> str:
+        """What has been tried and works; empty where nothing does, or nothing may be tried."""
+        return ways_out(self.interpreted, self.report) if self.advise else ""
+
+
+def findings_of_cuts(
+    interpreted: InterpretedProgram,
+    operations: Sequence[Operation],
+    reports: Sequence[object],
+    *,
+    allow_unbroken: bool,
+) -> list[Diagnostic]:
+    """What is wrong with the vibrated cuts among the reports, in their order."""
+    found: list[Diagnostic] = []
+    for report in reports:
+        if isinstance(report, CutReport):
+            advise = sum(d.code in (UNBROKEN, MISSED) for d in found) < _MOST_ADVISED
+            judged = _Judged(interpreted, operations, report, allow_unbroken, advise)
+            said = (rule(judged) for rule in _RULES)
+            found += [diagnostic for diagnostic in said if diagnostic is not None]
+    return found
+
+
+def _missed(judged: _Judged) -> Diagnostic | None:
+    """The control cannot keep to the plan: corners and bends of the path cost it time."""
+    report, plan = judged.report, judged.report.plan
+    if not report.misses_plan:
+        return None
+    planned_s = plan.wave.duration_s + plan.end_stand_s
+    message = (
+        f"the control would take {report.duration_s:.2f} s for this cut of {planned_s:.2f} s"
+        f" and make N {report.verdict.per_rev:.3f} of {plan.solution.per_rev:.3f}"
+    )
+    if len(plan.path.legs) > 1 or plan.path.arcs[0] is not None:
+        message += ": it rests at bends of the path"
+    elif plan.wave.form == "tick":
+        message += ": strokes of several blocks do not keep their times"
+    works = judged.ways_out()
+    help_text = f"works: {works}" if works else "ask for a lower frequency, or vibrate each block on its own"
+    return judged.diagnose(MISSED, message, help_text, Severity.ERROR)
+
+
+def _unbroken(judged: _Judged) -> Diagnostic | None:
+    """Why the chips stay whole, and what would break them."""
+    plan, verdict = judged.report.plan, judged.report.verdict
+    if verdict.breaks or judged.report.misses_plan:
+        return None
+    message = (
+        f"this cut would not break chips: with a stroke of {plan.wave.stroke_mm:.4f} mm at N"
+        f" {verdict.per_rev or plan.solution.per_rev:.3f} the weakest vibration has a margin of"
+        f" {verdict.margin:.2f}, 1 is needed"
+    )
+    # Who lets whole chips pass does not wait for what would break them.
+    works = "" if judged.allow_unbroken else judged.ways_out()
+    way_out = f"works: {works}" if works else "take another N, less feed, or leave Q and A out"
+    help_text = f"{way_out}; --allow-unbroken lets it pass"
+    return judged.diagnose(UNBROKEN, message, help_text, judged.unbroken_severity)
+
+
+def _weak_servo(judged: _Judged) -> Diagnostic | None:
+    """A cut whose stroke would break chips, if the servo did not leave too little of it."""
+    share, margin = judged.report.servo_share, judged.report.verdict.margin
+    if share is None or margin < 1.0 or margin * share >= 1.0:
+        return None
+    message = (
+        f"the servo leaves {share:.0%} of the stroke at {judged.report.plan.solution.frequency_hz:.4g} Hz:"
+        f" the margin of {margin:.2f} becomes {margin * share:.2f}, and the chips do not break"
+    )
+    help_text = f"take a lower f, or vibration.margin {1.05 / share:.2f}, if the machine allows such a stroke"
+    return judged.diagnose(SERVO, message, help_text, judged.unbroken_severity)
+
+
+def _surface_speed(judged: _Judged) -> Diagnostic | None:
+    """A cut of G96 grows in diameter, and the speed of its start is far too high for that."""
+    report, state = judged.report, judged.report.plan.chain.before
+    if state.modes.speed_mode != "surface" or not report.clearances or state.speed is None:
+        return None
+    asked_m_min = state.speed.value * (MM_PER_INCH * 12.0 / 1000.0 if state.is_inch else 1.0)
+    diameter_mm, speed_rpm = report.clearances[0].diameter_mm, report.plan.solution.speed_rpm
+    made_m_min = math.pi * diameter_mm * speed_rpm / 1000.0
+    if made_m_min <= _MUCH_FASTER * asked_m_min:
+        return None
+    message = (
+        f"G96 S{state.speed.text} runs as S{speed_rpm:g}: at diameter {diameter_mm:.4g} mm"
+        f" that is {made_m_min:.0f} m/min, {asked_m_min:.0f} were asked for"
+    )
+    help_text = "cut towards the centre, or give this cut N and a lower f, or a lower clamp (G50 S)"
+    return judged.diagnose(TOO_FAST, message, help_text, Severity.WARNING)
+
+
+def _finishing(judged: _Judged) -> Diagnostic | None:
+    """Vibration on a finishing operation leaves its marks."""
+    line, verdict = judged.report.plan.chain.first, judged.report.verdict
+    kinds = [o.kind for o in judged.operations if o.first_line <= line < o.last_line]
+    if not kinds or kinds[0] not in (Kind.FINISH, Kind.SEMI_FINISH):
+        return None
+    peak = max(verdict.peak_thickness, verdict.ramp_peak_thickness)
+    message = (
+        f"vibration on a finishing operation: peak chip {peak:.2f} times the feed,"
+        f" theoretical roughness {verdict.roughness_factor:.1f} times as high"
+    )
+    help_text = "write (VIB OFF) before the finishing cut, or lower its feed"
+    return judged.diagnose(FINISHING, message, help_text, Severity.WARNING)
+
+
+_RULES: tuple[Callable[[_Judged], Diagnostic | None], ...] = (
+    _missed,
+    _unbroken,
+    _weak_servo,
+    _surface_speed,
+    _finishing,
+)
