@@ -51,6 +51,7 @@ def verify(interpreted: InterpretedProgram, output: bytes, edits: Sequence[Edit]
         if promise.leaves_motion:
             motion_from = _next_motion_code(interpreted, written.edit.last)
         _check_borders(written, motion_from)
+        _check_motion(written, motion_from)
         _check_return(written)
         _check_speed(written)
         report = _report(written)
@@ -139,6 +140,18 @@ def _check_borders(written: Written, motion_from: int) -> None:
             wrong = moved(was, now, written.original.settings)
         if wrong:
             raise SelfCheckError(f"{where} line {line + 1} {wrong} differs from the original")
+
+
+def _check_motion(written: Written, motion_from: int) -> None:
+    """Where another motion code was left in force, nothing moves before the program says its own."""
+    is_left = written.was_behind.modes.motion != written.now_behind.modes.motion
+    if written.edit.last > motion_from or not is_left:
+        return
+    for effect in written.blocks_behind():
+        if codes_of(effect.block, "motion", written.original.settings.dialect):
+            return
+        if effect.move is not None:
+            raise SelfCheckError(f"line {effect.block.line + 1} moves under another motion code")
 
 
 def _check_return(written: Written) -> None:
