@@ -1,14 +1,17 @@
 # Two commands do everything on a machine that has only Python (3.11 or newer) and make:
 #   make demo    set up, filter a turning program, explain it and show what changed
-#   make test    set up and run all tests
+#   make test    set up and run all tests: the same ones every time
+# and one that is never the same:
+#   make fuzz    search with new seeds for FUZZ_SECONDS
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 SAMPLE := samples/turning.nc
 PROFILE := generic-lathe
 CODE := src tests benchmarks
+FUZZ_SECONDS ?= 120
 
-.PHONY: demo test lint test-pythons hooks bench wheel release-dry-run clean
+.PHONY: demo test fuzz lint test-pythons hooks bench wheel release-dry-run clean
 
 $(BIN)/chipbreak: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -35,8 +38,11 @@ FAST := tests/test_bad.py tests/test_cases.py tests/test_cli.py tests/test_diff.
 
 test: $(VENV)/.dev lint
 	@sh tests/linuxcnc/install.sh
-	$(BIN)/pytest -n auto --cov --cov-report= $(FAST)
-	$(BIN)/pytest -n auto $(FAST:%=--ignore=%)
+	$(BIN)/pytest -n auto --dist worksteal --cov --cov-report= $(FAST)
+	$(BIN)/pytest -n auto --dist worksteal $(FAST:%=--ignore=%)
+
+fuzz: $(VENV)/.dev
+	$(BIN)/python tests/fuzz.py $(FUZZ_SECONDS)
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .

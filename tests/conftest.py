@@ -10,46 +10,51 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-CHECKOUT = Path(__file__).parents[1]
 NO_CORPUS = "the corpus of real programs is not here"
 HOW = "Set CHIPBREAK_CORPUS to a folder of NC programs."
-_NO_PROGRAMS = {".md", ".tsv", ".csv", ".json"}
+_NO_PROGRAMS = {".md", ".tsv", ".csv", ".json", ".toml", ".tbl", ".fctb", ".fctl"}
 
-settings.register_profile("quick", deadline=None, max_examples=150)
-settings.register_profile("ci", deadline=None, max_examples=150, derandomize=True, print_blob=True)
-settings.register_profile("long", deadline=None, max_examples=5000)
-settings.load_profile("ci" if os.environ.get("CI") else "quick")
-
-
-def corpus_dir() -> Path | None:
-    """Where the corpus is, or None; a folder that was asked for must exist."""
-    asked = os.environ.get("CHIPBREAK_CORPUS")
-    if asked:
-        if not Path(asked).is_dir():
-            raise pytest.UsageError(f"CHIPBREAK_CORPUS is {asked}, which is not a folder")
-        return Path(asked)
-    beside = CHECKOUT.parent / "shared" / "corpus"
-    return beside if beside.is_dir() else None
+# The tests draw the same examples every time; new ones are searched for with ``make fuzz`` (tests/fuzz.py).
+settings.register_profile("same", deadline=None, max_examples=150, derandomize=True, print_blob=True)
+# Tests that say how many examples they want keep their number: the search repeats them with other seeds.
+settings.register_profile("fuzz", deadline=None, max_examples=150, derandomize=False, print_blob=True)
+settings.load_profile("same")  # another one is chosen with ``--hypothesis-profile``
 
 
-def corpus_programs() -> list[Path]:
-    """Every program of the corpus, in a fixed order."""
-    folder = corpus_dir()
+def folder_of(variable: str) -> Path | None:
+    """The folder that an environment variable names, or None; a folder that was asked for must exist."""
+    asked = os.environ.get(variable)
+    if asked and not Path(asked).is_dir():
+        raise pytest.UsageError(f"{variable} is {asked}, which is not a folder")
+    return Path(asked) if asked else None
+
+
+def programs_of(variable: str) -> list[Path]:
+    """Every NC program in the folder that an environment variable names, in a fixed order."""
+    folder = folder_of(variable)
     found = folder.rglob("*") if folder else ()
     return sorted(p for p in found if p.is_file() and p.suffix.lower() not in _NO_PROGRAMS)
 
 
+def corpus_programs() -> list[Path]:
+    """Every program of the corpus, in a fixed order."""
+    return programs_of("CHIPBREAK_CORPUS")
+
+
 def pytest_configure(config: pytest.Config) -> None:
-    if (CHECKOUT / "tests" / "linuxcnc" / "plugin.py").is_file():
-        config.pluginmanager.register(importlib.import_module("linuxcnc.plugin"))
+    config.pluginmanager.register(importlib.import_module("linuxcnc.plugin"))
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """A test with an argument ``corpus_file`` runs once for every program of the corpus."""
+    """``corpus_file``: once for each program of the corpus; ``own_case``: for each in CHIPBREAK_CASES."""
     if "corpus_file" in metafunc.fixturenames:
         files = corpus_programs()
         missing = pytest.param(None, marks=pytest.mark.skip(reason=NO_CORPUS), id="no corpus")
         metafunc.parametrize("corpus_file", files or [missing], ids=lambda p: p.name if p else None)
+    if "own_case" in metafunc.fixturenames:
+        files = programs_of("CHIPBREAK_CASES")
+        missing = pytest.param(None, marks=pytest.mark.skip(reason="CHIPBREAK_CASES names no folder"), id="-")
+        metafunc.parametrize("own_case", files or [missing], ids=lambda p: p.name if p else None)
 
 
 @pytest.fixture(scope="session")
