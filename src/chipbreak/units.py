@@ -24,10 +24,10 @@ S_PER_MIN = 60.0
 MS_PER_S = 1000.0
 
 
-def spindle_speed_rpm(peripheral_speed_m_min: float, diameter_mm: float) -> float:
-    """Spindle speed of a peripheral speed on a diameter: S = 1000 V / (pi D).
+def spindle_speed_rpm(cutting_speed_m_min: float, diameter_mm: float) -> float:
+    """Spindle speed of a cutting speed on a diameter: S = 1000 V / (pi D).
 
     >>> round(spindle_speed_rpm(120.0, 20.0))
     1910
     """
-    return 1000.0 * peripheral_speed_m_min / (math.pi * diameter_mm)
+    return 1000.0 * cutting_speed_m_min / (math.pi * diameter_mm)

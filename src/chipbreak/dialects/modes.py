@@ -117,8 +117,12 @@ class Modes(NamedTuple):
         """The groups that have another value in ``other``, in a fixed order."""
         if self is other or self == other:
             return ()
-        groups = dict.fromkeys((*VALUES, *dict(self.others), *dict(other.others)))
-        return tuple(group for group in groups if self.value(group) != other.value(group))
+        known = tuple(g for g, one, two in zip(self._fields[:-1], self, other, strict=False) if one != two)
+        return (*known, *self._foreign_changed(other)) if self.others != other.others else known
+
+    def _foreign_changed(self, other: Modes) -> list[str]:
+        groups = sorted({*dict(self.others), *dict(other.others)})
+        return [group for group in groups if self.value(group) != other.value(group)]
 
     def replace(self, changes: Mapping[str, str]) -> Modes:
         """The same with some groups set, as a dialect's table says; the table's values have been checked."""

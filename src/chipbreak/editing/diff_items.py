@@ -102,10 +102,10 @@ class Reading:
         """True for a cycle whose P and Q name the blocks of its shape."""
         if block.word("P") is None or block.word("Q") is None:
             return False
-        if any(word.address in "XYZ" for word in block.words):
+        if block.has_any("XYZ"):
             return False
         if self.settings is None:
-            return any(w.address == "G" and w.number in _CONTOUR_CODES for w in block.words)
+            return block.has("G", *_CONTOUR_CODES)
         codes = [self._code(word) for word in block.words]
         return any(c is not None and c[0] == NON_MODAL and c[1] in _CONTOUR_VALUES for c in codes)
 
@@ -209,9 +209,9 @@ class _Reader:
     def _label(self, block: Block) -> None:
         if block.sequence is not None and block.sequence.number is not None and not self.in_data:
             self.labels.add_number(int(block.sequence.number), block.line)
-        program = block.word("O")
-        if program is not None and program.number is not None:
-            self.labels.add_program(int(program.number), block.line)
+        program = block.number("O")
+        if program is not None:
+            self.labels.add_program(int(program), block.line)
         for control in block.controls:
             if control.keyword == "PROGRAM-NUMBER":
                 self.labels.add_program(int(control.label.strip(": \t") or 0), block.line)
@@ -246,13 +246,11 @@ def _in_order(block: Block) -> list[Word | Assignment | Control]:
 
 
 def _begins_data(block: Block) -> bool:
-    list_of = block.word("L")
-    is_setting = any(w.address == "G" and w.number == 10.0 for w in block.words)
-    return is_setting and list_of is not None and list_of.number in _LISTS_OF_DATA
+    return block.has("G", 10) and block.number("L") in _LISTS_OF_DATA
 
 
 def _ends_data(block: Block) -> bool:
-    return any(w.address == "G" and w.number == 11.0 for w in block.words)
+    return block.has("G", 11)
 
 
 def _bare(label: str) -> str:
@@ -280,7 +278,7 @@ def _calls(block: Block, reading: Reading) -> Iterator[_Named]:
     if word is None or word.number is None:
         return
     for function, look_up in _FUNCTIONS.items():
-        if any(w.address == "M" and w.number == function for w in block.words):
+        if block.has("M", function):
             yield _Named(look_up, int(word.number), _as_written(word))
 
 

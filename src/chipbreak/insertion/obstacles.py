@@ -169,7 +169,7 @@ class Ground:
         dialect = self.interpreted.settings.dialect
         for effect in reversed(self.interpreted.effects):
             if effect.block.line < line and codes_of(effect.block, "look_ahead", dialect):
-                return any(w.address in "PQ" and w.number == 0.0 for w in effect.block.words)
+                return effect.block.has("P", 0) or effect.block.has("Q", 0)
         return True
 
     def _user_line(self, line: int) -> int:
@@ -203,11 +203,10 @@ def _unknown(interpreted: InterpretedProgram, subprograms: Subprograms) -> Itera
 
 def _unknown_code(effect: BlockEffect, interpreted: InterpretedProgram) -> str:
     """A G code that may have switched anything, "" where there is none."""
-    for word in effect.block.words:
-        if word.address == "G":
-            value = plain_value(word)
-            if math.isnan(value) or round(value * 10) not in interpreted.settings.dialect.g_codes:
-                return effect.block.text[word.start : word.end]
+    for word in effect.block.words_of("G"):
+        value = plain_value(word)
+        if math.isnan(value) or round(value * 10) not in interpreted.settings.dialect.g_codes:
+            return effect.block.text_of(word)
     return ""
 
 
@@ -217,10 +216,9 @@ def _through(interpreted: InterpretedProgram) -> Iterator[tuple[int, int]]:
     if dialect.is_lathe or dialect.tool_change != "M6":
         return
     for effect in interpreted.effects:
-        codes = {word.number for word in effect.block.words if word.address == "M"}
-        if _THROUGH_ON in codes:
+        if effect.block.has("M", _THROUGH_ON):
             yield effect.block.line, 1
-        elif _THROUGH_OFF in codes or calls_tool(effect, dialect.tool_change):
+        elif effect.block.has("M", _THROUGH_OFF) or calls_tool(effect, dialect.tool_change):
             yield effect.block.line, 0
 
 

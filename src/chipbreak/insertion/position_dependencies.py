@@ -84,7 +84,7 @@ def named_axes(effect: BlockEffect, settings: Settings) -> frozenset[str]:
 def homed_axes(effect: BlockEffect, settings: Settings) -> frozenset[str]:
     """The axes a reference return takes home; one that names none, not even a rotary axis, means all."""
     linear = settings.axis_words.axes
-    rotary = any(word.address in "ABC" and word.address not in linear for word in effect.block.words)
+    rotary = any(word.address not in linear for word in effect.block.words_of("ABC"))
     return named_axes(effect, settings) or frozenset("" if rotary else AXES)
 
 
@@ -108,10 +108,9 @@ def reads_position(effect: BlockEffect, dialect: Dialect) -> bool:
 def relies_on_speed(interpreted: InterpretedProgram, line: int) -> bool:
     """True when the spindle is started behind ``line`` without a new S."""
     for effect in interpreted.effects_of(line, min(line + HORIZON, interpreted.program.source.body.stop)):
-        words = effect.block.words
-        if any(w.address == "S" for w in words) or effect.after.ended:
+        if effect.block.has("S") or effect.after.ended:
             return False
-        if any(w.address == "M" and w.number in (3.0, 4.0) for w in words):
+        if effect.block.has("M", 3, 4):
             return True
     return False
 

@@ -139,7 +139,7 @@ class SafePointFinder:
         moves_z = effect.move is not None and "Z" in effect.move.axes
         shifts = bool(codes_of(effect.block, "length_offset", self.dialect))
         z_is_shifted = not moves_z and (shifts or spot.z_is_shifted)
-        codes = {word.number for word in effect.block.words if word.address == "M"}
+        codes = set(effect.block.numbers("M"))
         axes_of = homed_axes if "home" in effect.non_modal else named_axes
         named = axes_of(effect, self.interpreted.settings)
         if codes & {3.0, 4.0, 5.0, 19.0}:
@@ -163,7 +163,7 @@ class SafePointFinder:
 
     def _reproducible(self, effect: BlockEffect) -> set[str]:
         """Axes that our own retract takes to the same place: G28, or G53 to zero."""
-        g28 = any(w.address == "G" and w.number == 28.0 for w in effect.block.words)
+        g28 = effect.block.has("G", 28)
         axes = self.interpreted.settings.axis_words.axes
         zero = {axes.get(w.address, "") for w in effect.block.words if plain_value(w) == 0.0}
         return self._retracted if g28 and self._retract_homes else self._retracted & zero

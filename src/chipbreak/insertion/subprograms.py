@@ -110,10 +110,9 @@ def _called(effect: BlockEffect) -> Iterator[_Key]:
             yield control.label.lower()
     is_macro = "macro-call" in effect.non_modal or effect.after.modes.modal_macro == "on"
     if is_macro or (calls_subprogram(effect) and not effect.block.controls):
-        word = effect.block.word("P")
-        is_local = any(w.address == "M" and w.number == 97.0 for w in effect.block.words)
-        known = word is not None and word.number is not None and not is_local
-        yield int(word.number) if known and word is not None and word.number is not None else ""
+        number = effect.block.number("P")
+        is_local = effect.block.has("M", 97)
+        yield "" if number is None or is_local else int(number)
 
 
 def _bodies(interpreted: InterpretedProgram) -> dict[_Key, range]:
@@ -123,13 +122,13 @@ def _bodies(interpreted: InterpretedProgram) -> dict[_Key, range]:
     for effect in interpreted.effects:
         line = effect.block.line
         labels = {control.keyword: control.label.lower() for control in effect.block.controls}
-        number = effect.block.word("O")
-        ends = any(w.address == "M" and w.number == 99.0 for w in effect.block.words)
+        number = effect.block.number("O")
+        ends = effect.block.has("M", 99)
         if opened and (ends or "O-ENDSUB" in labels):
             found.setdefault(opened[0], range(opened[1], line))
             opened = None
         if "O-SUB" in labels:
             opened = labels["O-SUB"], line + 1
-        elif number is not None and number.number is not None and not effect.block.controls:
-            opened = int(number.number), line + 1
+        elif number is not None and not effect.block.controls:
+            opened = int(number), line + 1
     return found

@@ -15,16 +15,15 @@ def set_by(effect: BlockEffect, interpreted: InterpretedProgram) -> set[str]:
     """What a block sets for sure."""
     found: set[str] = set()
     dialect = interpreted.settings.dialect
-    spindle = {3.0: "the spindle", 4.0: "the spindle", 5.0: "the spindle", 19.0: "the spindle"}
-    coolant = {9.0: "coolant"}  # M7 and M8 leave the other one as it was
-    for word in effect.block.words:
-        if word.address == "G" and word.number is not None:
-            code = dialect.g_codes.get(round(word.number * 10))
-            found |= {code.group} if code and code.group != NON_MODAL else set()
-        elif word.address == "M" and word.number is not None:
-            found |= {name for name in ((spindle | coolant).get(word.number),) if name}
-        elif word.address == "S":
-            found.add("S")
+    block = effect.block
+    codes = [dialect.g_codes.get(round(number * 10)) for number in block.numbers("G")]
+    found |= {code.group for code in codes if code and code.group != NON_MODAL}
+    if block.has("M", 3, 4, 5, 19):
+        found.add("the spindle")
+    if block.has("M", 9):  # M7 and M8 leave the other one as it was
+        found.add("coolant")
+    if block.has("S"):
+        found.add("S")
     return found | ({"the tool"} if calls_tool(effect, dialect.tool_change) else set())
 
 

@@ -41,11 +41,11 @@ class Move(NamedTuple):
 class BlockEffect(NamedTuple):
     """A block with the state before and after it.
 
-    ``once``        what its non-modal codes do (dwell, home, macro-call, ...)
+    ``non_modal``   what its non-modal codes do (dwell, home, macro-call, ...)
     ``vibration``   the words that ask for vibration, in the block's order
     ``unread``      words nothing reads here
     ``in_contour``  True for a line that is only the shape of a cycle
-    ``peripheral``  a spindle speed asked by V and D
+    ``cutting_speed`` a spindle speed asked by V and D
     """
 
     block: Block

@@ -1,4 +1,4 @@
-"""Peripheral speed and diameter: ``G97 V120. D20. M3`` or ``(SPEED V120 D20)`` stand for an S word.
+"""Cutting speed and diameter: ``G97 V120. D20. M3`` or ``(SPEED V120 D20)`` stand for an S word.
 
 V is in m/min, D in mm, in every program; S = 1000 V / (pi D).
 """
@@ -55,10 +55,10 @@ def cutting_speed_of(block: Block, state: State) -> CuttingSpeed | None:
 
 
 def _from_words(block: Block) -> CuttingSpeed | None:
-    words = {w.address: w for w in block.words if w.address in "VD"}
-    if not words or block.has_macro or any(w.address in _FOREIGN for w in block.words):
+    words = {w.address: w for w in block.words_of("VD")}
+    if not words or block.has_macro or block.has_any(_FOREIGN):
         return None
-    turns = any((w.address, w.number) in (("G", 97.0), ("M", 3.0), ("M", 4.0)) for w in block.words)
+    turns = block.has("G", 97) or block.has("M", 3, 4)
     speed = block.word("S")
     if len(words) < 2:
         alone = next(iter(words.values()))

@@ -55,15 +55,12 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
 
 def _contour_cycle(block: Block, dialect: Dialect) -> tuple[int, int] | None:
     """P and Q of a cycle that reads a shape from the program."""
-    first, last = block.word("P"), block.word("Q")
-    if first is None or last is None or first.number is None or last.number is None:
+    first, last = block.number("P"), block.number("Q")
+    if first is None or last is None:
         return None
-    for word in block.words:
-        if word.address == "G" and word.number is not None:
-            code = dialect.g_codes.get(round(word.number * 10))
-            if code and code.group == NON_MODAL and code.value in CONTOUR_CYCLES:
-                return int(first.number), int(last.number)
-    return None
+    codes = [dialect.g_codes.get(round(number * 10)) for number in block.numbers("G")]
+    calls = any(code and code.group == NON_MODAL and code.value in CONTOUR_CYCLES for code in codes)
+    return (int(first), int(last)) if calls else None
 
 
 def _sequence_lines(program: Program) -> dict[int, list[int]]:

@@ -14,7 +14,7 @@ def unread_words(interpreted: InterpretedProgram) -> list[Diagnostic]:
         interpreted.program.diagnose(
             effect.block.line,
             UNREAD_WORD,
-            f"{effect.block.text[word.start : word.end]} has no meaning here that this profile knows",
+            f"{effect.block.text_of(word)} has no meaning here that this profile knows",
             "it is passed through as it is; check the letter",
             at=(word.start, word.end),
             severity=Severity.WARNING,

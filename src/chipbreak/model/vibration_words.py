@@ -28,10 +28,10 @@ def vibration_words(
     """
     if not any(w.letter in _LETTERS for w in block.words):
         return ()
-    if has_once or block.controls or not any(w.address in axis_letters for w in block.words):
+    if has_once or block.controls or not block.has_any(axis_letters):
         return ()
     words = [w for w in block.words if w.letter == "N" or (cuts and w.letter in "EQ")]
-    has_feed = any(w.letter == "F" for w in block.words)
+    has_feed = block.has_letter("F")
     if words or has_feed:
         words += [w for w in block.words if w.letter == "f"]
     return tuple(sorted(words, key=lambda w: w.start))

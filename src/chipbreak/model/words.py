@@ -27,13 +27,13 @@ def plain_value(word: Word) -> float:
 
 def codes_of(block: Block, group: Group, dialect: Dialect) -> list[int]:
     """The codes of a modal group that a block says, ten times the G number each."""
-    numbers = [round(w.number * 10) for w in block.words if w.address == "G" and w.number is not None]
+    numbers = [round(number * 10) for number in block.numbers("G")]
     return [n for n in numbers if n in dialect.g_codes and dialect.g_codes[n].group == group]
 
 
 def cylinder_of(block: Block) -> str:
     """``G7.1 C0`` ends what ``G7.1 C20.`` began: the radius of the cylinder is zero."""
-    radii = [plain_value(w) for w in block.words if w.address in "ABCH"]
+    radii = [plain_value(w) for w in block.words_of("ABCH")]
     return "off" if radii and all(radius == 0.0 for radius in radii) else "on"
 
 

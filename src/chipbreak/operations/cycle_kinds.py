@@ -30,7 +30,7 @@ class _Codes(NamedTuple):
 def kind_by_cycle(effect: BlockEffect) -> Kind | None:
     """The kind of operation that the codes of a block mean, or None."""
     codes = _Codes(
-        frozenset(word.number for word in effect.block.words if word.address == "G"),
+        frozenset(effect.block.numbers("G")),
         effect.non_modal,
         effect.after.modes.motion,
         effect.before.modes.motion,

@@ -153,13 +153,12 @@ def _work_of(effect: BlockEffect) -> int:
         return _NOTHING
     # Full circles name no axis; under a G code this profile does not know nobody has read the axes.
     moving = _MOVING + "IJK" if modes.motion in ("cw", "ccw") else _MOVING
-    if any(word.address in moving for word in block.words):
+    if block.has_any(moving):
         return _WORK_OF_MOTION.get(modes.motion, _CUTS)
     return _NOTHING
 
 
 def calls_subprogram(effect: BlockEffect) -> bool:
     """True for M98 and its like and for ``o<name> call``."""
-    return any(c.keyword == "O-CALL" for c in effect.block.controls) or any(
-        w.address == "M" and w.number in _SUBPROGRAM_CALLS for w in effect.block.words
-    )
+    is_call = any(control.keyword == "O-CALL" for control in effect.block.controls)
+    return is_call or effect.block.has("M", *_SUBPROGRAM_CALLS)

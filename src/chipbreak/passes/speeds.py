@@ -49,8 +49,7 @@ def _asking(interpreted: InterpretedProgram) -> Iterator[BlockEffect]:
 
 
 def _may_ask(block: Block) -> bool:
-    has_words = any(word.address in "VD" for word in block.words)
-    return has_words or any("SPEED" in comment.text.upper() for comment in block.comments)
+    return block.has_any("VD") or any("SPEED" in comment.text.upper() for comment in block.comments)
 
 
 def _edit_or_error(interpreted: InterpretedProgram, effect: BlockEffect) -> Edit | Diagnostic | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import NamedTuple
 
 Operand = "Number | Variable | Operation | Call"
@@ -126,3 +127,40 @@ class Block(NamedTuple):
             if word.address == address:
                 return word
         return None
+
+    def words_of(self, addresses: Collection[str]) -> tuple[Word, ...]:
+        """The words with one of these addresses, in the block's order."""
+        return tuple([word for word in self.words if word.address in addresses])
+
+    def has(self, address: str, *numbers: float) -> bool:
+        """True with a word of this address; with ``numbers``, only one that is written as one of them.
+
+        >>> Block(0, "M6", (Word("M", "6", 6.0, None, 0, 2),)).has("M", 3, 6)
+        True
+        """
+        # A plain loop: every block of a program is asked this several times.
+        for word in self.words:
+            if word.letter.upper() == address and (not numbers or word.number in numbers):
+                return True
+        return False
+
+    def has_any(self, addresses: Collection[str]) -> bool:
+        """True with a word of one of these addresses."""
+        return any(word.letter.upper() in addresses for word in self.words)
+
+    def has_letter(self, letter: str) -> bool:
+        """True with a word whose letter is written so: ``f`` is not ``F``."""
+        return any(word.letter == letter for word in self.words)
+
+    def number(self, address: str) -> float | None:
+        """The number of the last word with this address; None without one, or where it is an expression."""
+        word = self.word(address)
+        return None if word is None else word.number
+
+    def numbers(self, address: str) -> tuple[float, ...]:
+        """All numbers at this address, without expressions: the G codes of a block, or its M codes."""
+        return tuple([w.number for w in self.words if w.address == address and w.number is not None])
+
+    def text_of(self, word: Word) -> str:
+        """A word as it is written."""
+        return self.text[word.start : word.end]

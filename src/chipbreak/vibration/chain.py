@@ -13,7 +13,7 @@ from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import NOWHERE, State
 from chipbreak.model.words import JUMPED, length_mm
 from chipbreak.settings.axis_words import AXES, AxisWords
-from chipbreak.syntax.nodes import Word
+from chipbreak.syntax.nodes import Block, Word
 from chipbreak.text.diagnostics import Diagnostic, RefusalError
 from chipbreak.vibration.directive import KEYS
 from chipbreak.vibration.request import Request
@@ -30,7 +30,8 @@ _AT_REST: dict[Group, tuple[str, str, str, str]] = {
     "mirror": ("off", "VIB041", "mirror image (G51.1) is active", "G50.1"),
     "modal_macro": ("off", "VIB042", "a modal macro call (G66) is active", "G67"),
 }
-SPEED_MODES = (("G", 96.0), ("G", 97.0))
+SPEED_MODES = (96.0, 97.0)  # G codes
+_MOTION_CODES = (0.0, 1.0, 2.0, 3.0)
 _WRITE_THE_POINT = 'write the point, or set control.decimal_point to "calculator" or "increment"'
 _SPEAKS_BEFORE = frozenset({3, 4, 7, 8})  # M codes that act before the block moves
 
@@ -83,14 +84,12 @@ class Chain:
     def preamble(self) -> str:
         """Words of the first block that act before its move and are no part of its move or speed."""
         block = self.requests[0].effect.block
-        kept = [w for w in block.words if _is_preamble(w) and (w.address, w.number) not in SPEED_MODES]
-        return " ".join(block.text[w.start : w.end] for w in kept)
+        kept = [w for w in _preamble_words(block) if w.address != "G" or w.number not in SPEED_MODES]
+        return " ".join(map(block.text_of, kept))
 
 
-def _is_preamble(word: Word) -> bool:
-    if word.address == "M":
-        return True
-    return word.address == "G" and word.number not in (0.0, 1.0, 2.0, 3.0)
+def _preamble_words(block: Block) -> list[Word]:
+    return [w for w in block.words_of("GM") if w.address == "M" or w.number not in _MOTION_CODES]
 
 
 def chains_of(
@@ -119,11 +118,10 @@ def _joins(interpreted: InterpretedProgram, one: Request, other: Request) -> boo
     between = range(one.effect.block.line + 1, other.effect.block.line)
     if not all(interpreted.program.block(line).is_empty for line in between):
         return False
-    if other.effect.block.line in interpreted.flow.targets or any(
-        _is_preamble(w) for w in other.effect.block.words
-    ):
+    if other.effect.block.line in interpreted.flow.targets or _preamble_words(other.effect.block):
         return False
-    a, b = one.effect.after, other.effect.after
+    a = one.effect.after
+    b = other.effect.after
     same_feed = a.feed is not None and b.feed is not None and a.feed.value == b.feed.value
     return same_feed and a.speed == b.speed and one.same_wish(other)
 
@@ -188,7 +186,7 @@ def _words_refusal(effect: BlockEffect, axis_words: AxisWords) -> tuple[RefusalE
     foreign_letters = frozenset("TABCDHVOP") - {a for a, axis in axis_words.axes.items() if axis in AXES}
     for word in effect.block.words:
         at = (word.start, word.end)
-        shown = effect.block.text[word.start : word.end]
+        shown = effect.block.text_of(word)
         if word.expression is not None:
             message = f"{shown} is computed on the machine; the cut cannot be planned"
             return RefusalError("VIB047", message, "write the number itself"), at

@@ -102,13 +102,14 @@ class RequestReader:
             self._cut(effect)
         if not effect.vibration:
             for word in effect.block.words:
-                if word.letter == "f" and (_has_upper_case_f(effect) or (effect.move and effect.move.is_cut)):
+                has_feed = effect.block.has_letter("F")
+                if word.letter == "f" and (has_feed or (effect.move and effect.move.is_cut)):
                     self.stray.append((effect.block.line, (word.start, word.end)))
 
     def _calls_a_tool(self, effect: BlockEffect) -> bool:
         """True for the T word or the M6 that this control changes tools by, also to the tool it has."""
-        called = ("M", 6.0) if self.settings.dialect.tool_change == "M6" else ("T", None)
-        return any(w.address == called[0] and called[1] in (None, w.number) for w in effect.block.words)
+        is_m6 = self.settings.dialect.tool_change == "M6"
+        return effect.block.has("M", 6) if is_m6 else effect.block.has("T")
 
     def _cut(self, effect: BlockEffect) -> None:
         # An X, Y or Z that no axis of the profile has: refused later, with what the profile says.
@@ -146,10 +147,10 @@ class RequestReader:
             values[key] = SourcedValue(word.number, f"{word.letter} word, line {line_number}")
             if not self._check_values(effect.block.line, {key: values[key]}, at):
                 return
-        speed = effect.block.word("S")
+        speed = effect.block.number("S")
         is_rpm = effect.after.modes.speed_mode == "rpm"  # under G96 an S is metres per minute
-        if speed is not None and speed.number is not None and is_rpm:
-            values["S"] = SourcedValue(speed.number, f"S word, line {line_number}")
+        if speed is not None and is_rpm:
+            values["S"] = SourcedValue(speed, f"S word, line {line_number}")
         self.requests.append(self._request(effect, values, by_word=True))
 
     def _request(self, effect: BlockEffect, words: dict[str, SourcedValue], *, by_word: bool) -> Request:
@@ -225,10 +226,6 @@ def _fill_from_profile(values: dict[str, SourcedValue], settings: Settings) -> d
     if settings.vibration.ramp_s is not None and "RAMP" not in values:
         del filled["RAMP"]
     return filled
-
-
-def _has_upper_case_f(effect: BlockEffect) -> bool:
-    return any(w.letter == "F" for w in effect.block.words)
 
 
 def solver_inputs(

@@ -113,7 +113,7 @@ def _needs_programmed(
 
 
 def _says_speed_mode(effect: BlockEffect) -> bool:
-    return any((w.address, w.number) in SPEED_MODES for w in effect.block.words)
+    return effect.block.has("G", *SPEED_MODES)
 
 
 def _own_words(state: State, settings: Settings) -> str:
@@ -136,4 +136,4 @@ def _depends_on_speed(effect: BlockEffect) -> bool:
         return True
     if effect.move is not None and effect.move.kind != "rapid":
         return True
-    return any(w.address == "M" and w.number in _CALLS for w in effect.block.words)
+    return effect.block.has("M", *_CALLS)

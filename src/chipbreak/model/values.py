@@ -1,0 +1,134 @@
+"""What a block sets: feed, speed and its limit, the modal groups, and which positions they make unknown.
+
+Each rule looks at one thing; they run in the order of ``_RULES``, which is the order in which a control acts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from chipbreak.dialects import Dialect
+from chipbreak.dialects.modes import Group
+from chipbreak.model.codes import BlockCodes
+from chipbreak.model.modal import UNKNOWN, Setting, State
+from chipbreak.model.words import codes_of, feed_value, plain_value, surface_limit
+from chipbreak.settings.sections import Control
+from chipbreak.syntax.nodes import Block, Word
+
+_COORDINATE_GROUPS: frozenset[Group] = frozenset(
+    {"work_offset", "rotation", "polar", "scaling", "mirror", "interpolation"}
+)
+
+
+class Said(NamedTuple):
+    """A block with what its codes say; ``was`` is the state before it, ``vibration`` its words for that."""
+
+    block: Block
+    codes: BlockCodes
+    was: State
+    vibration: tuple[Word, ...]
+    dialect: Dialect
+    control: Control
+
+
+def values_after(said: Said) -> State:
+    """The state with all that the words and the modal codes of a block set, before anything moves."""
+    modes = said.codes.modes
+    after = said.was if modes is said.was.modes else said.was._replace(modes=modes)
+    if said.codes.changes:
+        for rule in _RULES:
+            after = rule(after, said)
+    return _feed_and_speed(after, said)
+
+
+def _feed_ends(after: State, said: Said) -> State:
+    """An F of another feed mode or of other units is no feed any more."""
+    was = said.was.modes
+    ends = after.modes.feed_mode != was.feed_mode or after.modes.units != was.units
+    return after._replace(feed=None) if ends else after
+
+
+def _speed_ends(after: State, said: Said) -> State:
+    """An S in rpm is no surface speed, and the other way round."""
+    return after if after.modes.speed_mode == said.was.modes.speed_mode else after._replace(speed=None)
+
+
+def _surface_limit(after: State, said: Said) -> State:
+    """``G96 D2000``."""
+    if "speed_mode" not in said.codes.changes or not said.dialect.surface_limit:
+        return after
+    return after._replace(speed_limit=surface_limit(said.block, after.modes.speed_mode, said.dialect))
+
+
+def _path_words(after: State, said: Said) -> State:
+    """``G64 P0.01 Q0.005``."""
+    return after._replace(path_words=_own_words(said, "path")) if "path" in said.codes.changes else after
+
+
+def _smooth_words(after: State, said: Said) -> State:
+    """``G5.1 Q1 R3``."""
+    if "look_ahead" not in said.codes.changes:
+        return after
+    return after._replace(smooth_words=_own_words(said, "look_ahead"))
+
+
+def _own_words(said: Said, group: Group) -> str:
+    """A mode in the program's own words."""
+    codes = {number / 10.0 for number in codes_of(said.block, group, said.dialect)}
+    words = [w for w in said.block.words_of("GPQR") if w.address != "G" or w.number in codes]
+    return " ".join(map(said.block.text_of, words))
+
+
+def _coordinates(after: State, said: Said) -> State:
+    """Another origin or another direction of the axes: the numbers of a position mean another place."""
+    worked_out = "work_offset" in said.codes.changes and said.block.has_macro
+    if worked_out or _COORDINATE_GROUPS.intersection(said.was.modes.changed(after.modes)):
+        return after.lost("the coordinate system changed")
+    return after
+
+
+def _length_offset(after: State, said: Said) -> State:
+    """G43 gives Z another zero, also where it was on; G49 does where something was on."""
+    new = said.codes.changes.get("length_offset")
+    if new is None or new == said.was.modes.length_offset == "off":
+        return after
+    position = after.position._replace(z=UNKNOWN)
+    return after._replace(position=position, unknown_why="tool length compensation changed Z")
+
+
+_Rule = Callable[[State, Said], State]
+_RULES: tuple[_Rule, ...] = (
+    _feed_ends,
+    _speed_ends,
+    _surface_limit,
+    _path_words,
+    _smooth_words,
+    _coordinates,
+    _length_offset,
+)
+
+
+def _feed_and_speed(after: State, said: Said) -> State:
+    """F, and S or the limit of S, where the block's codes leave them their meaning."""
+    limits = _is_speed_limit(said)
+    if said.codes.reads_all and not limits:
+        return after
+    for word in said.block.words_of("FS"):
+        if word in said.vibration:
+            continue
+        if word.address == "F":
+            feed = Setting(feed_value(word, after, said.control), word.value_text, said.block.line)
+            after = after._replace(feed=feed)
+            continue
+        setting = Setting(plain_value(word), word.value_text, said.block.line)
+        after = after._replace(speed_limit=setting) if limits else after._replace(speed=setting)
+    return after
+
+
+def _is_speed_limit(said: Said) -> bool:
+    """``G50 S2000``: a code that limits the spindle when it stands with S."""
+    if not said.dialect.speed_limit or not said.block.has("S"):
+        return False
+    codes = (round(number * 10) for number in said.block.numbers("G"))
+    return any(code in said.dialect.speed_limit for code in codes)
