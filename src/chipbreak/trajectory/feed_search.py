@@ -76,15 +76,19 @@ def feed_factors(stretches: Sequence[Stretch], before_mm_s: float, law: Tried) -
     the whole stretch could not do.
     """
     known = _known(law)
-    new = [stretch for stretch in dict.fromkeys(stretches) if (stretch, before_mm_s) not in known]
+    found = {stretch: known.get((stretch, before_mm_s)) for stretch in stretches}
+    new = [stretch for stretch, factor in found.items() if factor is None]
     for stretch, factor in zip(new, _new_factors(new, before_mm_s, law), strict=True):
-        known[stretch, before_mm_s] = factor
-    return [known[stretch, before_mm_s] for stretch in stretches]
+        found[stretch] = known[stretch, before_mm_s] = factor
+    return [factor for factor in map(found.__getitem__, stretches) if factor is not None]
 
 
 @lru_cache(maxsize=4)
 def _known(law: Tried) -> dict[Any, Any]:
-    """What was found for this control: the cuts of a program ask for the same again and again."""
+    """What was found for this control: the cuts of a program ask for the same again and again.
+
+    Another thread may forget it at any time, so that whoever asks keeps what was answered.
+    """
     return {}
 
 
@@ -159,10 +163,13 @@ def feeds_of_single_blocks(
     """
     known = _known(law)
     keys = list(zip(lengths_mm.tolist(), wanted_s.tolist(), acceleration_mm_s2.tolist(), strict=True))
-    kinds = [kind for kind in dict.fromkeys(keys) if kind not in known]
+    found = {key: known.get(key) for key in keys}
+    kinds = [kind for kind, feed in found.items() if feed is None]
     if kinds:
-        known.update(zip(kinds, law.single_feeds(*np.array(kinds).T), strict=True))
-    return np.array([known[key] for key in keys])
+        new = dict(zip(kinds, law.single_feeds(*np.array(kinds).T), strict=True))
+        known.update(new)
+        found.update(new)
+    return np.array([found[key] for key in keys])
 
 
 def _no_factor(stretch: Stretch, least_late_s: float) -> RefusalError:
