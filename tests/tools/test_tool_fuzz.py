@@ -11,9 +11,10 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from chipbreak.tools.data import ToolData, ToolFileError
-from chipbreak.tools.files import SUFFIXES, read_tools
-from chipbreak.tools.freecad import read_library
+from chipbreak.tools.files import read_tools
+from chipbreak.tools.freecad import read_library_with
 from chipbreak.tools.lists import read_traces
+from chipbreak.tools.readers import READERS
 
 CSV = "number,type,teeth,diameter_mm,length_mm,corner_radius_mm,helix_deg,name"
 SEEDS = [
@@ -53,7 +54,7 @@ def survives(read: Callable[[], list[ToolData]]) -> None:
             assert isinstance(value, str) or math.isfinite(value)
 
 
-@pytest.mark.parametrize("suffix", [*SUFFIXES, ".fctb"])
+@pytest.mark.parametrize("suffix", [*(s for reader in READERS for s in reader.suffixes), ".fctb"])
 @given(data=JUNK)
 @example(data=b"[" * 100_000)
 @example(data=b'{"data":' * 50_000)
@@ -86,13 +87,13 @@ def test_any_values_of_fusion(dc: object, nof: object, number: object) -> None:
 def test_any_bit_of_freecad(number: object, path: object, parameters: dict[str, object]) -> None:
     bit = json.dumps({"parameter": parameters, "shape": "drill"}).encode()
     library = json.dumps({"tools": [{"nr": number, "path": path}, {"nr": 1, "path": "a"}]}).encode()
-    survives(lambda: read_library("x.fctl", library, lambda _: bit))
+    survives(lambda: read_library_with("x.fctl", library, lambda _: bit))
 
 
 @given(data=JUNK)
 def test_any_bit_bytes(data: bytes) -> None:
     library = b'{"tools": [{"nr": 1, "path": "a"}]}'
-    survives(lambda: read_library("x.fctl", library, lambda _: data))
+    survives(lambda: read_library_with("x.fctl", library, lambda _: data))
 
 
 @given(

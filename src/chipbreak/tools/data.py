@@ -11,6 +11,7 @@ from chipbreak.text.span import Place
 
 CANNOT_OPEN, NO_FORMAT, UNKNOWN_KEY, BAD_VALUE = "TOL001", "TOL002", "TOL003", "TOL004"
 NO_NUMBER, NO_UNIT, TOO_MANY = "TOL005", "TOL006", "TOL007"
+BROKEN_READER = "TOL011"
 # Whoever reads twenty errors starts over with another file.
 MOST_ERRORS = 20
 MOST_BYTES = 64 * 1024 * 1024  # of one file of tools, packed or not

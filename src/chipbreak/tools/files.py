@@ -1,16 +1,14 @@
-"""Files of tools: which reader reads which.  A reader is loaded when a file wants it."""
+"""Files of tools: where they are, and their bytes.  Readers are loaded when there is a file to read."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
 
 from chipbreak.settings.sections import Settings
-from chipbreak.tools.data import CANNOT_OPEN, MOST_BYTES, NO_FORMAT, Errors, ToolData
+from chipbreak.tools.data import CANNOT_OPEN, MOST_BYTES, Errors, ToolData
+from chipbreak.tools.reader import Unit
 from chipbreak.units import MM_PER_INCH
-
-SUFFIXES: Final = (".csv", ".toml", ".json", ".tools", ".fctl", ".tbl")
 
 
 def files_of(settings: Settings) -> tuple[str, ...]:
@@ -23,12 +21,12 @@ def files_of(settings: Settings) -> tuple[str, ...]:
     return tuple(str(folder / name) for name in names)
 
 
-def table_unit(settings: Settings, of_program: tuple[float, str]) -> tuple[float, str]:
+def table_unit(settings: Settings, of_program: tuple[float, str]) -> Unit:
     """mm per unit of a LinuxCNC tool table, and who says so."""
     unit = settings.tools.table_unit
     if unit == "program":
-        return of_program
-    return (MM_PER_INCH if unit == "inch" else 1.0), f"{unit}, {settings.origin('tools.table_unit')}"
+        return Unit(*of_program)
+    return Unit(MM_PER_INCH if unit == "inch" else 1.0, f"{unit}, {settings.origin('tools.table_unit')}")
 
 
 def read_files(names: Sequence[str], unit: tuple[float, str]) -> list[list[ToolData]]:
@@ -55,40 +53,6 @@ def read_bytes(name: str) -> bytes:
 
 def read_tools(name: str, data: bytes, unit: tuple[float, str] = (1.0, "mm")) -> list[ToolData]:
     """The tools of one file, by the end of its name.  Raises ToolFileError."""
-    from chipbreak.tools.freecad import read_bit, read_library
-    from chipbreak.tools.fusion import read_fusion, read_tools_zip
-    from chipbreak.tools.linuxcnc import read_table
-    from chipbreak.tools.lists import read_csv, read_toml
+    from chipbreak.tools.readers import read_with
 
-    suffix = Path(name).suffix.lower()
-    if suffix == ".csv":
-        return read_csv(name, data)
-    if suffix == ".toml":
-        return read_toml(name, data)
-    if suffix == ".tbl":
-        return read_table(name, data, *unit)
-    if suffix == ".fctl":
-        return read_library(name, data, lambda path: _bit_of(Path(name), path))
-    if suffix == ".fctb":
-        return read_bit(name, data)
-    if suffix == ".json":
-        return read_fusion(name, data)
-    if suffix == ".tools":
-        return read_tools_zip(name, data)
-    message = f'files that end with "{suffix}" are not read' if suffix else "this file has no ending"
-    return Errors(name).stop(NO_FORMAT, message, f"known: {', '.join(SUFFIXES)}")
-
-
-def _bit_of(library: Path, path: str) -> bytes:
-    """A bit of a FreeCAD library: beside it, or in the folder ``Bit`` beside its own."""
-    places = [library.parent / path, library.parent.parent / "Bit" / path]
-    for place in places:
-        try:
-            with place.open("rb") as file:
-                return file.read(MOST_BYTES)
-        except ValueError:
-            break
-        except OSError as error:
-            if place == places[-1]:
-                raise OSError(error.errno, error.strerror or "") from None
-    raise FileNotFoundError(2, "no such file")
+    return read_with(name, data, Unit(*unit))

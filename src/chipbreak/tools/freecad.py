@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
 from chipbreak.tools.cells import decoded
 from chipbreak.tools.data import (
     BAD_VALUE,
     CANNOT_OPEN,
+    MOST_BYTES,
     NO_FORMAT,
     NO_NUMBER,
     NO_UNIT,
@@ -24,6 +25,7 @@ from chipbreak.tools.data import (
     ToolFileError,
 )
 from chipbreak.tools.json_text import json_line, load_json
+from chipbreak.tools.reader import Unit
 from chipbreak.tools.values import name_of, number_of, type_of
 from chipbreak.units import MM_PER_INCH
 
@@ -50,15 +52,20 @@ _SCALES: Final = {
 }
 
 
-def read_bit(name: str, data: bytes) -> list[ToolData]:
+def read_bit(data: bytes, name: str, _unit: Unit) -> list[ToolData]:
     """A bit alone has no number: always ToolFileError, with the way out."""
     errors = Errors(name, decoded(data))
     load_json(errors)
     errors.stop(NO_NUMBER, "a tool bit has no tool number", "give the library (.fctl) that holds it")
 
 
-def read_library(name: str, data: bytes, open_bit: Opener) -> list[ToolData]:
-    """Tools of a library.  Raises ToolFileError."""
+def read_library(data: bytes, name: str, _unit: Unit) -> list[ToolData]:
+    """Tools of a library, whose bits are files of their own.  Raises ToolFileError."""
+    return read_library_with(name, data, lambda path: _bit_of(Path(name), path))
+
+
+def read_library_with(name: str, data: bytes, open_bit: Opener) -> list[ToolData]:
+    """Tools of a library with its bits from ``open_bit``.  Raises ToolFileError."""
     errors = Errors(name, decoded(data))
     library = load_json(errors)
     entries = library.get("tools") if isinstance(library, dict) else None
@@ -70,6 +77,21 @@ def read_library(name: str, data: bytes, open_bit: Opener) -> list[ToolData]:
         tools += [tool] if tool else []
     errors.raise_if_any()
     return tools
+
+
+def _bit_of(library: Path, path: str) -> bytes:
+    """A bit of a FreeCAD library: beside it, or in the folder ``Bit`` beside its own."""
+    places = [library.parent / path, library.parent.parent / "Bit" / path]
+    for place in places:
+        try:
+            with place.open("rb") as file:
+                return file.read(MOST_BYTES)
+        except ValueError:
+            break
+        except OSError as error:
+            if place == places[-1]:
+                raise OSError(error.errno, error.strerror or "") from None
+    raise FileNotFoundError(2, "no such file")
 
 
 def _entry(errors: Errors, index: int, entry: Any, open_bit: Opener) -> ToolData | None:

@@ -15,6 +15,7 @@ from typing import Any, Final
 from chipbreak.tools.cells import decoded
 from chipbreak.tools.data import BAD_VALUE, MOST_BYTES, NO_FORMAT, NO_UNIT, Errors, ToolData
 from chipbreak.tools.json_text import json_line, load_json
+from chipbreak.tools.reader import Unit
 from chipbreak.tools.values import name_of, number_of, type_of
 from chipbreak.units import MM_PER_INCH
 
@@ -29,7 +30,7 @@ _GEOMETRY: Final = {
 _UNITS: Final = {"millimeters": 1.0, "inches": MM_PER_INCH}
 
 
-def read_tools_zip(name: str, data: bytes) -> list[ToolData]:
+def read_tools_zip(data: bytes, name: str, unit: Unit) -> list[ToolData]:
     """Tools of a ``.tools`` file.  Raises ToolFileError."""
     errors = Errors(name)
     tools: list[ToolData] = []
@@ -48,11 +49,11 @@ def read_tools_zip(name: str, data: bytes) -> list[ToolData]:
     for member, text in zip(members, texts, strict=True):
         if len(text) > MOST_BYTES:
             errors.stop(NO_FORMAT, f"{member[:40]} is larger than any library", "is it the right file?")
-        tools += read_fusion(f"{name}/{member}", text)
+        tools += read_fusion(text, f"{name}/{member}", unit)
     return tools
 
 
-def read_fusion(name: str, data: bytes) -> list[ToolData]:
+def read_fusion(data: bytes, name: str, _unit: Unit) -> list[ToolData]:
     """Tools of a library as JSON.  Raises ToolFileError."""
     errors = Errors(name, decoded(data))
     library = load_json(errors)

@@ -14,6 +14,7 @@ from chipbreak.operations.kinds import tool_text
 from chipbreak.tools.cells import decoded
 from chipbreak.tools.data import BAD_VALUE, NO_NUMBER, UNKNOWN_KEY, Errors, ToolData
 from chipbreak.tools.facts import teeth_said
+from chipbreak.tools.reader import Unit
 from chipbreak.tools.values import name_of, number_of
 
 _WORD: Final = re.compile(
@@ -22,11 +23,8 @@ _WORD: Final = re.compile(
 _LETTERS: Final = "TPXYZABCUVWDIJQ"
 
 
-def read_table(name: str, data: bytes, mm_per_unit: float, unit_origin: str) -> list[ToolData]:
-    """Tools of a table whose lengths are in units of ``mm_per_unit``; ``unit_origin`` says who said so.
-
-    Raises ToolFileError.
-    """
+def read_table(data: bytes, name: str, unit: Unit) -> list[ToolData]:
+    """Tools of a table, whose lengths are in this unit.  Raises ToolFileError."""
     errors = Errors(name, decoded(data))
     tools = []
     for number, line in enumerate(errors.lines, 1):
@@ -40,7 +38,7 @@ def read_table(name: str, data: bytes, mm_per_unit: float, unit_origin: str) -> 
         if "T" not in words:
             errors.add(NO_NUMBER, "this line has no T", "a line is T1 P1 D12. Z0. ;comment", number)
             continue
-        tools += _tool(errors, number, words, comment, (mm_per_unit, unit_origin))
+        tools += _tool(errors, number, words, comment, unit)
     errors.raise_if_any()
     return tools
 
@@ -70,7 +68,7 @@ def _tool(
     line: int,
     words: dict[str, tuple[str, int, int]],
     comment: str,
-    unit: tuple[float, str],
+    unit: Unit,
 ) -> list[ToolData]:
     note = tool_text(comment)
     is_turning = "Q" in words and float(words["Q"][0]) != 0.0
@@ -82,11 +80,13 @@ def _tool(
         if "D" in words and float(words["D"][0]) != 0.0:  # D0. is how a table says nothing
             text, start, end = words["D"]
             field, share = ("corner_radius_mm", 0.5) if is_turning else ("diameter_mm", 1.0)
-            values[field] = number_of(field, float(text) * unit[0] * share)
+            values[field] = number_of(field, float(text) * unit.mm * share)
     except ValueError as error:
-        help_text = f"lengths here are in {'inches' if unit[0] != 1.0 else 'mm'}: {unit[1]}"
+        help_text = f"lengths here are in {'inches' if unit.mm != 1.0 else 'mm'}: {unit.origin}"
         errors.add(BAD_VALUE, str(error), help_text, line, (start, end))
         return []
     tool = ToolData.said(int(number), f"{errors.name}, line {line}", values)
-    by_unit = {key: f"{origin} ({unit[1]})" for key, origin in tool.origins.items() if key.endswith("_mm")}
+    by_unit = {
+        key: f"{origin} ({unit.origin})" for key, origin in tool.origins.items() if key.endswith("_mm")
+    }
     return [tool._replace(origins={**tool.origins, **by_unit})]

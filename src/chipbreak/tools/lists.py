@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from chipbreak.tools.cells import Row, decoded, rows
 from chipbreak.tools.data import BAD_VALUE, FIELDS, NO_FORMAT, NO_NUMBER, UNKNOWN_KEY, Errors, ToolData
+from chipbreak.tools.reader import Unit
 from chipbreak.tools.values import TYPES, hint_at, name_of, number_of, type_of
 
 _REQUIRED = ("number", "type", "teeth", "diameter_mm", "length_mm")
@@ -31,7 +32,7 @@ _KEYS = (*_REQUIRED, *_OPTIONAL)
 Points = NDArray[np.float64]
 
 
-def read_csv(name: str, data: bytes) -> list[ToolData]:
+def read_csv(data: bytes, name: str, _unit: Unit) -> list[ToolData]:
     """Tools of a CSV table; an empty cell is not said.  Raises ToolFileError."""
     errors = Errors(name, decoded(data))
     tools = []
@@ -51,7 +52,7 @@ def read_csv(name: str, data: bytes) -> list[ToolData]:
     return tools
 
 
-def read_toml(name: str, data: bytes) -> list[ToolData]:
+def read_toml(data: bytes, name: str, _unit: Unit) -> list[ToolData]:
     """Tools of a TOML file with ``[[tool]]`` tables.  Raises ToolFileError."""
     errors = Errors(name, decoded(data))
     text = "\n".join(errors.lines)
