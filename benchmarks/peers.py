@@ -38,7 +38,7 @@ print(time.perf_counter() - start)
 _LARK = """
 import sys, time
 from lark import Lark
-with open(sys.argv[2] + "/nc.lark", encoding="ascii") as file:
+with open(sys.argv[2] + "/fanuc.lark", encoding="ascii") as file:
     grammar = file.read()
 parser = Lark(grammar, start="block", parser="lalr", lexer="contextual", propagate_positions=True,
               import_paths=[sys.argv[2]])

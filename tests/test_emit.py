@@ -78,7 +78,7 @@ def edit(first: int, last: int, *content: str, name: str = "a") -> Edit:
 
 @given(st.binary(max_size=200))
 def test_without_edits_every_byte_stays(data: bytes) -> None:
-    assert b"".join(render(parse(read(data)), [], SETTINGS)) == data
+    assert b"".join(render(parse(read(data), SETTINGS.dialect), [], SETTINGS)) == data
 
 
 @given(
@@ -86,7 +86,7 @@ def test_without_edits_every_byte_stays(data: bytes) -> None:
     st.data(),
 )
 def test_bytes_outside_an_edit_stay(lines: list[bytes], data: st.DataObject) -> None:
-    program = parse(read(b"".join(lines)))
+    program = parse(read(b"".join(lines)), SETTINGS.dialect)
     count = program.source.line_count
     first = data.draw(st.integers(0, count))
     last = data.draw(st.integers(first, count))
@@ -97,7 +97,7 @@ def test_bytes_outside_an_edit_stay(lines: list[bytes], data: st.DataObject) -> 
 
 
 def test_edits_that_overlap_name_both_passes() -> None:
-    program = parse(read(b"G1 X1.\n" * 6))
+    program = parse(read(b"G1 X1.\n" * 6), SETTINGS.dialect)
     with pytest.raises(OverlapError) as caught:
         render(program, [edit(1, 4, name="one"), edit(3, 5, name="two")], SETTINGS)
     assert "one (lines 2 to 4)" in str(caught.value)
@@ -105,7 +105,7 @@ def test_edits_that_overlap_name_both_passes() -> None:
 
 
 def test_insertions_stand_before_a_replacement_of_the_same_line() -> None:
-    program = parse(read(b"G1 X1.\nG1 X2.\n"))
+    program = parse(read(b"G1 X1.\nG1 X2.\n"), SETTINGS.dialect)
     edits = [edit(1, 2, "X5."), edit(1, 1, "M8"), edit(1, 1, "M9")]
     lines = b"".join(render(program, edits, SETTINGS)).decode().splitlines()
     assert [line for line in lines if not line.startswith("(")] == ["G1 X1.", "M8", "M9", "X5."]
@@ -194,7 +194,7 @@ def test_the_corpus_comes_out_byte_for_byte(profile: str, corpus: list[Path]) ->
 
 def planned(data: bytes, *sets: str) -> tuple[InterpretedProgram, list[Edit], bytes]:
     settings = chipbreak.load("generic-lathe", sets)
-    interpreted = interpret(parse(read(data)), settings)
+    interpreted = interpret(parse(read(data), settings.dialect), settings)
     edits, _ = edits_of_cuts(interpreted, requests_of(interpreted)[0])
     return interpreted, edits, b"".join(render(interpreted.program, edits, settings))
 

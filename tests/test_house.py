@@ -66,7 +66,7 @@ def our_text_files() -> list[Path]:
 def test_there_is_something_to_look_at() -> None:
     assert len(SOURCES) > 10
     assert CHECKOUT / "pyproject.toml" in our_text_files()
-    assert CHECKOUT / "grammar" / "nc.lark" in our_text_files()
+    assert CHECKOUT / "grammar" / "iso.lark" in our_text_files()
 
 
 @pytest.mark.parametrize("path", our_text_files(), ids=_name)

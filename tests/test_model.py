@@ -20,7 +20,8 @@ from chipbreak.text.source import read
 
 
 def traced(program: str, profile: str = "generic-lathe", *sets: str) -> InterpretedProgram:
-    return interpret(parse(read(program.encode("latin-1"))), load(profile, sets))
+    settings = load(profile, sets)
+    return interpret(parse(read(program.encode("latin-1")), settings.dialect), settings)
 
 
 def after(program: str, profile: str = "generic-lathe", *sets: str) -> State:

@@ -82,7 +82,7 @@ def _run(
     source: Source, data: bytes, settings: Settings, output: bytes | None, options: RunOptions
 ) -> Result:
     """All stages on an unfiltered source; ``output`` is the program to judge, None to write one."""
-    interpreted = interpret(parse(source), settings)
+    interpreted = interpret(parse(source, settings.dialect), settings)
     diagnostics = interpreted.program.unreadable() + unread_words(interpreted)
     context = _context(interpreted, options)
     passes = passes_of(settings)

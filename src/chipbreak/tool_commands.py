@@ -145,7 +145,7 @@ def tools(asked: Asked, source: str) -> None:
     name = "<stdin>" if source == "-" else source
     data = read_input(source)
     try:
-        table = tool_table(interpret(parse(restore(read(data, name))), settings))
+        table = tool_table(interpret(parse(restore(read(data, name)), settings.dialect), settings))
     except ProgramRejectedError as error:
         asked.reporter.show(error.diagnostics)
         sys.exit(REJECTED)

@@ -71,7 +71,7 @@ class EveryTool(ToolTable):
 
 
 def traced(data: bytes, rules: Settings) -> InterpretedProgram:
-    return interpret(parse(read(data, "program.nc")), rules)
+    return interpret(parse(read(data, "program.nc"), rules.dialect), rules)
 
 
 def filtered(data: bytes, profile: str = "fanuc-mill", *options: str) -> Filtered:

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from chipbreak.dialects import FANUC_MILL
 from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.parse import parse
 from chipbreak.text.source import read
@@ -41,7 +42,7 @@ class Library:
     def add(self, text: str | bytes) -> list[int]:
         """Read the programs of a text; each starts with its O number.  Returns the numbers."""
         data = text.encode("latin-1") if isinstance(text, str) else text
-        program = parse(read(data))
+        program = parse(read(data), FANUC_MILL)
         found: list[tuple[int, list[Block]]] = []
         for line in program.source.body:
             block = program.block(line)

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from chipbreak.dialects import find
 from chipbreak.inspection.edges import inward_mm
 from chipbreak.macros import ToolValues, macro_files
 from chipbreak.syntax.parse import read_block
@@ -241,7 +242,7 @@ def test_a_fault_that_goes_away_is_measured_again_before_an_alarm() -> None:
 def test_no_block_of_tool_data_is_longer_than_a_screen(dialect: str) -> None:
     blocks = ToolValues(99999999, 4, 199.1234, 19.1234, 299.1234, 299.1234, 12, 45.1234).blocks(dialect)
     assert all(60 < len(block) <= 80 or "length" in block for block in blocks), blocks
-    assert all(not read_block(0, block).opaque for block in blocks)
+    assert all(not read_block(0, block, find(dialect, "")).opaque for block in blocks)
 
 
 def test_alarms_fit_the_screen_and_their_range() -> None:

@@ -64,7 +64,7 @@ def test_a_group_that_only_a_dialect_knows_is_kept_and_compared() -> None:
     interpreter = Interpreter(settings, Flow(frozenset(), ()))
     state = start = initial_state(settings)
     for text in ("G801", "G91 G1 X1. F100.", "G800 G90"):
-        before, state = state, interpreter.advance(state, read_block(0, text)).after
+        before, state = state, interpreter.advance(state, read_block(0, text, interpreter.dialect)).after
     assert before.modes.others == (("stroke_mode", "short"),)
     assert before.modes.changed(state.modes) == ("distance", "stroke_mode")
     assert state.modes.value("stroke_mode") == "long"

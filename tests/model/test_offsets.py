@@ -17,7 +17,7 @@ SETTINGS = chipbreak.load("fanuc-mill")
 
 def positions(*lines: str) -> list[float]:
     """Y behind each line."""
-    interpreted = interpret(parse(read("\n".join([*lines, ""]).encode())), SETTINGS)
+    interpreted = interpret(parse(read("\n".join([*lines, ""]).encode()), SETTINGS.dialect), SETTINGS)
     return [interpreted.before(n).position.y for n in range(1, len(lines) + 1)]
 
 
@@ -56,8 +56,9 @@ def test_the_code_of_such_an_offset_is_said_with_its_words() -> None:
 
 
 def linuxcnc(*lines: str) -> State:
-    program = parse(read("\n".join([*lines, ""]).encode()))
-    return interpret(program, chipbreak.load("linuxcnc-mill")).end()
+    settings = chipbreak.load("linuxcnc-mill")
+    program = parse(read("\n".join([*lines, ""]).encode()), settings.dialect)
+    return interpret(program, settings).end()
 
 
 def test_the_axis_words_of_a_given_length_offset_are_no_move() -> None:

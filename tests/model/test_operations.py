@@ -22,7 +22,8 @@ SAMPLE = Path(__file__).parents[2] / "samples" / "fusion-mill.nc"
 
 def traced(program: str | bytes, profile: str = "fanuc-mill") -> InterpretedProgram:
     data = program if isinstance(program, bytes) else program.encode("latin-1")
-    return interpret(parse(read(data)), settings.load(profile))
+    rules = settings.load(profile)
+    return interpret(parse(read(data), rules.dialect), rules)
 
 
 def operations(program: str | bytes, profile: str = "fanuc-mill", **rules: list[str]) -> list[Operation]:

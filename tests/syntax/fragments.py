@@ -123,6 +123,13 @@ good_lines = st.tuples(
 ).map("".join)
 bad_lines = st.lists(pieces, max_size=6).map("".join)
 lines = st.one_of(good_lines, bad_lines)
+# Lines of a control that sets words off from their values.
+_set_off = st.tuples(
+    st.sampled_from("GXYZNFRIMS"), st.sampled_from(["=", "=", "", " = ", "=="]), st.sampled_from(NUMBERS[:11])
+).map("".join)
+set_off_lines = st.lists(st.one_of(_set_off, st.sampled_from([" ", "; X=1", ";", "("])), max_size=6).map(
+    "".join
+)
 
 ends = st.sampled_from(["\n", "\n", "\r\n", "\r\n", "\r", "\r\r\n", "\n\r", ""])
 mixed_programs = st.lists(st.tuples(lines, ends).map("".join), max_size=12).map("".join)

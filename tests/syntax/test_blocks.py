@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import pytest
 
+from chipbreak.dialects import FANUC_MILL, GENERIC_LATHE, LINUXCNC_MILL, Dialect
 from chipbreak.syntax.nodes import (
     Assignment,
     Block,
@@ -22,6 +23,8 @@ from chipbreak.syntax.nodes import (
 )
 from chipbreak.syntax.parse import parse, read_block, read_by_grammar, read_plain
 from chipbreak.text.source import read
+
+from .controls import every_iso_control
 
 
 def show(block: Block) -> str:
@@ -158,7 +161,6 @@ EXPRESSIONS = {
     "MOD is a product": ("1+7 MOD 4", "(1 + (7 MOD 4))"),
     "powers first": ("2*3**2", "(2 * (3 ** 2))"),
     "comparisons behind sums": ("#1+1 GT #2*2", "((#1 + 1) GT (#2 * 2))"),
-    "logic last": ("#1 EQ 1 AND #2 NE 2 OR #3 LT 3", "(((#1 EQ 1) AND (#2 NE 2)) OR (#3 LT 3))"),
     "brackets": ("[1+2]*3", "((1 + 2) * 3)"),
     "sign of a number": ("2*-3", "(2 * -3)"),
     "sign of a variable": ("2*-#3", "(2 * (0 - #3))"),
@@ -211,51 +213,84 @@ def table(cases: dict[str, tuple[str, str]]) -> pytest.MarkDecorator:
 
 
 @table(WORDS | COMMENTS)
-def test_words_and_comments(text: str, expected: str) -> None:
-    assert show(read_block(0, text)) == expected
-    assert show(read_by_grammar(0, text)) == expected
+@every_iso_control
+def test_words_and_comments(text: str, expected: str, dialect: Dialect) -> None:
+    assert show(read_block(0, text, dialect)) == expected
+    assert show(read_by_grammar(0, text, dialect)) == expected
 
 
 @table(DELETE)
-def test_block_delete(text: str, expected: str) -> None:
-    assert show(read_block(0, text)) == expected
-    assert show(read_by_grammar(0, text)) == expected
-    assert (read_plain(0, text) is None) == ("GOTO" in text)
+@every_iso_control
+def test_block_delete(text: str, expected: str, dialect: Dialect) -> None:
+    assert show(read_block(0, text, dialect)) == expected
+    assert show(read_by_grammar(0, text, dialect)) == expected
+    assert (read_plain(0, text, dialect) is None) == ("GOTO" in text)
 
 
 @table(NAMES)
-def test_program_names_and_path_marks(text: str, expected: str) -> None:
-    assert show(read_block(0, text)) == expected
+@every_iso_control
+def test_program_names_and_path_marks(text: str, expected: str, dialect: Dialect) -> None:
+    assert show(read_block(0, text, dialect)) == expected
 
 
 @table(MACRO)
-def test_macro_b(text: str, expected: str) -> None:
-    block = read_block(0, text)
+@every_iso_control
+def test_macro_b(text: str, expected: str, dialect: Dialect) -> None:
+    block = read_block(0, text, dialect)
     assert show(block) == expected
     assert block.has_macro
 
 
 @table(EXPRESSIONS)
-def test_expressions(text: str, expected: str) -> None:
-    assert show(read_block(0, f"#1=[{text}]")) == f"#1:={expected}"
-    assert show(read_block(0, f"X[{text}]")) == f"X={expected}"
+@every_iso_control
+def test_expressions(text: str, expected: str, dialect: Dialect) -> None:
+    assert show(read_block(0, f"#1=[{text}]", dialect)) == f"#1:={expected}"
+    assert show(read_block(0, f"X[{text}]", dialect)) == f"X={expected}"
 
 
 @table(EXPRESSIONS)
-def test_an_assignment_needs_no_brackets(text: str, expected: str) -> None:
-    assert show(read_block(0, f"#1={text}")) == f"#1:={expected}"
+@every_iso_control
+def test_an_assignment_needs_no_brackets(text: str, expected: str, dialect: Dialect) -> None:
+    assert show(read_block(0, f"#1={text}", dialect)) == f"#1:={expected}"
+
+
+LOGIC = {
+    "comparisons": ("#1 EQ 1 AND #2", "((#1 EQ 1) AND #2)", "(#1 EQ (1 AND #2))"),
+    "sums": ("#1 + 1 AND #2", "((#1 + 1) AND #2)", "(#1 + (1 AND #2))"),
+    "products": ("#1 AND #2 * 2", "(#1 AND (#2 * 2))", "((#1 AND #2) * 2)"),
+    "or beside a sum": ("#1 OR 2 - #3", "(#1 OR (2 - #3))", "((#1 OR 2) - #3)"),
+    "and or": ("#1 OR #2 AND #3", "((#1 OR #2) AND #3)", "(#1 OR (#2 AND #3))"),
+    "xor": ("#1 LT #2 XOR #3", "((#1 LT #2) XOR #3)", "(#1 LT (#2 XOR #3))"),
+    "brackets": ("[#1 EQ 1] AND [#2 EQ 2]", "((#1 EQ 1) AND (#2 EQ 2))", "((#1 EQ 1) AND (#2 EQ 2))"),
+}
+
+
+@pytest.mark.parametrize(("text", "logic_last", "as_arithmetic"), LOGIC.values(), ids=LOGIC.keys())
+def test_each_control_has_its_own_order_of_operators(text: str, logic_last: str, as_arithmetic: str) -> None:
+    """Fanuc reads AND as a product and OR and XOR as sums; LinuxCNC reads all three last."""
+    assert show(read_block(0, f"#1=[{text}]", LINUXCNC_MILL)) == f"#1:={logic_last}"
+    assert show(read_block(0, f"#1=[{text}]", FANUC_MILL)) == f"#1:={as_arithmetic}"
+
+
+def test_an_operator_that_the_control_does_not_have_cannot_be_read() -> None:
+    no_powers = FANUC_MILL._replace(precedence=FANUC_MILL.precedence[1:])
+    block = read_block(0, "X[2 + 3 ** 2]", no_powers)
+    assert block.opaque == "this control has no operator **"
+    assert block.opaque_column == 8
 
 
 @table(O_WORDS)
-def test_o_words(text: str, expected: str) -> None:
-    block = read_block(0, text)
+@every_iso_control
+def test_o_words(text: str, expected: str, dialect: Dialect) -> None:
+    block = read_block(0, text, dialect)
     assert show(block) == expected
     assert block.has_macro
 
 
 @pytest.mark.parametrize("text", ["%", "%O1200(TOKARKA)", " %", "\xef\xbb\xbf%", "\0%PM", "\x1a%"])
-def test_a_mark_is_no_block(text: str) -> None:
-    block = read_block(0, text)
+@every_iso_control
+def test_a_mark_is_no_block(text: str, dialect: Dialect) -> None:
+    block = read_block(0, text, dialect)
     assert block.mark
     assert block.is_empty
 
@@ -302,23 +337,26 @@ def test_a_mark_is_no_block(text: str) -> None:
         ("X\xb2", " ^"),
     ],
 )
-def test_a_line_that_cannot_be_read_says_where(text: str, at: str) -> None:
-    block = read_block(0, text)
+@every_iso_control
+def test_a_line_that_cannot_be_read_says_where(text: str, at: str, dialect: Dialect) -> None:
+    block = read_block(0, text, dialect)
     assert block.opaque
     assert " " * block.opaque_column + "^" == at
     assert not block.is_empty
     assert not block.words
 
 
-def test_a_word_knows_its_place_address_and_point() -> None:
-    x, f = read_block(3, "N10 x-1.0(A)f.2").words
+@every_iso_control
+def test_a_word_knows_its_place_address_and_point(dialect: Dialect) -> None:
+    x, f = read_block(3, "N10 x-1.0(A)f.2", dialect).words
     assert (x.letter, x.address, x.number, x.has_point, x.start, x.end) == ("x", "X", -1.0, True, 4, 9)
     assert (f.letter, f.address, f.value_text, f.start, f.end) == ("f", "F", ".2", 12, 15)
-    assert not read_block(0, "X1").words[0].has_point
+    assert not read_block(0, "X1", dialect).words[0].has_point
 
 
-def test_a_block_finds_the_last_word_of_an_address() -> None:
-    block = read_block(0, "G1 X1 x2")
+@every_iso_control
+def test_a_block_finds_the_last_word_of_an_address(dialect: Dialect) -> None:
+    block = read_block(0, "G1 X1 x2", dialect)
     word = block.word("X")
     assert word is not None
     assert word.number == 2
@@ -326,15 +364,16 @@ def test_a_block_finds_the_last_word_of_an_address() -> None:
 
 
 @pytest.mark.parametrize("text", ["", " ", "N10", "(A)", "N10 (A)", "/", ";"])
-def test_a_block_that_does_nothing_is_empty(text: str) -> None:
-    assert read_block(0, text).is_empty
+@every_iso_control
+def test_a_block_that_does_nothing_is_empty(text: str, dialect: Dialect) -> None:
+    assert read_block(0, text, dialect).is_empty
 
 
 @pytest.mark.parametrize(
     ("text", "column", "end"), [("", 1, 2), (" ", 1, 2), ("  \t", 1, 2), ("  G1 ", 3, 5)]
 )
 def test_a_place_lies_in_its_line(text: str, column: int, end: int) -> None:
-    program = parse(read(f"G1\n{text}\nG2".encode()))
+    program = parse(read(f"G1\n{text}\nG2".encode()), GENERIC_LATHE)
     place = program.diagnose(1, "SYN001", "something").place
     assert place is not None
     assert (place.line, place.column, place.end_column) == (2, column, end)

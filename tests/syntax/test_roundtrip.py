@@ -10,26 +10,28 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from chipbreak.syntax.grammar import terminals
+from chipbreak.dialects import GENERIC_LATHE, Dialect
+from chipbreak.syntax.grammar import grammar_of
 from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.parse import LONGEST_LINE, emit, parse, read_block
 from chipbreak.text.source import BLANKS, read
 
+from .controls import every_grammar, every_iso_control
 from .fragments import lines, programs
 
 LINE = re.compile(rb"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+")
 BLANK = re.compile(f"[{re.escape(BLANKS.decode('latin-1'))}]")
 
 
-def check_round_trip(data: bytes) -> None:
-    program = parse(read(data))
+def check_round_trip(data: bytes, dialect: Dialect = GENERIC_LATHE) -> None:
+    program = parse(read(data), dialect)
     assert emit(program) == data
     for block in program.event_blocks():
         assert block.text == program.source.text(block.line)
     program.unreadable()
 
 
-def check_nothing_dropped(block: Block) -> None:
+def check_nothing_dropped(block: Block, dialect: Dialect) -> None:
     """Between the items of a block there are blanks only, and a block-delete mark where ``skip`` says so."""
     if block.opaque or block.mark:
         assert not (block.words or block.comments or block.assignments or block.controls or block.sequence)
@@ -48,16 +50,18 @@ def check_nothing_dropped(block: Block) -> None:
         inside = block.text[word.start : word.end]
         assert inside.startswith(word.letter)
         assert inside.endswith(word.value_text)
-        assert not BLANK.sub("", inside[len(word.letter) : len(inside) - len(word.value_text)])
+        set_off = BLANK.sub("", inside[len(word.letter) : len(inside) - len(word.value_text)])
+        assert set_off in ("", *grammar_of(dialect).separators)
 
 
 def test_every_program_of_the_corpus_comes_back(corpus_file: Path) -> None:
     check_round_trip(corpus_file.read_bytes())
 
 
+@every_grammar
 @given(st.binary(max_size=200))
-def test_any_bytes_come_back(data: bytes) -> None:
-    check_round_trip(data)
+def test_any_bytes_come_back(dialect: Dialect, data: bytes) -> None:
+    check_round_trip(data, dialect)
 
 
 @given(programs)
@@ -81,6 +85,7 @@ def test_lines_are_cut_at_every_line_end_and_nowhere_else(data: bytes) -> None:
     ]
 
 
+@every_grammar
 @given(lines)
 @example("X1 (A)) Y2")
 @example("N10 /2 X1")
@@ -88,13 +93,14 @@ def test_lines_are_cut_at_every_line_end_and_nowhere_else(data: bytes) -> None:
 @example("/0X1")
 @example("X\x001")
 @example("G1 (A (B) X1) Y2")
-def test_reading_a_block_drops_nothing(text: str) -> None:
-    check_nothing_dropped(read_block(0, text))
+def test_reading_a_block_drops_nothing(dialect: Dialect, text: str) -> None:
+    check_nothing_dropped(read_block(0, text, dialect), dialect)
 
 
-def test_reading_the_corpus_drops_nothing(corpus_lines: list[str]) -> None:
+@every_grammar
+def test_reading_the_corpus_drops_nothing(dialect: Dialect, corpus_lines: list[str]) -> None:
     for text in corpus_lines:
-        check_nothing_dropped(read_block(0, text))
+        check_nothing_dropped(read_block(0, text, dialect), dialect)
 
 
 @pytest.mark.parametrize(
@@ -123,14 +129,14 @@ def test_reading_the_corpus_drops_nothing(corpus_lines: list[str]) -> None:
 def test_the_body_is_what_a_control_reads(data: bytes, body: range) -> None:
     source = read(data)
     assert source.body == body
-    events = parse(source).special_lines
+    events = parse(source, GENERIC_LATHE).special_lines
     assert all(line in body for line in events)
 
 
 @given(programs)
 def test_marks_bound_the_body(data: bytes) -> None:
     source = read(data)
-    marks = [i for i in range(source.line_count) if read_block(i, source.text(i)).mark]
+    marks = [i for i in range(source.line_count) if read_block(i, source.text(i), GENERIC_LATHE).mark]
     if not marks:
         assert source.body == range(source.line_count)
     elif len(marks) > 1:
@@ -140,8 +146,9 @@ def test_marks_bound_the_body(data: bytes) -> None:
         assert {source.body.start, source.body.stop} <= {0, marks[0], marks[0] + 1, source.line_count}
 
 
-def test_source_and_grammar_agree_on_blanks() -> None:
-    blank = re.compile(terminals()["BLANK"])
+@every_grammar
+def test_source_and_grammar_agree_on_blanks(dialect: Dialect) -> None:
+    blank = re.compile(grammar_of(dialect).terminals["BLANK"])
     read_past = {c for c in range(256) if blank.fullmatch(chr(c))} | set(b"\xef\xbb\xbf")
     assert blank.fullmatch("\xef\xbb\xbf")
     assert set(BLANKS) == read_past
@@ -177,7 +184,7 @@ def test_places_count_from_one_and_follow_the_numbers_of_the_user() -> None:
 
 
 def test_an_unreadable_line_is_reported_where_it_is() -> None:
-    program = parse(read(b"%\nG1 X1 @5 Y2\nX2\nX[1+]\n%\nTRAILER\n", "a.nc"))
+    program = parse(read(b"%\nG1 X1 @5 Y2\nX2\nX[1+]\n%\nTRAILER\n", "a.nc"), GENERIC_LATHE)
     found = program.unreadable()
     assert [str(d.place) for d in found] == ["a.nc:2:7", "a.nc:4:5"]
     assert {d.code for d in found} == {"SYN001"}
@@ -219,14 +226,15 @@ ENDLESS = {
 
 
 @pytest.mark.parametrize("name", ENDLESS)
-def test_no_line_is_too_long_or_too_deep(name: str) -> None:
+@every_iso_control
+def test_no_line_is_too_long_or_too_deep(name: str, dialect: Dialect) -> None:
     text, why = ENDLESS[name]
-    block = read_block(0, text)
+    block = read_block(0, text, dialect)
     assert why in block.opaque
     assert bool(why) == bool(block.opaque)
     assert 0 <= block.opaque_column <= len(text)
     data = text.encode("latin-1")
-    program = parse(read(data))
+    program = parse(read(data), dialect)
     assert emit(program) == data
     assert program.plain.tolist() == [-1]
     hash(block), repr(block)  # an expression can be walked by recursion

@@ -9,14 +9,17 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from chipbreak.dialects import GENERIC_LATHE, Dialect
 from chipbreak.syntax import shapes
 from chipbreak.syntax.columns import read_columns, uniform_run
+from chipbreak.syntax.grammar import grammar_of
 from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.parse import parse, parse_changed, read_block, read_by_grammar, read_plain
 from chipbreak.syntax.shapes import PLAIN_LETTERS, Shape
 from chipbreak.text.source import Source, read
 
-from .fragments import good_lines, lines, programs
+from .controls import every_grammar, every_iso_control
+from .fragments import good_lines, lines, programs, set_off_lines
 
 TRICKY = [
     "",
@@ -122,13 +125,23 @@ TRICKY = [
     "X" + "9" * 300,
     "X" + " " * 300 + "1",
     "N" + "9" * 400 + "/X1",
+    "X=1",
+    "X=-1.5 Y = 2",
+    "X==1",
+    "X=",
+    "N10 G1 X=10.5 Y=3 F=.2",
+    "N=10 X=1",
+    "G=1 X=1",
+    "G1 X=1 ; X=2",
+    "X=1=2",
+    "=1",
 ]
 
 
-def compare_regular_expression_and_grammar(text: str) -> None:
-    plain = read_plain(0, text)
+def compare_regular_expression_and_grammar(text: str, dialect: Dialect) -> None:
+    plain = read_plain(0, text, dialect)
     if plain is not None:
-        assert plain == read_by_grammar(0, text)
+        assert plain == read_by_grammar(0, text, dialect)
 
 
 def compare_shape_and_block(shape: Shape, block: Block) -> None:
@@ -148,51 +161,60 @@ def compare_shape_and_block(shape: Shape, block: Block) -> None:
     )
 
 
-def compare_shapes(source: Source) -> None:
-    program = parse(source)
+def compare_shapes(source: Source, dialect: Dialect) -> None:
+    program = parse(source, dialect)
     plain, found = program.plain, program.shapes
     assert len(plain) == source.line_count
     for line, index in enumerate(plain.tolist()):
         if index >= 0:
-            compare_shape_and_block(found[index], read_block(line, source.text(line)))
+            compare_shape_and_block(found[index], read_block(line, source.text(line), dialect))
 
 
+@every_grammar
 @pytest.mark.parametrize("text", TRICKY)
-def test_tricky_lines_are_read_alike(text: str) -> None:
-    compare_regular_expression_and_grammar(text)
-    compare_shapes(read(text.encode("latin-1")))
+def test_tricky_lines_are_read_alike(dialect: Dialect, text: str) -> None:
+    compare_regular_expression_and_grammar(text, dialect)
+    compare_shapes(read(text.encode("latin-1")), dialect)
 
 
-@given(st.one_of(good_lines, lines))
+@every_grammar
+@given(st.one_of(good_lines, lines, set_off_lines))
 @example("X\x001")
 @example("N10 /2 N20 X1")
-def test_regular_expression_and_grammar_agree(text: str) -> None:
-    compare_regular_expression_and_grammar(text)
+def test_regular_expression_and_grammar_agree(dialect: Dialect, text: str) -> None:
+    compare_regular_expression_and_grammar(text, dialect)
 
 
-@given(st.text("GNXYFR0123456789.+- \t/,;()\0", max_size=14))
-def test_they_agree_on_every_order_of_the_signs_of_a_block(text: str) -> None:
-    compare_regular_expression_and_grammar(text)
-    compare_shapes(read(text.encode("latin-1")))
+@every_grammar
+@given(st.text("GNXYFR0123456789.+-= \t/,;()\0", max_size=14))
+def test_they_agree_on_every_order_of_the_signs_of_a_block(dialect: Dialect, text: str) -> None:
+    compare_regular_expression_and_grammar(text, dialect)
+    compare_shapes(read(text.encode("latin-1")), dialect)
 
 
-def test_regular_expression_and_grammar_agree_on_the_corpus(corpus_lines: list[str]) -> None:
+@every_grammar
+def test_regular_expression_and_grammar_agree_on_the_corpus(
+    dialect: Dialect, corpus_lines: list[str]
+) -> None:
     for text in corpus_lines:
-        compare_regular_expression_and_grammar(text)
+        compare_regular_expression_and_grammar(text, dialect)
 
 
-def test_most_of_the_corpus_needs_no_grammar(corpus_lines: list[str]) -> None:
-    read_fast = sum(read_plain(0, text) is not None for text in corpus_lines)
+@every_iso_control
+def test_most_of_the_corpus_needs_no_grammar(dialect: Dialect, corpus_lines: list[str]) -> None:
+    read_fast = sum(read_plain(0, text, dialect) is not None for text in corpus_lines)
     assert read_fast > len(corpus_lines) / 3
 
 
-@given(programs)
-def test_shapes_and_blocks_agree(data: bytes) -> None:
-    compare_shapes(read(data))
+@every_grammar
+@given(st.one_of(programs, st.lists(set_off_lines).map(lambda parts: "\n".join(parts).encode("latin-1"))))
+def test_shapes_and_blocks_agree(dialect: Dialect, data: bytes) -> None:
+    compare_shapes(read(data), dialect)
 
 
-def test_shapes_and_blocks_agree_on_the_corpus(corpus_file: Path) -> None:
-    compare_shapes(read(corpus_file.read_bytes()))
+@every_grammar
+def test_shapes_and_blocks_agree_on_the_corpus(dialect: Dialect, corpus_file: Path) -> None:
+    compare_shapes(read(corpus_file.read_bytes()), dialect)
 
 
 @given(programs, st.integers(1, 40))
@@ -201,17 +223,17 @@ def test_shapes_and_blocks_agree_on_the_corpus(corpus_file: Path) -> None:
 @example(b"\n\nG1", 1)
 def test_shapes_do_not_depend_on_the_size_of_the_pieces(data: bytes, size: int) -> None:
     source = read(data)
-    whole = parse(source)
+    whole = parse(source, GENERIC_LATHE)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(shapes, "_CHUNK_BYTES", size)
-        pieces = parse(source)
+        pieces = parse(source, GENERIC_LATHE)
     assert pieces.plain.tolist() == whole.plain.tolist()
     assert pieces.shapes == whole.shapes
 
 
 @given(programs, programs, st.data())
 def test_a_changed_program_is_classified_like_a_new_one(old: bytes, new: bytes, data: st.DataObject) -> None:
-    original = parse(read(old))
+    original = parse(read(old), GENERIC_LATHE)
     count = original.source.line_count
     first = data.draw(st.integers(0, count))
     last = data.draw(st.integers(first, count))
@@ -223,7 +245,7 @@ def test_a_changed_program_is_classified_like_a_new_one(old: bytes, new: bytes, 
     if not same_cut:  # a line end was split or joined at the border
         return
     kept = [(0, first, 0), (first + insert.line_count, changed.line_count, last)]
-    spliced, fresh = parse_changed(changed, original, kept), parse(changed)
+    spliced, fresh = parse_changed(changed, original, kept), parse(changed, GENERIC_LATHE)
     assert spliced.special_lines.tolist() == fresh.special_lines.tolist()
     for line in np.flatnonzero(fresh.plain >= 0).tolist():
         assert spliced.shapes[spliced.plain[line]] == fresh.shapes[fresh.plain[line]]
@@ -249,23 +271,28 @@ def plain_blocks(draw: st.DrawFn) -> tuple[str, Shape]:
     return text, Shape("".join(letters), motion, all("." in value for value in numbers))
 
 
+@every_grammar
 @given(plain_blocks())
-def test_every_plain_block_is_found(case: tuple[str, Shape]) -> None:
+def test_every_plain_block_is_found(dialect: Dialect, case: tuple[str, Shape]) -> None:
     text, shape = case
-    program = parse(read(text.encode("latin-1")))
+    program = parse(read(text.encode("latin-1")), dialect)
     assert [program.shapes[index] for index in program.plain] == [shape]
     assert not len(program.special_lines)
-    compare_shape_and_block(shape, read_by_grammar(0, text))
+    compare_shape_and_block(shape, read_by_grammar(0, text, dialect))
 
 
+@every_grammar
 @given(
     st.lists(st.sampled_from(PLAIN_LETTERS), min_size=1, max_size=4, unique=True),
     st.lists(st.lists(number, min_size=4, max_size=4), min_size=1, max_size=5),
     st.sampled_from(["\n", "\r\n", "\r"]),
 )
-def test_columns_hold_the_numbers_of_the_blocks(letters: list[str], rows: list[list[str]], end: str) -> None:
-    text = [" ".join(map(str.__add__, letters, row)) for row in rows]
-    program = parse(read(end.join(text).encode()))
+def test_columns_hold_the_numbers_of_the_blocks(
+    dialect: Dialect, letters: list[str], rows: list[list[str]], end: str
+) -> None:
+    set_off = [letter + grammar_of(dialect).separators for letter in letters]
+    text = [" ".join(map(str.__add__, set_off, row)) for row in rows]
+    program = parse(read(end.join(text).encode()), dialect)
     columns = read_columns(program, 0, len(rows))
     assert columns is not None
     assert columns[0] == "".join(letters)
@@ -277,7 +304,7 @@ def test_columns_hold_the_numbers_of_the_blocks(letters: list[str], rows: list[l
     "text", ["X1\nY2", "X1\nX2Y2", "N1X1\nX2", "G1X1\nX2", "X1\nX2(A)", "X1\n\nX2", "X1\nX2 3"]
 )
 def test_columns_are_for_blocks_with_the_same_words_only(text: str) -> None:
-    program = parse(read(text.encode()))
+    program = parse(read(text.encode()), GENERIC_LATHE)
     assert read_columns(program, 0, program.source.line_count) is None
 
 
@@ -285,7 +312,7 @@ def test_columns_are_for_blocks_with_the_same_words_only(text: str) -> None:
     st.lists(st.tuples(st.sampled_from(["X1", "X2.", "N5X3", "G1X1", "X1Y2", "M5", ""]), st.integers(1, 150)))
 )
 def test_a_uniform_run_ends_where_the_words_change(parts: list[tuple[str, int]]) -> None:
-    program = parse(read("".join(f"{text}\n" * times for text, times in parts).encode()))
+    program = parse(read("".join(f"{text}\n" * times for text, times in parts).encode()), GENERIC_LATHE)
     plain = program.plain.tolist()
     words = [(program.shapes[i].letters, program.shapes[i].motion) if i >= 0 else None for i in plain]
     for first in range(0, len(words), 37):
@@ -326,5 +353,5 @@ def test_a_uniform_run_ends_where_the_words_change(parts: list[tuple[str, int]])
     ],
 )
 def test_a_block_with_more_in_it_is_not_plain(text: str) -> None:
-    program = parse(read(f"G1X1\n{text}\nX2\n".encode("latin-1")))
+    program = parse(read(f"G1X1\n{text}\nX2\n".encode("latin-1")), GENERIC_LATHE)
     assert [line in program.special_lines for line in range(3)] == [False, True, False]

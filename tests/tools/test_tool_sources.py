@@ -16,7 +16,8 @@ from chipbreak.tools.program import called_tools
 
 
 def trace_of(text: str, profile: str = "fanuc-mill") -> InterpretedProgram:
-    return interpret(parse(read(text.encode())), settings.load(profile))
+    rules = settings.load(profile)
+    return interpret(parse(read(text.encode()), rules.dialect), rules)
 
 
 def said(text: str, profile: str = "fanuc-mill") -> ToolTable:

@@ -139,7 +139,7 @@ def test_long_runs_are_read_in_the_same_words(style: str) -> None:
     program = f"G0 X10. B5. F0.2\n{style}G1 X0.5 B1.\n{blocks}M30\n"
     sets = ['axes.Z.letter="B"', "axes.Z.sign=-1"]
     settings = chipbreak.load("generic-lathe", sets)
-    interpreted = interpret(parse(read(program.encode(), "run.nc")), settings)
+    interpreted = interpret(parse(read(program.encode(), "run.nc"), settings.dialect), settings)
     state = interpreted.before(0)
     for effect in interpreted.effects_of(0, 202 + bool(style)):
         state = effect.after

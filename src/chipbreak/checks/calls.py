@@ -222,7 +222,7 @@ def _check(where: str, template: str, event: Event, limit: int, settings: Settin
             message = f'{where}: "{template}": S of a lathe turns the workpiece, not the tool'
             raise RefusalError(UNKNOWN_FIELD, message, "write the speed of a driven tool as a number")
     text = template.format_map(_LONGEST.fields(is_inch=False))
-    block = read_block(0, text)
+    block = read_block(0, text, settings.dialect)
     why = block.opaque or ("it holds no words" if block.is_empty else "")
     if not (text.isascii() and text.isprintable()):
         why = "it holds characters that no control reads"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from pathlib import Path
 from typing import NamedTuple
 
 from chipbreak.dialects.modes import Modes, check_value
@@ -10,6 +11,25 @@ from chipbreak.text.frozen_table import FrozenTable
 
 # Groups whose codes act in their own block only.  The interpreter and the refusals know them by value.
 NON_MODAL = "non_modal"
+
+
+# The operators of expressions, the strongest first; those of one set are worked out from left to right.
+Precedence = tuple[frozenset[str], ...]
+
+_COMPARISONS = frozenset({"EQ", "NE", "GT", "GE", "LT", "LE"})
+LOGIC_LAST: Precedence = (
+    frozenset({"**"}),
+    frozenset({"*", "/", "MOD"}),
+    frozenset({"+", "-"}),
+    _COMPARISONS,
+    frozenset({"AND", "OR", "XOR"}),
+)
+LOGIC_AS_ARITHMETIC: Precedence = (
+    frozenset({"**"}),
+    frozenset({"*", "/", "MOD", "AND"}),
+    frozenset({"+", "-", "OR", "XOR"}),
+    _COMPARISONS,
+)
 
 
 class Code(NamedTuple):
@@ -42,6 +62,8 @@ class Loop(NamedTuple):
 class Dialect(NamedTuple):
     """A control's vocabulary.
 
+    ``grammar``       the file of ``grammar/`` that reads its blocks, without ``.lark``, or another's path
+    ``precedence``    the operators of its expressions, the strongest first
     ``g_codes``       ten times the G number -> Code
     ``initial``       what is in force at power-on
     ``incremental``   letters that always move incrementally -> the axis (U -> X); empty where they are axes
@@ -68,6 +90,8 @@ class Dialect(NamedTuple):
     g_codes: Mapping[int, Code]
     initial: Modes
     tool_change: str
+    grammar: str | Path
+    precedence: Precedence
     lathe_system: str = ""
     incremental: Mapping[str, str] = FrozenTable({})
     speed_limit: frozenset[int] = frozenset()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from chipbreak.dialects.base import COMMON, Dialect, Loop, table
+from chipbreak.dialects.base import COMMON, LOGIC_AS_ARITHMETIC, Dialect, Loop, table
 from chipbreak.dialects.modes import Modes
 from chipbreak.text.frozen_table import FrozenTable
 
@@ -55,6 +55,8 @@ FANUC_LATHE_A = Dialect(
     ),
     initial=_LATHE_INITIAL,
     tool_change="T",
+    grammar="fanuc",
+    precedence=LOGIC_AS_ARITHMETIC,
     incremental=_INCREMENTAL,
     speed_limit=frozenset({500}),
     machine_retract=("G28 U0", "G28 W0"),
@@ -77,6 +79,8 @@ FANUC_LATHE_B = Dialect(
     ),
     initial=_LATHE_INITIAL,
     tool_change="T",
+    grammar="fanuc",
+    precedence=LOGIC_AS_ARITHMETIC,
     incremental=_INCREMENTAL,
     speed_limit=frozenset({500, 920}),
     machine_retract=("G28 U0", "G28 W0"),
@@ -105,6 +109,8 @@ FANUC_LATHE_C = Dialect(
     ),
     initial=_LATHE_INITIAL,
     tool_change="T",
+    grammar="fanuc",
+    precedence=LOGIC_AS_ARITHMETIC,
     incremental=_INCREMENTAL,
     speed_limit=frozenset({500, 920}),
     machine_retract=("G28 U0", "G28 W0"),
@@ -148,6 +154,8 @@ FANUC_MILL = Dialect(
     ),
     initial=Modes(motion="rapid", plane="XY", feed_mode="minute", path="blend"),
     tool_change="M6",
+    grammar="fanuc",
+    precedence=LOGIC_AS_ARITHMETIC,
     axis_letters="XYZUWABC",
     machine_retract=("G91 G28 Z0.", "G90"),
     kept_variables=((500, 999), (98000, 98499)),

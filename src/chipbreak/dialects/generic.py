@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from chipbreak.dialects.base import COMMON, Dialect, table
+from chipbreak.dialects.base import COMMON, LOGIC_LAST, Dialect, table
 from chipbreak.dialects.modes import Modes
 from chipbreak.text.frozen_table import FrozenTable
 
@@ -36,6 +36,8 @@ GENERIC_LATHE = Dialect(
     ),
     initial=Modes(motion="rapid", plane="ZX", feed_mode="rev"),
     tool_change="T",
+    grammar="fanuc",
+    precedence=LOGIC_LAST,
     incremental=FrozenTable({"U": "X", "V": "Y", "W": "Z", "H": "C"}),
     speed_limit=frozenset({500, 920}),
     machine_retract=("G28 U0", "G28 W0"),

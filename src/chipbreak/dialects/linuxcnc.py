@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from chipbreak.dialects.base import COMMON, Dialect, Loop, table
+from chipbreak.dialects.base import COMMON, LOGIC_LAST, Dialect, Loop, table
 from chipbreak.dialects.modes import Modes
 from chipbreak.text.frozen_table import FrozenTable
 
@@ -52,6 +52,8 @@ LINUXCNC_LATHE = Dialect(
     g_codes=_CODES,
     initial=_INITIAL._replace(plane="ZX"),
     tool_change="M6",
+    grammar="linuxcnc",
+    precedence=LOGIC_LAST,
     surface_limit="D",
     dwell_word="P",
     axis_letters="XYZUW",

@@ -13,7 +13,7 @@ from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from chipbreak.dialects.base import NON_MODAL
+from chipbreak.dialects import GENERIC_LATHE, NON_MODAL
 from chipbreak.editing.restore import Region, regions
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Assignment, Block, Control, Word
@@ -125,7 +125,7 @@ def items_of(
     Raises ProgramRejectedError for a broken bracket.
     """
     source = read(data, name)
-    program = parse(source)
+    program = parse(source, settings.dialect if settings else GENERIC_LATHE)
     reader = _Reader(program, settings, ignore_comments=ignore_comments)
     line = 0
     for region in regions(source):

@@ -287,6 +287,6 @@ def retract_steps(settings: Settings) -> Iterable[BlockEffect]:
     interpreter = Interpreter(settings, Flow(frozenset(), ()))
     state = State(modes=settings.dialect.initial)
     for text in retract_blocks(settings):
-        effect = interpreter.advance(state, read_block(0, text))
+        effect = interpreter.advance(state, read_block(0, text, settings.dialect))
         state = effect.after
         yield effect

@@ -102,7 +102,7 @@ class _Blocks:
     def write(self, text: str) -> None:
         """Add a block."""
         self.texts.append(text)
-        self.now = self.interpreter.advance(self.now, read_block(0, text)).after
+        self.now = self.interpreter.advance(self.now, read_block(0, text, self.dialect)).after
 
     def make_ready(self) -> None:
         """Coolant off, tool up, spindle off."""

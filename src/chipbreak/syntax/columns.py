@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from chipbreak.syntax.parse import Program
 
 _MOST_DECIMALS = 9
-_LETTERS_TO_BLANK = bytes.maketrans(b"ABCDEFGHIJKLMNOPQRSTUVWXYZ", b" " * 26)
+_LETTERS = b"ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
 def uniform_run(program: Program, first: int, last: int) -> int:
@@ -42,7 +42,9 @@ def read_columns(program: Program, first: int, last: int) -> tuple[str, NDArray[
     if None in shapes or len(letters) != 1 or any(s is not None and s.motion is not None for s in shapes):
         return None
     source = program.source
-    text = source.data[source.starts[first] : source.starts[last]].translate(_LETTERS_TO_BLANK)
+    between = _LETTERS + program.table.grammar.separators.encode("latin-1")
+    to_blank = bytes.maketrans(between, b" " * len(between))
+    text = source.data[source.starts[first] : source.starts[last]].translate(to_blank)
     width = len(next(iter(letters)))
     numbers = _even_numbers(text, last - first, width)
     if numbers is None:

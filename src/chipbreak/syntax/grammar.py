@@ -1,19 +1,31 @@
-"""Finds and loads ``grammar/``: the only module that imports lark.
+"""Finds and loads the grammar of a dialect: the only module that imports lark.
 
+A grammar is a file of ``grammar/``, or one that another package brings (then the dialect holds its path).
 lark is imported on first use, because most programs have only plain blocks and never need it.
 """
 
 from __future__ import annotations
 
 import re
-from functools import lru_cache
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from chipbreak.dialects import Dialect
+from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, Severity
 
 if TYPE_CHECKING:
     from lark import Lark
 
-_TERMINAL = re.compile(r"^([A-Z_]+)(?:\.\d+)?\s*:\s*/(.*)/(i?)\s*$", re.MULTILINE)
+UNUSABLE_GRAMMAR = "SYN002"
+_TERMINAL = re.compile(r"^(?:%override +)?([A-Z_]+)(?:\.\d+)?\s*:\s*/(.*)/(i?)\s*$", re.MULTILINE)
+_IMPORT = re.compile(r"^%import +\.(\w+)", re.MULTILINE)
+_NAME = re.compile(r"[A-Z_]+")
+_REMARK = re.compile(r"//.*")
+_OPTIONAL = ("COMMENT", "DELETE", "SEPARATOR")
+_NEEDED = ("LETTER", "NUMBER", "BLANK")
+_BYTES = [chr(byte) for byte in range(256)]
 
 
 def grammar_dir() -> Path:
@@ -22,27 +34,123 @@ def grammar_dir() -> Path:
     return installed if installed.is_dir() else Path(__file__).parents[3] / "grammar"
 
 
-@lru_cache(maxsize=1)
-def block_parser() -> Lark:
-    """The grammar of one block, as an LALR parser that keeps positions."""
-    from lark import Lark  # noqa: PLC0415
+class Grammar:
+    """The grammar of one family of controls, and what the fast roads take from it.
 
-    text = (grammar_dir() / "nc.lark").read_text("ascii")
-    return Lark(
-        text,
-        start="block",
-        parser="lalr",
-        lexer="contextual",
-        propagate_positions=True,
-        import_paths=[str(grammar_dir())],
-    )
+    ``file`` is the grammar file.  Files that it imports are looked for beside it, then in ``grammar/``.
+    """
+
+    def __init__(self, file: Path, folders: tuple[Path, ...]) -> None:
+        self.file, self.folders = file, folders
+
+    @cached_property
+    def terminals(self) -> Mapping[str, str]:
+        """Terminals of the file and of all it imports, as regular expressions; its own come first.
+
+        Raises ProgramRejectedError (SYN002) when the file cannot be read, or lacks LETTER, NUMBER or BLANK.
+        """
+        try:
+            own = self.file.read_text("ascii")
+            found = _terminals(self._texts(own, set()))
+        except (OSError, ValueError, re.error) as error:
+            raise self._unusable(str(error)) from None
+        # An imported file may have these for others; a block has them where its own grammar says so.
+        said = set(_NAME.findall(_REMARK.sub("", own)))
+        found = {name: pattern for name, pattern in found.items() if name in said or name not in _OPTIONAL}
+        missing = [name for name in _NEEDED if name not in found]
+        if missing:
+            raise self._unusable(f"it has no terminal {', '.join(missing)} on a line of its own")
+        return found
+
+    @cached_property
+    def parser(self) -> Lark:
+        """The grammar of one block, as an LALR parser that keeps positions.
+
+        Raises ProgramRejectedError (SYN002) for a grammar that cannot be used.
+        """
+        from lark import Lark  # noqa: PLC0415
+        from lark.exceptions import LarkError  # noqa: PLC0415
+
+        try:
+            return Lark(
+                self.file.read_text("ascii"),
+                start="block",
+                parser="lalr",
+                lexer="contextual",
+                propagate_positions=True,
+                import_paths=[self._imported],
+            )
+        except (LarkError, OSError) as error:
+            raise self._unusable(str(error).split("\n", 1)[0]) from None
+
+    @cached_property
+    def item(self) -> re.Pattern[str]:
+        """One item of a plain block: a word with its number, blanks, or a comment."""
+        names = self.terminals
+        blank = f"(?:{names['BLANK']})?"
+        # A letter and a separator are taken as they are found, as the grammar takes them.
+        separator = f"(?>(?:{names['SEPARATOR']})?){blank}" if "SEPARATOR" in names else ""
+        word = f"(?P<word>(?P<letter>(?>{names['LETTER']})){blank}{separator}(?P<number>{names['NUMBER']}))"
+        comment = f"|(?P<comment>{names['COMMENT']})" if "COMMENT" in names else ""
+        return re.compile(f"{word}|(?P<blank>{names['BLANK']}){comment}")
+
+    @cached_property
+    def head(self) -> re.Pattern[str]:
+        """The block-delete mark at the front; without one a pattern that matches nothing."""
+        names = self.terminals
+        delete = names.get("DELETE", "(?!)")
+        return re.compile(f"(?:{names['BLANK']})?(?P<delete>{delete})")
+
+    @cached_property
+    def separators(self) -> str:
+        """The single characters that may stand between a letter and its number; mostly none."""
+        pattern = re.compile(self.terminals.get("SEPARATOR", "(?!)"))
+        return "".join(character for character in _BYTES if pattern.fullmatch(character))
+
+    def reads_letter(self, letter: str) -> bool:
+        """True when a letter with a digit straight behind it is an address and its value."""
+        match = re.match(self.terminals["LETTER"], f"{letter}1")
+        return match is not None and match.end() == 1
+
+    def _texts(self, text: str, seen: set[str]) -> Iterator[str]:
+        yield text
+        for name in _IMPORT.findall(text):
+            if name not in seen:
+                seen.add(name)
+                yield from self._texts(self._imported(None, f"{name}.lark")[1], seen)
+
+    def _imported(self, base: object, path: str) -> tuple[str, str]:
+        """Name and text of an imported file, as lark asks for it.  Raises OSError when there is none."""
+        for folder in self.folders:
+            file = folder / path
+            if file.is_file():
+                return str(file), file.read_text("ascii")
+        raise FileNotFoundError(f"there is no grammar file {path}")
+
+    def _unusable(self, why: str) -> ProgramRejectedError:
+        message = f"the grammar {self.file.name} of this control cannot be used: {why}"
+        help_text = "this is a fault of the package that brings the control, not of the program"
+        return ProgramRejectedError([Diagnostic(UNUSABLE_GRAMMAR, Severity.ERROR, message, help_text)])
 
 
-@lru_cache(maxsize=1)
-def terminals() -> dict[str, str]:
-    """The terminals of ``nc.lark`` and ``expression.lark`` by name, as regular expressions."""
-    found = {}
-    for name in ("expression.lark", "nc.lark"):
-        text = (grammar_dir() / name).read_text("ascii")
-        found.update({m[1]: m[2].replace("\\/", "/") for m in _TERMINAL.finditer(text)})
+def _terminals(texts: Iterable[str]) -> dict[str, str]:
+    """The terminals of some files by name, the first of each; raises re.error for one that is none."""
+    found: dict[str, str] = {}
+    for text in texts:
+        for match in _TERMINAL.finditer(text):
+            pattern = match[2].replace("\\/", "/")
+            re.compile(pattern)
+            found.setdefault(match[1], pattern)
     return found
+
+
+def grammar_of(dialect: Dialect) -> Grammar:
+    """The grammar of a dialect; each file is loaded once."""
+    return _grammar(dialect.grammar)
+
+
+@lru_cache
+def _grammar(name: str | Path) -> Grammar:
+    own = grammar_dir()
+    file = own / f"{name}.lark" if isinstance(name, str) else name
+    return Grammar(file, (file.parent, own))

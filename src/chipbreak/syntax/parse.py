@@ -1,22 +1,22 @@
 """Text to Program.
 
 Two roads lead to a Block.  A block of plain words and comments is read by one regular expression made of
-the grammar's own terminals; whatever that cannot read goes to the grammar.  A property test holds the two
-roads equal.  What neither can read becomes an opaque block, with a diagnostic, and prints as it came.
+the terminals of the dialect's grammar; whatever that cannot read goes to the grammar.  A property test holds
+the two roads equal.  What neither can read becomes an opaque block, with a diagnostic, and prints as it came.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from chipbreak.syntax.build import BlockBuilder, UnreadableError, build_block, opaque
-from chipbreak.syntax.grammar import block_parser, terminals
+from chipbreak.dialects import Dialect
+from chipbreak.syntax.build import BlockBuilder, build_block, opaque
+from chipbreak.syntax.expressions import UnreadableError
+from chipbreak.syntax.grammar import grammar_of
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.syntax.shapes import LONGEST_PLAIN, Shape, ShapeTable, classify
 from chipbreak.text.diagnostics import Diagnostic, Severity
@@ -29,7 +29,7 @@ _BLANK_CHARACTERS = BLANKS.decode("latin-1")
 
 
 class Program(NamedTuple):
-    """A program as lines, without losing a byte.
+    """A program as lines, without losing a byte, as a control reads them (``dialect``).
 
     ``plain`` holds for every line the index of its shape in ``table.shapes``, or -1 where the line is more
     than a plain motion block; ``special_lines`` are those lines of the body.  ``bits`` says for every plain
@@ -37,6 +37,7 @@ class Program(NamedTuple):
     """
 
     source: Source
+    dialect: Dialect
     plain: NDArray[np.int32]
     table: ShapeTable
     special_lines: NDArray[np.int64]
@@ -52,7 +53,7 @@ class Program(NamedTuple):
         """The block on a line."""
         block = self.known.get(line)
         if block is None:
-            block = read_block(line, self.source.text(line))
+            block = read_block(line, self.source.text(line), self.dialect)
             if self.plain[line] < 0:
                 self.known[line] = block
         return block
@@ -73,8 +74,7 @@ class Program(NamedTuple):
     ) -> Diagnostic:
         """A diagnostic at characters ``at`` of a line, or at its first word."""
         text = self.source.text(line)
-        # A line of blanks has no first word: its own start.
-        start, end = at or ((len(text) - len(text.lstrip())) % max(1, len(text)), len(text.rstrip()))
+        start, end = at or _first_word(text)
         return Diagnostic(code, severity, message, help, self.source.place(line, start, end), text)
 
     def unreadable(self) -> list[Diagnostic]:
@@ -93,10 +93,20 @@ class Program(NamedTuple):
         ]
 
 
-def parse(source: Source) -> Program:
-    """Classify every line; blocks are read on demand.  Never fails."""
-    table = ShapeTable()
-    return _program(source, classify(source, table, 0, source.line_count), table)
+def _first_word(text: str) -> tuple[int, int]:
+    """Where the first word of a line begins, and where the last one ends; a line of blanks has its start."""
+    end = len(text.rstrip())
+    return (end - len(text[:end].lstrip()) if end else 0), end
+
+
+def parse(source: Source, dialect: Dialect) -> Program:
+    """Classify every line as the dialect's grammar reads it; blocks are read on demand.
+
+    Any bytes are a program: what cannot be read becomes an opaque block.  Raises ProgramRejectedError
+    (SYN002) only for a dialect whose grammar cannot be used.
+    """
+    table = ShapeTable(grammar_of(dialect))
+    return _program(source, dialect, classify(source, table, 0, source.line_count), table)
 
 
 def parse_changed(source: Source, original: Program, kept: Sequence[tuple[int, int, int]]) -> Program:
@@ -112,14 +122,14 @@ def parse_changed(source: Source, original: Program, kept: Sequence[tuple[int, i
         parts.append(original.plain[old_first : old_first + last - first])
         line = last
     parts.append(classify(source, original.table, line, source.line_count))
-    return _program(source, np.concatenate(parts), original.table)
+    return _program(source, original.dialect, np.concatenate(parts), original.table)
 
 
-def _program(source: Source, plain: NDArray[np.int32], table: ShapeTable) -> Program:
+def _program(source: Source, dialect: Dialect, plain: NDArray[np.int32], table: ShapeTable) -> Program:
     body = source.body
     special_lines = np.flatnonzero(plain[body.start : body.stop] < 0).astype(np.int64) + body.start
     bits = np.array([shape.bits for shape in table.shapes] + [0], np.uint16)
-    return Program(source, plain, table, special_lines, bits[plain], {})
+    return Program(source, dialect, plain, table, special_lines, bits[plain], {})
 
 
 def emit(program: Program) -> bytes:
@@ -127,42 +137,28 @@ def emit(program: Program) -> bytes:
     return b"".join(program.source.raw(line) for line in range(program.source.line_count))
 
 
-def read_block(line: int, text: str) -> Block:
+def read_block(line: int, text: str, dialect: Dialect) -> Block:
     """One block by the fast road where it is plain, by the grammar where it is not."""
     if text.lstrip(_BLANK_CHARACTERS).startswith("%"):
         return Block(line, text, mark=True)
     if len(text) > LONGEST_LINE and len(text.strip(_BLANK_CHARACTERS)) > LONGEST_LINE:
         return opaque(line, text, f"it is longer than {LONGEST_LINE} characters", LONGEST_LINE)
-    block = read_plain(line, text)
-    return block if block is not None else read_by_grammar(line, text)
+    block = read_plain(line, text, dialect)
+    return block if block is not None else read_by_grammar(line, text, dialect)
 
 
-@lru_cache(maxsize=1)
-def _items() -> re.Pattern[str]:
-    names = terminals()
-    return re.compile(
-        f"(?P<word>(?P<letter>{names['LETTER']})(?:{names['BLANK']})?(?P<number>{names['NUMBER']}))"
-        f"|(?P<blank>{names['BLANK']})|(?P<comment>{names['COMMENT']})"
-    )
-
-
-@lru_cache(maxsize=1)
-def _head() -> re.Pattern[str]:
-    names = terminals()
-    return re.compile(f"(?:{names['BLANK']})?(?P<delete>{names['DELETE']})")
-
-
-def read_plain(line: int, text: str) -> Block | None:
+def read_plain(line: int, text: str, dialect: Dialect) -> Block | None:
     """Words with literal numbers, comments and block delete; None when there is anything else."""
     if len(text) > LONGEST_PLAIN:
         return None
+    grammar = grammar_of(dialect)
     builder = BlockBuilder(line, text)
     at = 0
-    head = _head().match(text)
+    head = grammar.head.match(text)
     if head:
         builder.add_delete(head["delete"], head.start("delete"))
         at = head.end()
-    match_item = _items().match
+    match_item = grammar.item.match
     while at < len(text):
         match = match_item(text, at)
         if match is None:
@@ -177,12 +173,13 @@ def read_plain(line: int, text: str) -> Block | None:
     return builder.done()
 
 
-def read_by_grammar(line: int, text: str) -> Block:
+def read_by_grammar(line: int, text: str, dialect: Dialect) -> Block:
     """The law: the grammar's reading of any block."""
     from lark.exceptions import UnexpectedInput, UnexpectedToken  # noqa: PLC0415 (loaded when it is needed)
 
+    parser = grammar_of(dialect).parser
     try:
-        return build_block(block_parser().parse(text), line, text)
+        return build_block(parser.parse(text), line, text, dialect.precedence)
     except UnexpectedInput as error:
         ended = isinstance(error, UnexpectedToken) and error.token.type == "$END"
         column = len(text.rstrip(_BLANK_CHARACTERS)) - 1 if ended else int(error.pos_in_stream or 0)

@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Container, Iterator
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from chipbreak.syntax.grammar import terminals
+from chipbreak.syntax.grammar import Grammar
 from chipbreak.text.source import Source
 
 PLAIN_LETTERS = "XYZUVWABCIJKRF"
@@ -52,29 +51,34 @@ def bits_of(letters: Container[str]) -> int:
     return sum(1 << bit for bit, letter in enumerate(PLAIN_LETTERS) if letter in letters)
 
 
-@lru_cache(maxsize=1)
-def _shape_patterns() -> tuple[re.Pattern[bytes], re.Pattern[bytes]]:
-    """The plain block as a shape, from the grammar's own number; other blanks than these are rare enough."""
-    blank = r"[ 	]*+"  # possessive: a long run of blanks must not be tried twice
-    number = terminals()["NUMBER"].replace("[0-9]+", r"\x00").replace("[0-9]*", r"\x00?")
-    word = f"[{PLAIN_LETTERS}]{blank}{number}{blank}"
-    head = rf"{blank}(?:N{blank}{number}{blank})?(?:([\x02-\x05])\x00{blank})?"
-    return re.compile(f"{head}((?:{word})+)".encode("latin-1")), re.compile(f"[{PLAIN_LETTERS}]".encode())
+class ShapeReader:
+    """The plain block of a grammar as a shape, made of the grammar's own number and separator."""
 
+    def __init__(self, grammar: Grammar) -> None:
+        letters = "".join(filter(grammar.reads_letter, PLAIN_LETTERS)) or "\xff"  # a byte that no shape has
+        blank = r"[ 	]*+"  # possessive: a long run of blanks must not be tried twice; others are rare
+        number = grammar.terminals["NUMBER"].replace("[0-9]+", r"\x00").replace("[0-9]*", r"\x00?")
+        # A letter that is set off from its number may have any of the grammar's separators.
+        set_off = f"(?:[{re.escape(grammar.separators)}]{blank})?+" if grammar.separators else ""
+        word = f"[{letters}]{blank}{set_off}{number}{blank}"
+        sequence = f"(?:N{blank}{set_off}{number}{blank})?" if grammar.reads_letter("N") else ""
+        motion = rf"(?:([\x02-\x05])\x00{blank})?" if grammar.reads_letter("G") else "()"
+        head = f"{blank}{sequence}{motion}"
+        self._whole = re.compile(f"{head}((?:{word})+)".encode("latin-1"))
+        self._letter = re.compile(f"[{letters}]".encode("latin-1"))
 
-def read_shape(shape: bytes) -> Shape | None:
-    """The plain block that a shape stands for, or None when the line needs a closer look."""
-    if len(shape) > LONGEST_PLAIN:
-        return None
-    whole, letter = _shape_patterns()
-    match = whole.fullmatch(shape)
-    if match is None:
-        return None
-    letters = b"".join(letter.findall(match[2])).decode("ascii")
-    if len(set(letters)) != len(letters):
-        return None
-    motion = None if match[1] is None else _MOTIONS.index(match[1])
-    return Shape(letters, motion, match[2].count(b".") == len(letters))
+    def read(self, shape: bytes) -> Shape | None:
+        """The plain block that a shape stands for, or None when the line needs a closer look."""
+        if len(shape) > LONGEST_PLAIN:
+            return None
+        match = self._whole.fullmatch(shape)
+        if match is None:
+            return None
+        letters = b"".join(self._letter.findall(match[2])).decode("ascii")
+        if len(set(letters)) != len(letters):
+            return None
+        motion = _MOTIONS.index(match[1]) if match[1] else None
+        return Shape(letters, motion, match[2].count(b".") == len(letters))
 
 
 def line_shapes(source: Source, first: int, stop: int) -> Iterator[list[bytes]]:
@@ -120,12 +124,14 @@ def _motion_marks(raw: NDArray[np.uint8], codes: NDArray[np.int64]) -> NDArray[n
 class ShapeTable(dict[bytes, int]):
     """Shape to its index in ``shapes``, -1 for one that is not plain; each is read once."""
 
-    def __init__(self) -> None:
+    def __init__(self, grammar: Grammar) -> None:
         super().__init__()
+        self.grammar = grammar
         self.shapes: list[Shape] = []
+        self._read = ShapeReader(grammar).read
 
     def __missing__(self, shape: bytes) -> int:
-        read = read_shape(shape)
+        read = self._read(shape)
         index = -1
         if read is not None:
             index = len(self.shapes)

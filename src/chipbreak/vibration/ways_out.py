@@ -85,4 +85,4 @@ def _tried(interpreted: InterpretedProgram, chain: Chain) -> CutReport:
     output = b"".join(render(interpreted.program, [edit], settings))
     source = read(output, interpreted.program.source.name)
     (region,) = regions(source)
-    return measure_cut(interpret(parse(source), settings), region, plan, expansion)
+    return measure_cut(interpret(parse(source, settings.dialect), settings), region, plan, expansion)
