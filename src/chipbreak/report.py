@@ -74,8 +74,8 @@ def _cut_text(result: Result, checked: CutReport, settings: Settings) -> Iterato
     if verdict.per_rev > 0.0:
         reached_hz = verdict.per_rev * solution.speed_rpm / S_PER_MIN
         yield f"    reaches  N {verdict.per_rev:.4g}, {reached_hz:.5g} Hz (planner model {checked.control})"
-    elif not cut.keeps_feed:
-        yield "    reaches  no N that could be told: at full stroke the tool turns back once or never"
+    elif told := cut.expander.told_without_count():
+        yield f"    reaches  {told}"
     chips = "chips break" if verdict.breaks else "CHIPS DO NOT BREAK"
     longest = _chip(verdict.longest_chip_rev, verdict.longest_chip_mm)
     first = _chip(verdict.first_chip_rev, verdict.first_chip_mm)
@@ -93,9 +93,7 @@ def _cut_text(result: Result, checked: CutReport, settings: Settings) -> Iterato
     if verdict.speed_band_rpm:
         low, high = verdict.speed_band_rpm
         yield f"    band     breaks from {low:.0f} to {high:.0f} rpm at this frequency"
-    needs = f"    machine  needs {checked.acceleration_mm_s2:.0f} mm/s2"
-    if cut.keeps_feed:
-        needs = "    machine  never turns back"
+    needs = f"    machine  {cut.expander.told_need(checked.acceleration_mm_s2)}"
     if checked.servo_share is not None:
         needs += f", the servo leaves {checked.servo_share:.0%} of the stroke"
     if checked.clearances:
@@ -105,7 +103,7 @@ def _cut_text(result: Result, checked: CutReport, settings: Settings) -> Iterato
     if members := _members(checked, settings):
         said = ", ".join(f"{axis} ({letter} words) by {_MEMBERS[sign]}" for axis, letter, sign in members)
         yield f"    moved    {said}"
-    ends = f", stands {cut.end_stand_s * MS_PER_S:.0f} ms at its end" if cut.end_stand_s else ""
+    ends = f", stands {cut.end_dwell_s * MS_PER_S:.0f} ms at its end" if cut.end_dwell_s else ""
     yield (
         f"    output   {checked.move_count} moves, {checked.duration_s:.2f} s,"
         f" axis up to {verdict.peak_speed_mm_s * 60.0:.0f} mm/min{ends}"
@@ -116,18 +114,9 @@ def _cut_text(result: Result, checked: CutReport, settings: Settings) -> Iterato
 
 
 def _wave(checked: CutReport) -> str:
-    """The stroke, or how far the tool feeds and how long it then stands."""
-    cut, rev_s = checked.wave, S_PER_MIN / checked.plan.solution.speed_rpm
-    if cut.waveform == "dwell":
-        stand_s = float(checked.expansion.stand_s[0])
-        return (
-            f"    dwell    {cut.speed_mm_s * cut.period_s:.4g} mm at {cut.feed_mm_rev:.4g} mm/rev, then"
-            f" stands {stand_s * MS_PER_S:.4g} ms = {stand_s / rev_s:.3g} revolutions"
-        )
-    return (
-        f"    stroke   {cut.stroke_mm:.4g} mm = {cut.stroke_mm / cut.feed_mm_rev:.3g} x feed"
-        f" {cut.feed_mm_rev:.4g} mm/rev, {cut.waveform}, forward share {cut.alpha_share:.3g}"
-    )
+    """The stroke, or how far the tool feeds and how long it then dwells."""
+    name, told = checked.plan.expander.told(checked.wave, checked.each_dwell_s)
+    return f"    {name:8} {told}"
 
 
 def _loops(loops: Sequence[Loop], move_count: int) -> str:
@@ -200,8 +189,8 @@ def _cut_json(result: Result, checked: CutReport, settings: Settings) -> dict[st
         "stroke_mm": cut.wave.stroke_mm,
         "waveform": cut.wave.waveform,
         "alpha_share": cut.wave.alpha_share,
-        "stand_s": float(checked.expansion.stand_s[0]) if cut.keeps_feed else 0.0,
-        "end_stand_s": cut.end_stand_s,
+        "stand_s": checked.each_dwell_s,
+        "end_stand_s": cut.end_dwell_s,
         "moves": checked.move_count,
         "loops": [
             {"vibrations": loop.vibrations, "passes": loop.passes, "drift_steps": loop.drift_steps}

@@ -35,7 +35,7 @@ def test_the_interpreter_waits_as_promised(job: Job) -> None:
     assert (judgement.accepted, judgement.message) == (True, "")
     inside = [m for m in judgement.motion if m.path_mode == "G61"]
     waits = [m.time_s for m in inside if m.kind == "dwell"]
-    planned = cut.expansion.stand_s
+    planned = cut.expansion.dwell_s
     assert waits == pytest.approx(planned[planned > 0.0].tolist())
     assert {m.feed for m in inside if m.kind == "feed"} == {0.1}
     moves_s = sum(m.time_s for m in inside if m.kind == "feed")

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import chipbreak
 from chipbreak.kinematics.machine_demand import least_acceleration_mm_s2, servo_share
-from chipbreak.kinematics.waveform import Waveform, WaveformParameters
+from chipbreak.kinematics.waveform import WaveformParameters
 from chipbreak.settings import SettingsError
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.trajectory.trapezoid import Trapezoid
@@ -81,7 +81,7 @@ def test_what_a_slow_position_loop_leaves(frequency_hz: float, share: float) -> 
 
 
 def swing(
-    waveform: Waveform, frequency_hz: float, stroke_mm: float, feed_mm_rev: float = 1e-9
+    waveform: str, frequency_hz: float, stroke_mm: float, feed_mm_rev: float = 1e-9
 ) -> WaveformParameters:
     return WaveformParameters(
         length_mm=10.0,

@@ -219,7 +219,7 @@ def test_the_control_takes_what_it_needs_from_the_stand() -> None:
     for acceleration in (500, 5000):
         limit = f"axes.Z.max_acceleration_mm_s2={acceleration}"
         (cut,) = result(program, "linuxcnc-lathe", limit).cuts
-        times[acceleration] = float(cut.expansion.stand_s[0])
+        times[acceleration] = float(cut.expansion.dwell_s[0])
         assert cut.verdict.per_rev == pytest.approx(cut.plan.solution.per_rev, rel=1e-3)
     assert times[500] == pytest.approx(times[5000] - 0.004, abs=0.0011)
 
@@ -228,6 +228,6 @@ def test_rests() -> None:
     time_s, way = np.array([0.0, 1.0, 3.0, 4.0, 4.5, 5.0, 9.0]), np.array([0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0])
     rests = rests_of(time_s, way, 1e-9)
     assert rests.begin.tolist() == [1, 3]  # what it does behind the last move is no rest between two
-    assert rests.stand_s.tolist() == [2.0, 0.5]
+    assert rests.dwell_s.tolist() == [2.0, 0.5]
     assert rests.shortest_s(np.array([1])) == 2.0
     assert rests.shortest_s(np.array([], dtype=np.intp)) == 0.0

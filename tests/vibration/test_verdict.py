@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 
 from chipbreak.kinematics.chip_model import Verdict, judge
 from chipbreak.kinematics.waveform import (
-    Waveform,
     WaveformParameters,
     forward_ticks,
     full_window,
@@ -22,8 +21,8 @@ from chipbreak.kinematics.waveform import (
     least_stroke_mm,
     sample,
     speed_band_rpm,
-    wave,
 )
+from chipbreak.kinematics.waves import wave_named
 from chipbreak.text.diagnostics import RefusalError
 
 Floats = npt.NDArray[np.float64]
@@ -42,13 +41,13 @@ CUT = WaveformParameters(
 
 
 def steady_wave(
-    waveform: Waveform, per_rev: float, rho: float, alpha: float = 0.5, revs: int = 80
+    waveform: str, per_rev: float, rho: float, alpha: float = 0.5, revs: int = 80
 ) -> tuple[Floats, Floats]:
     """Knots of a wave of full stroke from the first to the last; a sine of 240 straight pieces."""
     count, period_s = round(revs * per_rev), REV_S / per_rev
     share, height = np.array([alpha, 1.0]), np.array([1.0, 0.0])
     if waveform == "sine":
-        share, height = np.arange(1, 241) / 240, wave("sine", 240, 120)
+        share, height = np.arange(1, 241) / 240, wave_named("sine").heights(240, 120)
     time_s = np.append(0.0, ((np.arange(count)[:, None] + share) * period_s).ravel())
     return time_s, FEED_MM / REV_S * time_s + rho * FEED_MM * np.append(0.0, np.tile(height, count))
 
@@ -166,7 +165,7 @@ def test_margin_of_the_sine_is_its_closed_form(per_rev: float, rho: float) -> No
     [(1.5, 0.9, 0.5), (1.37, 1.4, 0.75), (0.5, 1.9, 0.6), (2.8, 2.6, 0.5), (1.1, 3.5, 0.7), (3.3, 0.6, 0.4)],
 )
 def test_a_second_simulation_agrees(
-    waveform: Waveform, edges: int, per_rev: float, rho: float, alpha: float
+    waveform: str, edges: int, per_rev: float, rho: float, alpha: float
 ) -> None:
     motion = steady_wave(waveform, per_rev, rho, alpha, revs=60)
     thickness_mm, points = regenerated(*motion, edges)
@@ -236,7 +235,7 @@ def test_plain_feed_is_one_chip() -> None:
     ],
 )
 def test_band_edges(
-    *, waveform: Waveform, speed: float, per_rev: float, rho: float, alpha: float, band: Any
+    *, waveform: str, speed: float, per_rev: float, rho: float, alpha: float, band: Any
 ) -> None:
     got = speed_band_rpm(waveform, speed, per_rev, rho, alpha_share=alpha)
     assert got == pytest.approx(band, abs=0.6)
@@ -279,7 +278,7 @@ def test_a_whole_cut_keeps_its_margin(form: Any) -> None:
     wanted=st.sampled_from([0.9, 1.1, 1.2]),
 )
 def test_the_least_stroke_keeps_its_promise(
-    *, per_rev: float, ticks: int, share: float, waveform: Waveform, edges: int, wanted: float
+    *, per_rev: float, ticks: int, share: float, waveform: str, edges: int, wanted: float
 ) -> None:
     assume(0.03 < per_rev / edges % 1 < 0.97)
     forward = forward_ticks(ticks, share)

@@ -12,15 +12,14 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from chipbreak.kinematics.waveform import (
-    Waveform,
     WaveformParameters,
     forward_ticks,
     full_window,
     largest_drop,
     least_stroke_mm,
     sample,
-    wave,
 )
+from chipbreak.kinematics.waves import wave_named
 from chipbreak.text.diagnostics import RefusalError
 
 # N 1.5 at 62.5 Hz, the worked example: 16 ms in four ticks, 24 ms per revolution.
@@ -63,10 +62,10 @@ def test_forward_ticks_that_cannot_be(ticks: int, alpha: float) -> None:
 
 
 def test_waves_start_and_end_on_the_mean_feed() -> None:
-    assert wave("triangle", 4, 3).tolist() == pytest.approx([1 / 3, 2 / 3, 1, 0])
-    assert wave("sine", 8, 4)[:4].tolist() == pytest.approx([0.1464466, 0.5, 0.8535534, 1])
-    assert wave("sine", 8, 4)[4:].tolist() == pytest.approx([0.8535534, 0.5, 0.1464466, 0])
-    assert wave("sine", 7, 1)[-1] == wave("triangle", 7, 2)[-1] == 0.0
+    assert wave_named("triangle").heights(4, 3).tolist() == pytest.approx([1 / 3, 2 / 3, 1, 0])
+    assert wave_named("sine").heights(8, 4)[:4].tolist() == pytest.approx([0.1464466, 0.5, 0.8535534, 1])
+    assert wave_named("sine").heights(8, 4)[4:].tolist() == pytest.approx([0.8535534, 0.5, 0.1464466, 0])
+    assert wave_named("sine").heights(7, 1)[-1] == wave_named("triangle").heights(7, 2)[-1] == 0.0
 
 
 # --- the least stroke ------------------------------------------------------------------------------------
@@ -96,7 +95,7 @@ def test_least_stroke_of_the_triangle(per_rev: float, alpha: float, stroke: floa
 
 
 @pytest.mark.parametrize("waveform", ["sine", "triangle"])
-def test_more_edges_take_their_share_of_the_feed(waveform: Waveform) -> None:
+def test_more_edges_take_their_share_of_the_feed(waveform: str) -> None:
     one = least_stroke_mm(waveform, 0.6, 0.05)
     assert least_stroke_mm(waveform, 1.2, 0.1, edges=2) == pytest.approx(one)
     # A two-flute drill at N = 1.5 needs 1.41 times the stroke of its best N = 1.
@@ -272,7 +271,7 @@ def test_every_cut_stays_inside_and_ends_exactly(
     start, end = full_window(cut)
     assert 0 <= start < end <= cut.vibrations * cut.period_s + 1e-9
     crest = (time_s > start - 1e-9) & (time_s < end + 1e-9)
-    reach = wave(cut.waveform, cut.ticks, cut.forward_ticks).max() * cut.stroke_mm
+    reach = cut.shape.heights(cut.ticks, cut.forward_ticks).max() * cut.stroke_mm
     assert ahead[crest].max() == pytest.approx(reach, rel=1e-6)
 
 

@@ -16,7 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 from chipbreak.kinematics.piecewise import Floats, Gaps, Motion, Rests, mean_step_s, rests_of
-from chipbreak.kinematics.waveform import Waveform, speed_band_rpm
+from chipbreak.kinematics.waveform import speed_band_rpm
+from chipbreak.kinematics.waves import wave_named
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.units import S_PER_MIN
 
@@ -79,7 +80,7 @@ def judge(
     edges: int = 1,
     diameter_mm: float | None = None,
     steady_s: tuple[float, float] | None = None,
-    waveform: Waveform | None = None,
+    waveform: str | None = None,
     alpha_share: float = 0.5,
 ) -> Verdict:
     """The verdict on knots of shape (n,) as they will really be run; time rises strictly.
@@ -87,12 +88,14 @@ def judge(
     ``steady_s`` is the part of full stroke [s]; without it, it runs from the first to the last crest whose
     return stroke has at least 98 % of the longest.  Breaking is checked in every vibration of it, in O(n).
     The rest comes from its last 200 vibrations or revolutions (fewer when they have very many knots), worked
-    out exactly: it repeats.  ``waveform`` and ``alpha_share`` serve only the speed band.  Errors: VIB020.
+    out exactly: it repeats.  Where the wave never turns back,
+    its rests are judged; else ``waveform`` and ``alpha_share`` serve only the speed band.  Errors: VIB020.
     """
     _check(time_s, distance_mm, speed_rpm, feed_mm_rev, edges)
     rev_s, feed_mm = S_PER_MIN / speed_rpm, feed_mm_rev / edges
     motion = Motion(time_s, distance_mm, rev_s / edges, _TOUCH * feed_mm)
-    rests = rests_of(time_s, distance_mm, motion.touch_mm) if waveform == "dwell" else None
+    turns_back = waveform is None or wave_named(waveform).turns_back
+    rests = None if turns_back else rests_of(time_s, distance_mm, motion.touch_mm)
     steady, gaps = _steady_part(motion, steady_s, feed_mm_rev / rev_s, rests), motion.corner_gaps()
     margin = _margin(gaps, steady, time_s[steady.crest], motion.pass_s)
     if rests is not None:

@@ -9,21 +9,8 @@ from chipbreak.units import S_PER_MIN
 
 
 def least_acceleration_mm_s2(cut: WaveformParameters, per_rev: float) -> float:
-    """The acceleration below which no control can run the strokes [mm/s^2].
-
-    A sine needs (2 pi V)^2 P / 2.  A straight stroke of length d from rest to rest in time t needs 4 d / t^2;
-    the forward stroke is P + alpha f_r / N long and takes alpha / V, the return P - (1 - alpha) f_r / N and
-    (1 - alpha) / V.
-    """
-    if cut.waveform == "dwell":
-        return 0.0  # it may take its time
-    frequency_hz = 1.0 / cut.period_s
-    if cut.waveform == "sine":
-        return (2.0 * math.pi * frequency_hz) ** 2 * cut.stroke_mm / 2.0
-    alpha, advance_mm = cut.alpha_share, cut.feed_mm_rev / per_rev
-    forward = 4.0 * (cut.stroke_mm + alpha * advance_mm) * (frequency_hz / alpha) ** 2
-    back = 4.0 * (cut.stroke_mm - (1.0 - alpha) * advance_mm) * (frequency_hz / (1.0 - alpha)) ** 2
-    return max(forward, back)
+    """The acceleration below which no control can run the strokes [mm/s^2]; the waves say how it follows."""
+    return cut.shape.least_acceleration_mm_s2(cut, per_rev)
 
 
 def servo_share(

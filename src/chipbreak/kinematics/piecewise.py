@@ -50,15 +50,15 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class Rests:
-    """The knots at which the tool comes to rest between two moves, and the time [s] it stands; (n,) each."""
+    """The knots at which the tool comes to rest between two moves, and for how long [s]; (n,) each."""
 
     begin: Indices
-    stand_s: Floats
+    dwell_s: Floats
 
     def shortest_s(self, among: Indices) -> float:
-        """The shortest stand that begins at one of the knots ``among``; 0 when there is none."""
-        stand_s = self.stand_s[np.isin(self.begin, among)]
-        return float(stand_s.min()) if stand_s.size else 0.0
+        """The shortest dwell that begins at one of the knots ``among``; 0 when there is none."""
+        dwell_s = self.dwell_s[np.isin(self.begin, among)]
+        return float(dwell_s.min()) if dwell_s.size else 0.0
 
 
 def rests_of(time_s: Floats, distance_mm: Floats, still_mm: float) -> Rests:

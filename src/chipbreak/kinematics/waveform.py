@@ -2,12 +2,8 @@
 
 The displacement lies ahead of the mean feed: s(t) = v t + y(t) P w(tau), with v the feed speed, P the stroke
 peak to peak, tau the time within one vibration and w between 0 and 1, w(0) = 0.  So no knot ever lies before
-the start, and y keeps every knot from passing the end.  ``w`` is a triangle that rises over the forward share
-of the vibration (JP6416218B2, claim 8: above one half the tool enters slower than it returns) or the sine
-(1 - cos 2 pi tau) / 2.  Between knots the motion is straight.
-
-A "dwell" never turns back: the tool feeds over the forward share and stands for the rest.  That is the
-triangle of stroke (1 - alpha) f / N about a mean feed f of alpha times the programmed one, without a ramp.
+the start, and y keeps every knot from passing the end.  ``w`` is that of a wave (``kinematics.waves``).
+Between knots the motion is straight.
 """
 
 from __future__ import annotations
@@ -21,14 +17,13 @@ import numpy.typing as npt
 
 from chipbreak.kinematics.sourced_value import shown
 from chipbreak.kinematics.speed_solver import never_breaks
+from chipbreak.kinematics.waves import FUZZ, Wave, wave_named
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.units import S_PER_MIN
 
-Waveform = Literal["triangle", "sine", "dwell"]
 Floats = npt.NDArray[np.float64]
 
 TOO_SHORT = "VIB013"
-_FUZZ = 1e-9  # shares of a vibration or of a stroke that differ by less are equal
 
 
 @dataclass(frozen=True)
@@ -49,7 +44,7 @@ class WaveformParameters:
     ticks: int
     forward_ticks: int
     stroke_mm: float
-    waveform: Waveform = "triangle"
+    waveform: str = "triangle"
     ramp_in_s: float = 0.0
     ramp_exponent: float = 1.0
     end_revolutions: float = 1.0
@@ -62,22 +57,22 @@ class WaveformParameters:
             _require(0.0 <= getattr(self, name) < math.inf, name, getattr(self, name), "zero or more")
         inside = 0 < self.forward_ticks < self.ticks
         _require(inside, "forward_ticks", self.forward_ticks, f"between 0 and {self.ticks} ticks")
-        if self.waveform == "sine" and self.form == "stroke":
-            raise RefusalError(
-                "VIB011",
-                "one move per stroke is a triangle; a sine needs one move per base period",
-                'take segments "tick" or waveform TRIANGLE',
-            )
+        self.shape.refuse_form(self.form)
+
+    @property
+    def shape(self) -> Wave:
+        """The wave."""
+        return wave_named(self.waveform)
 
     @property
     def alpha_share(self) -> float:
         """The forward share of one vibration that whole ticks allow; a sine is even."""
-        return 0.5 if self.waveform == "sine" else self.forward_ticks / self.ticks
+        return self.shape.share(self.forward_ticks, self.ticks)
 
     @property
     def speed_mm_s(self) -> float:
         """The mean feed speed v."""
-        return self.feed_speed_mm_s * (self.alpha_share if self.waveform == "dwell" else 1.0)
+        return self.feed_speed_mm_s * self.shape.speed_share(self.alpha_share)
 
     @property
     def feed_speed_mm_s(self) -> float:
@@ -86,22 +81,13 @@ class WaveformParameters:
 
     @property
     def duration_s(self) -> float:
-        """The time of the motion: the same as without vibration, or longer by all the time that it stands."""
-        stands_s = 0.0
-        if self.waveform == "dwell":
-            stands_s = self.vibrations * self.period_s * (1.0 - self.alpha_share)
-        return self.length_mm / self.feed_speed_mm_s + stands_s
+        """The time of the motion: the same as without vibration, or longer by all its dwells."""
+        return self.length_mm / self.feed_speed_mm_s + self.shape.standing_s(self)
 
     @property
     def vibrations(self) -> int:
         """Whole vibrations that fit before the plain revolutions at the end."""
-        if self.waveform == "dwell":
-            vibrating_mm = self.length_mm - self.end_revolutions * self.feed_mm_rev
-            return max(0, math.floor(vibrating_mm / (self.speed_mm_s * self.period_s) + _FUZZ))
-        vibrating_s = self.duration_s - self.end_revolutions * S_PER_MIN / self.speed_rpm
-        if vibrating_s <= 0.0:
-            return 0
-        return math.floor(vibrating_s / self.period_s + _FUZZ)
+        return self.shape.vibrations(self)
 
     @property
     def knots_per_vibration(self) -> int:
@@ -111,13 +97,13 @@ class WaveformParameters:
     @property
     def moves_per_vibration(self) -> int:
         """How many blocks of motion one vibration has."""
-        return 1 if self.waveform == "dwell" else self.knots_per_vibration
+        return self.shape.moves(self.knots_per_vibration)
 
 
 def forward_ticks(ticks: int, alpha_share: float, *, rounds_down: bool = False) -> int:
     """Whole base periods of the forward stroke, 1 to ``ticks`` - 1, nearest ``alpha_share`` of the vibration.
 
-    At a tie the forward stroke gets the longer part, so that it is never the faster one.  A tool that stands
+    At a tie the forward stroke gets the longer part, so that it is never the faster one.  A tool that dwells
     for the rest must not do so for less: ``rounds_down``.  Errors: VIB010.
 
     >>> forward_ticks(4, 0.75), forward_ticks(5, 0.5)
@@ -126,40 +112,22 @@ def forward_ticks(ticks: int, alpha_share: float, *, rounds_down: bool = False) 
     _require(0.0 < alpha_share < 1.0, "forward share", alpha_share, "between 0 and 1")
     _require(ticks >= 2, "base periods in one vibration", ticks, "2 or more")
     half = 0.0 if rounds_down else 0.5
-    return min(max(math.floor(alpha_share * ticks + half + _FUZZ), 1), ticks - 1)
-
-
-def wave(waveform: Waveform, ticks: int, forward: int) -> Floats:
-    """w at the end of each base period of one vibration, shape (ticks,); the last one is 0."""
-    tick = np.arange(1, ticks + 1, dtype=np.float64)
-    if waveform == "sine":
-        return (1.0 - np.cos(2.0 * np.pi * tick / ticks)) / 2.0
-    return np.minimum(tick / forward, (ticks - tick) / (ticks - forward))
+    return min(max(math.floor(alpha_share * ticks + half + FUZZ), 1), ticks - 1)
 
 
 def largest_drop(
-    waveform: Waveform, per_rev: float, alpha_share: float = 0.5, edges: int = 1, ticks: int | None = None
+    waveform: str, per_rev: float, alpha_share: float = 0.5, edges: int = 1, ticks: int | None = None
 ) -> float:
     """D: by how much of the stroke the last pass can lie ahead; the chip breaks when P D >= feed / edges.
 
-    With delta the fraction of N / edges it is min(delta / (1 - alpha), (1 - delta) / alpha) for the triangle
-    and |sin pi N / edges| for the sine.  A sine of so few ``ticks`` that its corners matter is taken as the
-    polygon it is.  Earlier passes never lie further ahead, for D(m delta) <= m D(delta).
+    It follows from the fraction of N / edges, see the waves.  ``ticks`` are those of a vibration of so few
+    that its corners matter.  Earlier passes never lie further ahead, for D(m delta) <= m D(delta).
     """
-    delta = per_rev / edges % 1.0
-    if waveform == "triangle":
-        return min(delta / (1.0 - alpha_share), (1.0 - delta) / alpha_share)
-    if ticks is None:
-        return math.sin(math.pi * delta)
-    knots, heights = np.arange(1, ticks + 1) / ticks, wave("sine", ticks, 1)
-    # The difference of two polygons is largest at a corner of one of them.
-    corners = np.concatenate([knots, knots + delta])
-    before = np.interp(corners - delta, knots, heights, period=1.0)
-    return float((before - np.interp(corners, knots, heights, period=1.0)).max())
+    return wave_named(waveform).largest_drop(per_rev / edges % 1.0, alpha_share, ticks)
 
 
 def least_stroke_mm(
-    waveform: Waveform,
+    waveform: str,
     per_rev: float,
     feed_mm_rev: float,
     *,
@@ -186,7 +154,7 @@ def least_stroke_mm(
 
 
 def speed_band_rpm(
-    waveform: Waveform,
+    waveform: str,
     speed_rpm: float,
     per_rev: float,
     stroke_ratio: float,
@@ -196,18 +164,13 @@ def speed_band_rpm(
 ) -> tuple[float, float] | None:
     """Lowest and highest spindle speed that still break while the frequency N S / 60 stays.
 
-    With rho = edges * ``stroke_ratio`` (stroke / feed per revolution) the fraction of N / z may lie in
-    [(1 - alpha) / rho, 1 - alpha / rho] for the triangle, 0.5 +- arccos(1 / rho) / pi for the sine;
-    its whole part is kept.  None when the stroke is too small at any speed (rho < 1).
+    With rho = edges * ``stroke_ratio`` (stroke / feed per revolution) the fraction of N / z may lie where
+    the wave says; its whole part is kept.  None when the stroke is too small at any speed (rho < 1).
     """
     rho = stroke_ratio * edges
-    if rho < 1.0 - _FUZZ:
+    if rho < 1.0 - FUZZ:
         return None
-    if waveform == "sine":
-        half = math.acos(min(1.0, 1.0 / rho)) / math.pi
-        low, high = 0.5 - half, 0.5 + half
-    else:
-        low, high = (1.0 - alpha_share) / rho, 1.0 - alpha_share / rho
+    low, high = wave_named(waveform).breaking_fractions(rho, alpha_share)
     whole = math.floor(per_rev / edges)
     passes_rpm = speed_rpm * per_rev / edges
     return passes_rpm / (whole + high), passes_rpm / (whole + low)
@@ -225,7 +188,7 @@ def sample(cut: WaveformParameters) -> tuple[Floats, Floats]:
     distance_mm = cut.speed_mm_s * time_s + scale * cut.stroke_mm * ahead
     np.clip(distance_mm, 0.0, cut.length_mm, out=distance_mm)  # only rounding is left to clip
     # When the last vibration ends with the cut, to within rounding, its last knot is the end.
-    kept = time_s.size - int(cut.duration_s - time_s[-1] <= _FUZZ * cut.period_s)
+    kept = time_s.size - int(cut.duration_s - time_s[-1] <= FUZZ * cut.period_s)
     time_s = np.append(np.append(0.0, time_s[:kept]), cut.duration_s)
     return time_s, np.append(np.append(0.0, distance_mm[:kept]), cut.length_mm)
 
@@ -242,7 +205,7 @@ def full_window(cut: WaveformParameters) -> tuple[float, float]:
 def _vibrating_part(cut: WaveformParameters) -> tuple[Floats, Floats, Floats]:
     """Time, w and y at the knots of the whole vibrations but the one at 0: three arrays of shape (n,)."""
     knots = np.arange(1, cut.ticks + 1) if cut.form == "tick" else np.array([cut.forward_ticks, cut.ticks])
-    heights = wave(cut.waveform, cut.ticks, cut.forward_ticks)[knots - 1]
+    heights = cut.shape.heights(cut.ticks, cut.forward_ticks)[knots - 1]
     tick = (np.arange(cut.vibrations)[:, np.newaxis] * cut.ticks + knots).ravel()
     time_s = tick * (cut.period_s / cut.ticks)
     # y is what the room before the end of the cut allows, the same throughout a vibration so that its shape
@@ -262,7 +225,7 @@ def _full_vibrations(cut: WaveformParameters, scale: Floats) -> tuple[int, int]:
     """The first vibration of full stroke, and the one after the last; y at the end of one does not count."""
     if cut.vibrations:
         inner = scale.reshape(cut.vibrations, -1)[:, :-1]
-        full = np.flatnonzero(inner.min(axis=1) >= 1.0 - _FUZZ)
+        full = np.flatnonzero(inner.min(axis=1) >= 1.0 - FUZZ)
         if full.size:
             return int(full[0]), int(full[-1]) + 1
     have = f"{shown(cut.length_mm)} mm at F {shown(cut.feed_mm_rev)} mm/rev takes {shown(cut.duration_s)} s"

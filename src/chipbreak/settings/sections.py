@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from chipbreak.dialects import Dialect
+from chipbreak.kinematics.waves import WAVES
 from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.trajectory.laws import LAWS
@@ -66,7 +67,7 @@ class Vibration:
     q: float | None = _above(None)
     a_mm: float | None = _above(None)
     margin: float = _at_least(1.2, 1.0)
-    waveform: str = _one_of("triangle", "sine", "dwell")
+    waveform: str = _one_of(*(wave.name for wave in WAVES))
     alpha: float = field(default=0.5, metadata={"above": 0.0, "below": 1.0})
     phase: float | str = field(default="auto", metadata={"choices": ("auto",), "above": 0.0, "below": 1.0})
     pn: float | None = _at_least(None)

@@ -70,11 +70,7 @@ def _first_help(error: RefusalError, cut: CutPlan) -> str:
     """The help of a refusal, but of too many blocks that which is left with the form of this cut."""
     if error.code != "VIB032":
         return error.help
-    if cut.wave.waveform == "sine":  # a block per base period at any frequency
-        return "take WAVE TRIANGLE, which is one block per stroke"
-    if cut.wave.form == "tick":
-        return 'take output.segments = "stroke"'
-    return "ask for a lower frequency"
+    return cut.expander.way_out_of_too_many_blocks(cut.wave.form)
 
 
 def _is_slow_to_plan(cut: CutPlan, settings: Settings, move_count: int) -> bool:

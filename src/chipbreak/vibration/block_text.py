@@ -13,7 +13,7 @@ from chipbreak.editing.edits import MoveTable
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.vibration.chain import Chain
-from chipbreak.vibration.dwell import STAND_DECIMALS
+from chipbreak.vibration.dwell import DWELL_DECIMALS
 from chipbreak.vibration.loop import Loop
 from chipbreak.vibration.loop_names import LoopNames
 
@@ -39,14 +39,14 @@ class Words:
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """What the blocks say: axis words, the time that the tool stands behind each, (n,), and its F, (n,).
+    """What the blocks say: axis words, how long the tool dwells behind each, (n,), and its F, (n,).
 
-    ``stand_s`` is empty where the tool never stands.  Without ``feeds`` all blocks have the feed that the
+    ``dwell_s`` is empty where the tool never dwells.  Without ``feeds`` all blocks have the feed that the
     program gives them.
     """
 
     words: Words
-    stand_s: Floats
+    dwell_s: Floats
     names: LoopNames | None
     feeds: Floats | None = None
     feed_decimals: int = 0
@@ -59,7 +59,7 @@ class Columns:
         return MoveTable((*letters, "F"), (*columns, self.feeds), (*decimals, self.feed_decimals))
 
 
-def content_of(
+def block_text(
     columns: Columns, chain: Chain, settings: Settings, *, plain_end: bool
 ) -> tuple[str | MoveTable, ...]:
     """First and last block as text, the rest as tables, the loops between their lines.
@@ -70,50 +70,50 @@ def content_of(
     places = np.diff(words.absolute, axis=0) if words.incremental else words.absolute[1:]
     table = columns.table(words.letters, places)
     last = len(table) - 1
-    content: list[str | MoveTable] = ["G1 " + _row(table, 0)]
+    text: list[str | MoveTable] = ["G1 " + _row(table, 0)]
     if columns.feeds is None:
         assert chain.before.feed is not None
-        content[0] = f"{content[0]} F{chain.before.feed.text}"
-    dwells = _Dwells(columns.stand_s, settings.dialect.dwell_word)
-    content += dwells.behind(0)
+        text[0] = f"{text[0]} F{chain.before.feed.text}"
+    dwells = _Dwells(columns.dwell_s, settings.dialect.dwell_word)
+    text += dwells.behind(0)
     at = 1
     if names is not None:
         switch = _switch(words, settings)
         passes = columns.table(words.distance_letters, np.diff(words.absolute, axis=0))
         for number, loop in enumerate(words.loops):
             before, behind = names.lines(number, loop.passes)
-            content += dwells.rows(table, at, loop.first)
-            content += [*switch[:1], *before]
-            content += dwells.rows(passes, loop.first, loop.first + loop.count)
-            content += [*behind, *switch[1:]]
+            text += dwells.rows(table, at, loop.first)
+            text += [*switch[:1], *before]
+            text += dwells.rows(passes, loop.first, loop.first + loop.count)
+            text += [*behind, *switch[1:]]
             at = loop.stop
-    content += dwells.rows(table, at, last)
+    text += dwells.rows(table, at, last)
     if last:
         own_feed = chain.after.feed if plain_end and columns.feeds is not None else None
-        content.append(_row(table, last, own_feed.text if own_feed else ""))
-        content += dwells.behind(last)
-    return tuple(content)
+        text.append(_row(table, last, own_feed.text if own_feed else ""))
+        text += dwells.behind(last)
+    return tuple(text)
 
 
 @dataclass(frozen=True, eq=False)
 class _Dwells:
-    """The blocks that stand, behind those that move."""
+    """The dwells behind the blocks that move."""
 
-    stand_s: Floats
+    dwell_s: Floats
     word: str
 
     def behind(self, row: int) -> list[str]:
         """The dwell behind one block, if there is one."""
-        stand_s = float(self.stand_s[row]) if len(self.stand_s) else 0.0
-        return [f"G4 {self.word}{print_number(stand_s, STAND_DECIMALS)}"] if stand_s > 0.0 else []
+        dwell_s = float(self.dwell_s[row]) if len(self.dwell_s) else 0.0
+        return [f"G4 {self.word}{print_number(dwell_s, DWELL_DECIMALS)}"] if dwell_s > 0.0 else []
 
     def rows(self, table: MoveTable, first: int, stop: int) -> list[MoveTable]:
         """Rows in tables, each of which has the same dwell behind every row."""
         if stop <= first:
             return []
-        if not self.stand_s[first:stop].any():
+        if not self.dwell_s[first:stop].any():
             return [table.rows(first, stop)]
-        changes = first + 1 + np.flatnonzero(np.diff(self.stand_s[first:stop]))
+        changes = first + 1 + np.flatnonzero(np.diff(self.dwell_s[first:stop]))
         bounds = pairwise([first, *changes.tolist(), stop])
         return [replace(table.rows(a, b), behind="".join(self.behind(a))) for a, b in bounds]
 

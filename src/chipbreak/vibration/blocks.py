@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +21,8 @@ from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
-from chipbreak.vibration.block_text import Columns, Words, content_of
-from chipbreak.vibration.dwell import dwell_s, printed_s, without_stands
+from chipbreak.vibration.block_text import Columns, Words, block_text
+from chipbreak.vibration.dwell import printed_s
 from chipbreak.vibration.loop import Loop, among_kept, looped_points, same_feeds
 from chipbreak.vibration.loop_names import LoopNames
 from chipbreak.vibration.machine import control_along
@@ -40,14 +41,14 @@ class Expansion:
 
     ``distance_mm`` is where on the path each block ends, ``time_s`` when it should, both of shape (blocks,);
     a block of a loop counts in every pass.  ``loops`` are those of ``content``, None where none were asked.
-    ``stand_s`` is how long the tool stands behind each block, which belongs to its time but at the end; empty
+    ``dwell_s`` is how long the tool dwells behind each block, which belongs to its time but at the end; empty
     where it never does.
     """
 
     content: tuple[str | MoveTable, ...]
     distance_mm: Floats
     time_s: Floats
-    stand_s: Floats
+    dwell_s: Floats
     loops: Sequence[Loop] | None = None
 
 
@@ -57,45 +58,70 @@ def moves_of(cut: CutPlan, settings: Settings, names: LoopNames | None = None) -
     Errors: VIB023 when the whole cut rounds to nothing, VIB058 for distances finer than the output's digits,
     VIB059 for a stroke or feeds too fine for them.
     """
-    time_s, distance_mm = _knots(cut, settings.vibration.chord_mm)
-    stands = np.zeros(len(time_s), np.bool_)
-    if cut.keeps_feed:
-        time_s, distance_mm, stands = without_stands(time_s, distance_mm)
-    words = _axis_words(cut, time_s, distance_mm, settings, loops=names is not None)
+    ends = _ends(cut, settings, loops=names is not None)
+    dwell_s = _dwells(cut, ends.dwells, settings)
+    columns = Columns(ends.words, dwell_s, names)
+    if not cut.expander.keeps_feed:
+        feeds = _feed_words(cut, ends, settings)
+        columns = replace(columns, feeds=feeds, feed_decimals=feed_decimals(cut.chain.before, settings))
+    distance_mm = ends.distance_mm[1:].copy()
+    distance_mm[-1] = cut.path.length_mm
+    text = block_text(columns, cut.chain, settings, plain_end=_tail_is_programmed(cut, settings))
+    loops = None if names is None else ends.words.loops
+    return Expansion(text, distance_mm, ends.time_s[1:], dwell_s, loops)
+
+
+class _Ends(NamedTuple):
+    """Where blocks end: when [s], how far along the path [mm], their words; behind which how many dwells."""
+
+    time_s: Floats
+    distance_mm: Floats
+    words: Words
+    dwells: NDArray[np.intp]
+
+
+def _ends(cut: CutPlan, settings: Settings, *, loops: bool) -> _Ends:
+    """The knots that stay apart when they are rounded; (n,) each, the start included."""
+    time_s, distance_mm, dwells = cut.expander.knots(*_knots(cut, settings.vibration.chord_mm))
+    words = _axis_words(cut, time_s, distance_mm, settings, loops=loops)
     # Of knots that round to one point the last stays, so that the time goes to the move towards it and not
     # to the one behind it, which may be the plain end with a feed of its own.
     keep = np.append(np.any(np.diff(words.absolute, axis=0) != 0.0, axis=1), True)
     times = time_s[keep]
-    counts = np.zeros(len(times), np.intp)
-    if cut.keeps_feed:
-        # How often the tool stands where knots have become one point: the last of them takes it over.
-        counts = np.add.reduceat(stands.astype(np.intp), np.append(0, np.flatnonzero(keep)[:-1] + 1))
+    counts = dwells[keep].astype(np.intp)
+    if dwells.any():
+        # Where knots have become one point, the last of them takes over how often the tool dwells.
+        counts = np.add.reduceat(dwells.astype(np.intp), np.append(0, np.flatnonzero(keep)[:-1] + 1))
     _check_digits(cut, words, is_too_fine=bool((counts > 1).any()))
     if len(times) == 1:
         message = f"the cut rounds to nothing at {words.decimals} decimals"
         raise RefusalError("VIB023", message, "a vibrated cut needs a distance to travel")
     times[0] = time_s[0]
-    loops = among_kept(words.loops, keep)
-    words = replace(words, absolute=words.absolute[keep], points_mm=words.points_mm[keep], loops=loops)
-    stand_s = np.empty(0)
-    if cut.keeps_feed or cut.end_stand_s > 0.0:
-        stand_s = np.where(counts[1:] > 0, dwell_s(cut, settings), 0.0)
-        stand_s[-1] = max(stand_s[-1], printed_s(cut.end_stand_s))
-    columns = Columns(words, stand_s, names)
-    if not cut.keeps_feed:
-        feeds = _feed_words(cut, times, distance_mm[keep], words, settings)
-        columns = replace(columns, feeds=feeds, feed_decimals=feed_decimals(cut.chain.before, settings))
-    ends = distance_mm[keep][1:]
-    ends[-1] = cut.path.length_mm
-    content = content_of(columns, cut.chain, settings, plain_end=_tail_is_programmed(cut, settings))
-    return Expansion(content, ends, times[1:], stand_s, loops if names is not None else None)
+    kept = replace(
+        words,
+        absolute=words.absolute[keep],
+        points_mm=words.points_mm[keep],
+        loops=among_kept(words.loops, keep),
+    )
+    return _Ends(times, distance_mm[keep], kept, counts)
+
+
+def _dwells(cut: CutPlan, counts: NDArray[np.intp], settings: Settings) -> Floats:
+    """How long the tool dwells behind each block, (n,); empty where it never does."""
+    if not cut.expander.keeps_feed and cut.end_dwell_s <= 0.0:
+        return np.empty(0)
+    law = control_along(settings, cut.path, cut.chain.before)
+    each_s = cut.expander.dwell_s(cut.wave, law, cut.edges, cut.solution.per_rev)
+    dwell_s = np.where(counts[1:] > 0, each_s, 0.0)
+    dwell_s[-1] = max(dwell_s[-1], printed_s(cut.end_dwell_s))
+    return dwell_s
 
 
 def _check_digits(cut: CutPlan, words: Words, *, is_too_fine: bool) -> None:
     """Refuse a stroke of few steps, and an end that incremental words cannot reach."""
     step_mm = 10.0**-words.decimals * (MM_PER_INCH if cut.chain.before.is_inch else 1.0)
     if cut.wave.stroke_mm < _LEAST_STEPS * step_mm or is_too_fine:
-        larger = "take a larger E" if cut.keeps_feed else "give a larger Q or A"
+        larger = cut.expander.larger
         stroke = f"the stroke of {cut.wave.stroke_mm:.4g} mm"
         message = f"{stroke} has fewer than {_LEAST_STEPS} steps of {step_mm:g} mm"
         help_text, feed = f"raise output.decimals, or {larger}", cut.chain.before.feed
@@ -194,18 +220,18 @@ def feed_decimals(state: State, settings: Settings) -> int:
     return fine if settings.output.feed_mode == "rev" else max(1, fine - 3)
 
 
-def _feed_words(cut: CutPlan, times: Floats, distance_mm: Floats, words: Words, settings: Settings) -> Floats:
+def _feed_words(cut: CutPlan, ends: _Ends, settings: Settings) -> Floats:
     """F of every block, (n - 1,), from the rounded points and the time that each block should really take.
 
     The plain revolutions at the end run at the programmed feed itself, not at one with rounding in it.
     """
-    moved = np.diff(words.points_mm, axis=0)
-    spans = np.diff(times)
-    plain_from = int(np.searchsorted(times[:-1], cut.time_s[-2] - _SAME_S))
+    moved = np.diff(ends.words.points_mm, axis=0)
+    spans = np.diff(ends.time_s)
+    plain_from = int(np.searchsorted(ends.time_s[:-1], cut.time_s[-2] - _SAME_S))
     law = control_along(settings, cut.path, cut.chain.before)
-    blocks = law.blocks(moved, np.diff(distance_mm))
+    blocks = law.blocks(moved, np.diff(ends.distance_mm))
     feeds_mm_s = law.feeds_for_spans(blocks, spans, plain_from)
-    same_feeds(feeds_mm_s, words.loops, blocks, law, cut.wave.period_s)
+    same_feeds(feeds_mm_s, ends.words.loops, blocks, law, cut.wave.period_s)
     unit = MM_PER_INCH if cut.chain.before.is_inch else 1.0
     mode = settings.output.feed_mode
     if mode == "inverse":

@@ -54,22 +54,20 @@ def _feed_modes(plan: CutPlan, interpreted: InterpretedProgram) -> tuple[str, li
     """The feed mode of the moves where it is another, and the blocks that give the programmed feed back."""
     chain, dialect = plan.chain, interpreted.settings.dialect
     was = chain.before.modes.feed_mode
-    mode = was if plan.keeps_feed else interpreted.settings.output.feed_mode
+    mode = plan.expander.feed_mode(was, interpreted.settings.output.feed_mode)
     feed = f"F{chain.after.feed.text}" if chain.after.feed else ""
     if mode != was:
         like = {n for e in interpreted.effects for n in codes_of(e.block, "feed_mode", dialect)}
         return dialect.code("feed_mode", mode, like), [f"{dialect.code('feed_mode', was, like)} {feed}"]
-    is_in_force = plan.keeps_feed or plan.wave.end_revolutions > 0.0
-    return "", [] if is_in_force else [feed]
+    return "", [] if plan.expander.ends_at_programmed_feed(plan.wave) else [feed]
 
 
 def _title(plan: CutPlan) -> str:
     """``VIB N1.5 F62.5 S2500 STROKE 0.04``."""
     solution = plan.solution
-    how = "DWELL" if plan.keeps_feed else f"STROKE {print_number(plan.wave.stroke_mm, 4)}"
     words = (("N", solution.per_rev, 4), ("F", solution.frequency_hz, 3), ("S", solution.speed_rpm, 3))
     said = [f"{letter}{print_number(value, decimals, point=False)}" for letter, value, decimals in words]
-    return " ".join(["VIB", *said, how])
+    return " ".join(["VIB", *said, plan.expander.title(plan.wave)])
 
 
 def settling(settings: Settings) -> list[str]:

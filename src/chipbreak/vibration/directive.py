@@ -7,10 +7,12 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from chipbreak.kinematics.sourced_value import SourcedValue
+from chipbreak.kinematics.waves import WAVES
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.nearest import nearest
 
+WAVE_WORDS = tuple(wave.name.upper() for wave in WAVES)
 # What each key means, for messages and the manual.
 KEYS = {
     "S": "spindle speed [rpm]",
@@ -23,11 +25,10 @@ KEYS = {
     "ALPHA": "forward share",
     "RAMP": "ramp length [vibrations]",
     "EDGES": "cutting edges",
-    "WAVE": "TRIANGLE, SINE or DWELL",
+    "WAVE": f"{', '.join(WAVE_WORDS[:-1])} or {WAVE_WORDS[-1]}",
 }
-WAVES = ("TRIANGLE", "SINE", "DWELL")
 _DIRECTIVE = re.compile(r"\s*VIB(?:[\s,]+(.*?))?\s*$", re.IGNORECASE | re.DOTALL)
-_VALUE = rf"{'|'.join(WAVES)}|[-+]?(?:\d+\.?\d*|\.\d+)"
+_VALUE = rf"{'|'.join(WAVE_WORDS)}|[-+]?(?:\d+\.?\d*|\.\d+)"
 _ITEM = re.compile(rf"\s*([A-Z]+?)\s*(?:=\s*)?({_VALUE})(?=[\s,A-Z]|$)[\s,]*")
 
 
@@ -59,7 +60,7 @@ def read_directive(text: str, line_number: int) -> Directive | None:
     while at < len(rest):
         item = _ITEM.match(rest, at)
         key = item[1] if item else ""
-        if item is None or key not in KEYS or (key == "WAVE") != (item[2] in WAVES):
+        if item is None or key not in KEYS or (key == "WAVE") != (item[2] in WAVE_WORDS):
             raise _unreadable(rest[at:].split()[0] if rest[at:].split() else rest, key)
         if key in values or (key == "WAVE" and waveform):
             raise RefusalError("VIB014", f"the directive gives {key} twice", "give each key once")

@@ -1,4 +1,4 @@
-"""Standing still: a chip ends where the tool stands for a revolution, and a shoulder is cleaned that way.
+"""Dwells: a chip ends where the tool rests for a revolution, and a shoulder is cleaned that way.
 
 A control waits with G4, in seconds; the tool comes to rest before it and starts again behind it.
 """
@@ -11,58 +11,92 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.kinematics.sourced_value import shown
-from chipbreak.settings.sections import Settings
+from chipbreak.kinematics.waveform import WaveformParameters
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.trajectory.law import ControlLaw
 from chipbreak.units import MS_PER_S, S_PER_MIN
-from chipbreak.vibration.machine import control_along
-from chipbreak.vibration.plan import CutPlan
+from chipbreak.vibration.expander import Expander, Form, StrokeAsked
 
 Floats = NDArray[np.float64]
-STAND_DECIMALS = 3  # of the seconds in a G4 block
+DWELL_DECIMALS = 3  # of the seconds in a G4 block
 _PER_S = 1000.0
 _STILL_MM = 1e-9
 _SOON_S = 1e-9
 
 
-def printed_s(stand_s: float) -> float:
+def printed_s(dwell_s: float) -> float:
     """A time as G4 says it, never shorter."""
-    return math.ceil(stand_s * _PER_S - 1e-6) / _PER_S
+    return math.ceil(dwell_s * _PER_S - 1e-6) / _PER_S
 
 
-def dwell_s(cut: CutPlan, settings: Settings) -> float:
-    """How long the tool stands in each vibration of a dwell: what this control leaves of it behind the move.
+class DwellExpander(Expander):
+    """Moves at the program's own feed, and a dwell behind each."""
 
-    0 for another wave.  Errors: VIB086 when that is less than a revolution.
-    """
-    motion = cut.wave
-    if motion.waveform != "dwell":
+    keeps_feed = True
+    larger = "take a larger E"
+
+    def way_out_of_whole(self, edges: int, alpha: float) -> str:
+        """See :meth:`Expander.way_out_of_whole`."""
+        turns = 1.0 / edges / (1.0 - alpha)
+        return f"take E {turns:.4g} or more: a dwell stands for a revolution (per edge)"
+
+    def form(self, segments: str) -> Form:
+        """One move and one dwell, whatever the profile says."""
+        return "stroke"
+
+    def stroke_mm(self, asked: StrokeAsked) -> float:
+        """What the mean feed advances while the tool dwells.  Errors: VIB085 for a stroke asked for."""
+        for key in ("Q", "A"):
+            if key in asked.values:
+                given = f"{key} {asked.values[key].value:g} ({asked.values[key].origin})"
+                message = f"{given} is a stroke, and a dwell has none"
+                raise RefusalError("VIB085", message, f"leave {key} out, or take WAVE TRIANGLE")
+        return (1.0 - asked.alpha_share) * asked.alpha_share * asked.feed_mm_rev / asked.per_rev
+
+    def ramp_s(self, ramp_s: float) -> float:
+        """None: every dwell is a whole one."""
         return 0.0
-    way_mm = motion.speed_mm_s * motion.period_s
-    law = control_along(settings, cut.path, cut.chain.before)
-    feed_mm_s = min(motion.feed_speed_mm_s, law.velocity_mm_s)
-    moves_s = float(law.block_times([way_mm], [feed_mm_s])[0])
-    stand_s = float(round(motion.period_s - moves_s, STAND_DECIMALS))
-    still_s = stand_s - law.late_s
-    revolution_s = S_PER_MIN / motion.speed_rpm
-    if still_s < revolution_s / cut.edges - _SOON_S:
-        more = ((1.0 - motion.alpha_share) * motion.period_s - still_s) / revolution_s
-        turns = math.ceil((1.0 / cut.edges + more) / (1.0 - motion.alpha_share) * 10.0 + 1.0) / 10.0
-        message = (
-            f"at N {shown(round(cut.solution.per_rev, 4))} the tool feeds for {moves_s * MS_PER_S:.4g} ms of"
-            f" {motion.period_s * MS_PER_S:.4g} and stands for {max(0.0, still_s) / revolution_s:.3g}"
-            f" revolutions; the chip ends only behind {1.0 / cut.edges:.3g}"
-        )
-        raise RefusalError("VIB086", message, f"take E {turns:g}, or a smaller ALPHA")
-    return stand_s
 
+    def knots(self, time_s: Floats, distance_mm: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+        """Each dwell taken into the knot that it begins at."""
+        still = np.diff(distance_mm, append=np.inf) <= _STILL_MM
+        still &= np.diff(distance_mm, append=np.inf) >= -_STILL_MM
+        kept = ~np.append(False, still[:-1])
+        time_s = np.where(still, np.append(time_s[1:], 0.0), time_s)
+        return time_s[kept], distance_mm[kept], still[kept]
 
-def without_stands(time_s: Floats, distance_mm: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Knots with each stand taken into the knot that it begins at, and where there was one; (n,) each.
+    def dwell_s(self, wave: WaveformParameters, law: ControlLaw, edges: int, per_rev: float) -> float:
+        """What this control leaves of a vibration behind its move."""
+        feed_mm_s = min(wave.feed_speed_mm_s, law.velocity_mm_s)
+        moves_s = float(law.block_times([wave.speed_mm_s * wave.period_s], [feed_mm_s])[0])
+        dwell_s = float(round(wave.period_s - moves_s, DWELL_DECIMALS))
+        still_s = dwell_s - law.late_s
+        revolution_s = S_PER_MIN / wave.speed_rpm
+        if still_s < revolution_s / edges - _SOON_S:
+            more = ((1.0 - wave.alpha_share) * wave.period_s - still_s) / revolution_s
+            turns = math.ceil((1.0 / edges + more) / (1.0 - wave.alpha_share) * 10.0 + 1.0) / 10.0
+            message = (
+                f"at N {shown(round(per_rev, 4))} the tool feeds for {moves_s * MS_PER_S:.4g} ms of"
+                f" {wave.period_s * MS_PER_S:.4g} and stands for {max(0.0, still_s) / revolution_s:.3g}"
+                f" revolutions; the chip ends only behind {1.0 / edges:.3g}"
+            )
+            raise RefusalError("VIB086", message, f"take E {turns:g}, or a smaller ALPHA")
+        return dwell_s
 
-    The time of such a knot is the end of the stand.
-    """
-    still = np.diff(distance_mm, append=np.inf) <= _STILL_MM
-    still &= np.diff(distance_mm, append=np.inf) >= -_STILL_MM
-    kept = ~np.append(False, still[:-1])
-    time_s = np.where(still, np.append(time_s[1:], 0.0), time_s)
-    return time_s[kept], distance_mm[kept], still[kept]
+    def title(self, wave: WaveformParameters) -> str:
+        """See :meth:`Expander.title`."""
+        return "DWELL"
+
+    def told(self, wave: WaveformParameters, dwell_s: float) -> tuple[str, str]:
+        """How far the tool feeds, and how long it then dwells."""
+        feeds = f"{wave.speed_mm_s * wave.period_s:.4g} mm at {wave.feed_mm_rev:.4g} mm/rev"
+        turns = dwell_s / (S_PER_MIN / wave.speed_rpm)
+        return "dwell", f"{feeds}, then stands {dwell_s * MS_PER_S:.4g} ms = {turns:.3g} revolutions"
+
+    def told_need(self, acceleration_mm_s2: float) -> str:
+        """See :meth:`Expander.told_need`."""
+        return "never turns back"
+
+    def told_without_count(self) -> str:
+        """See :meth:`Expander.told_without_count`."""
+        return ""

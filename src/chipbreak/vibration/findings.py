@@ -68,7 +68,7 @@ def _missed(judged: _Judged) -> Diagnostic | None:
     report, plan = judged.report, judged.report.plan
     if not report.misses_plan:
         return None
-    planned_s = plan.wave.duration_s + plan.end_stand_s
+    planned_s = plan.wave.duration_s + plan.end_dwell_s
     message = (
         f"the control would take {report.duration_s:.2f} s for this cut of {planned_s:.2f} s"
         f" and make N {report.verdict.per_rev:.3f} of {plan.solution.per_rev:.3f}"

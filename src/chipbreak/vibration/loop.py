@@ -117,7 +117,7 @@ def _stretches(cut: CutPlan) -> Iterator[tuple[int, int]]:
 
 def _closing(cut: CutPlan, settings: Settings) -> int:
     """How many vibrations take whole servo periods, where the control runs whole ones."""
-    if not law_of(settings).runs_whole_periods or cut.keeps_feed:
+    if not law_of(settings).runs_whole_periods or cut.expander.keeps_feed:
         return 1
     servo_s = settings.planner.servo_period_ms / MS_PER_S
     periods = np.arange(1, _MOST_PERIODS + 1) * cut.wave.period_s / servo_s

@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 # Feeds are rounded, so the time of a cut differs from the plan by about half a unit in their last place.
 _TIME_TOLERANCE = 0.005
 _COUNT_TOLERANCE = 0.01
-_SAME_STAND_S = 1e-6
+_SAME_DWELL_S = 1e-6
 # A control that stops at both ends of the cut and of its plain end needs a little longer.
 _STOP_TOLERANCE_S = 0.2
 
@@ -65,6 +65,11 @@ class CutReport:
         """The waveform as it was planned."""
         return self.plan.wave
 
+    @property
+    def each_dwell_s(self) -> float:
+        """How long the tool dwells in each vibration, 0 where it swings."""
+        return float(self.expansion.dwell_s[0]) if self.plan.expander.keeps_feed else 0.0
+
 
 def measure_cut(result: InterpretedProgram, region: Region, plan: CutPlan, expansion: Expansion) -> CutReport:
     """Read a cut back from the output.  Raises SelfCheckError when it is not what was planned."""
@@ -79,13 +84,13 @@ def measure_cut(result: InterpretedProgram, region: Region, plan: CutPlan, expan
     moved = np.diff(np.vstack((plan.path.legs[0].start, moves.points_mm)), axis=0)
     law = control_along(result.settings, plan.path, plan.chain.before)
     blocks = law.blocks(moved, np.diff(distance_mm))
-    motion = law.motion(distance_mm, blocks, moves.feed_mm_s, moves.stand_s)
+    motion = law.motion(distance_mm, blocks, moves.feed_mm_s, moves.dwell_s)
     if not np.all(motion.spans_s > 0.0):
         raise SelfCheckError("a move takes no time")
-    _check_stands(moves.stand_s, expansion.stand_s)
-    spans_s = motion.spans_s + moves.stand_s if len(moves.stand_s) else motion.spans_s
+    _check_dwells(moves.dwell_s, expansion.dwell_s)
+    spans_s = motion.spans_s + moves.dwell_s if len(moves.dwell_s) else motion.spans_s
     time_s = np.concatenate(([0.0], np.cumsum(spans_s)))
-    is_late = _is_late(law, float(time_s[-1]), plan.wave.duration_s + plan.end_stand_s)
+    is_late = _is_late(law, float(time_s[-1]), plan.wave.duration_s + plan.end_dwell_s)
     largest_mm, smallest_mm = _diameters(np.append(plan.path.legs[0].start[0], moves.points_mm[:, 0]))
     verdict = judge(
         motion.time_s,
@@ -130,16 +135,16 @@ def _diameters(radii_mm: Floats) -> tuple[float, float]:
     return 2.0 * max(abs(low), abs(high)), 2.0 * smallest_mm
 
 
-def _check_stands(stand_s: Floats, wanted_s: Floats) -> None:
-    alike = len(stand_s) == len(wanted_s)
-    if not (alike and np.abs(stand_s - wanted_s).max(initial=0.0) <= _SAME_STAND_S):
+def _check_dwells(dwell_s: Floats, wanted_s: Floats) -> None:
+    alike = len(dwell_s) == len(wanted_s)
+    if not (alike and np.abs(dwell_s - wanted_s).max(initial=0.0) <= _SAME_DWELL_S):
         raise SelfCheckError("the tool does not stand where, or as long as, it should")
 
 
 def _servo_share(result: InterpretedProgram, plan: CutPlan) -> float | None:
     """The weakest drive among the axes that move; None where the profile says nothing of them."""
-    if plan.wave.waveform == "dwell":
-        return None  # it does not swing
+    if not plan.wave.shape.turns_back:
+        return None
     axes = [result.settings.axes[axis] for axis in plan.chain.axes]
     shares = [
         servo_share(

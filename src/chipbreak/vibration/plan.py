@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, cast
+from typing import Literal, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,13 +20,15 @@ from chipbreak.kinematics.speed_solver import (
     solve,
 )
 from chipbreak.kinematics.toolpath import Path, path_of
-from chipbreak.kinematics.waveform import Waveform, WaveformParameters, forward_ticks, least_stroke_mm, sample
+from chipbreak.kinematics.waveform import WaveformParameters, forward_ticks, sample
 from chipbreak.model.modal import LOOPED, UNREAD, State
 from chipbreak.model.words import JUMPED
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.units import MM_PER_INCH, MS_PER_S, S_PER_MIN, spindle_speed_rpm
 from chipbreak.vibration.chain import Chain, legs_of
+from chipbreak.vibration.expander import Expander, StrokeAsked
+from chipbreak.vibration.expanders import expander_named
 from chipbreak.vibration.request import OUT_OF_RANGE, solver_inputs
 
 _MOST_RPM = 1e7
@@ -40,7 +42,7 @@ class CutPlan:
     """A chain with everything decided.
 
     ``given`` keeps what was asked, for the report; ``time_s`` and ``distance_mm`` are the knots of the
-    motion along ``path``, shape (n,).  ``end_stand_s`` is how long the tool then stands at the end.
+    motion along ``path``, shape (n,).  ``end_dwell_s`` is how long the tool then dwells at the end.
     """
 
     chain: Chain
@@ -52,12 +54,25 @@ class CutPlan:
     time_s: NDArray[np.float64]
     distance_mm: NDArray[np.float64]
     reasons: tuple[str, ...]
-    end_stand_s: float = 0.0
+    end_dwell_s: float = 0.0
 
     @property
-    def keeps_feed(self) -> bool:
-        """True when every move has the program's own feed, in its own mode."""
-        return self.wave.waveform == "dwell"
+    def expander(self) -> Expander:
+        """How a cut of this wave becomes blocks."""
+        return expander_named(self.wave.waveform)
+
+
+class _Asked(NamedTuple):
+    """S, N and f as asked for, two of them."""
+
+    speed: SourcedValue | None
+    per_rev: SourcedValue | None
+    frequency: SourcedValue | None
+
+    @property
+    def given(self) -> dict[str, SourcedValue]:
+        """Those that were, for the report."""
+        return {k: g for k, g in zip("SNF", self, strict=True) if g is not None}
 
 
 def command_group(settings: Settings) -> CommandGroup:
@@ -80,63 +95,89 @@ def plan_cut(chain: Chain, settings: Settings) -> CutPlan:
     blocks, and VIB053 for a spindle speed that cannot be known.
     """
     request, state = chain.requests[0], chain.before
-    edges = int(request.values["EDGES"].value)
-    speed, per_rev, frequency = solver_inputs(request, state)
+    expander = expander_named(request.waveform)
     reasons: list[str] = []
-    if "S" not in request.values and speed is not None:
-        speed = _active_speed(chain, state, speed, settings, reasons)
-    alpha = _forward_share(request.values["ALPHA"], cast(Waveform, request.waveform))
+    asked = _asked(chain, settings, reasons)
+    expander.refuse_share(request.values["ALPHA"])
     path = path_of(legs_of(chain))
-    group = command_group(settings)
+    solution = _solved(asked, chain, expander, settings)
+    wave = _wave_of(chain, path.length_mm, solution, expander, settings)
+    edges, alpha = int(request.values["EDGES"].value), request.values["ALPHA"].value
+    _check_size(wave)
+    _check_passes(wave, edges)
+    time_s, distance_mm = sample(wave)
+    if not math.isclose(wave.alpha_share, alpha, abs_tol=1e-9):
+        whole = f"{wave.forward_ticks} of {wave.ticks} base periods"
+        reasons.append(f"forward share {alpha:g} -> {wave.alpha_share:g}, {whole}")
+    if asked.speed is None and state.speed is not None and state.speed.value != solution.speed_rpm:
+        mode = " (G96)" if state.modes.speed_mode == "surface" else ""
+        reasons.append(f"S {state.speed.value:g}{mode} -> {solution.speed_rpm:g} rpm, which N and f fix")
+    end_s = settings.vibration.end_revolutions * S_PER_MIN / solution.speed_rpm
+    return CutPlan(
+        chain,
+        path,
+        solution,
+        asked.given,
+        wave,
+        edges,
+        time_s,
+        distance_mm,
+        (*reasons, *solution.reasons),
+        end_s if _dwells_at_end(settings) else 0.0,
+    )
+
+
+def _dwells_at_end(settings: Settings) -> bool:
+    """True where the tool dwells at the end of a cut instead of feeding plainly."""
+    return settings.vibration.end == "dwell"
+
+
+def _asked(chain: Chain, settings: Settings, reasons: list[str]) -> _Asked:
+    asked = _Asked(*solver_inputs(chain.requests[0], chain.before))
+    if "S" in chain.requests[0].values or asked.speed is None:
+        return asked
+    return asked._replace(speed=_active_speed(chain, chain.before, asked.speed, settings, reasons))
+
+
+def _solved(asked: _Asked, chain: Chain, expander: Expander, settings: Settings) -> Solution:
+    """S, N and f; a refusal with the way out that this cut has."""
+    values, state = chain.requests[0].values, chain.before
+    edges, alpha = int(values["EDGES"].value), values["ALPHA"].value
     rules = _rules(settings, state, alpha, edges)
     try:
-        solution = solve(speed=speed, per_rev=per_rev, frequency=frequency, group=group, rules=rules)
+        return solve(**asked._asdict(), group=command_group(settings), rules=rules)
     except RefusalError as error:
-        if request.waveform == "dwell" and error.code == NEVER_BREAKS:
-            turns = 1.0 / edges / (1.0 - alpha)
-            way_out = f"take E {turns:.4g} or more: a dwell stands for a revolution (per edge)"
+        way_out = expander.way_out_of_whole(edges, alpha)
+        if error.code == NEVER_BREAKS and way_out:
             raise RefusalError(error.code, error.message, way_out) from None
         why = state.unknown_why
-        if error.code == TOO_FEW and speed is None and (why in (JUMPED, LOOPED) or why.endswith(UNREAD)):
+        if error.code == TOO_FEW and asked.speed is None and _hides_speed(why):
             message = f"{error.message}; the active S is not known: {why}"
             raise RefusalError(error.code, message, "give S between there and this cut") from None
         raise
-    cut = _cut_of(chain, path.length_mm, solution, settings)
-    if cut.waveform != "sine" and not math.isclose(cut.alpha_share, alpha, abs_tol=1e-9):
-        whole = f"{cut.forward_ticks} of {cut.ticks} base periods"
-        reasons.append(f"forward share {alpha:g} -> {cut.alpha_share:g}, {whole}")
-    _check_size(cut)
-    _check_passes(cut, edges)
-    time_s, distance_mm = sample(cut)
-    if speed is None and state.speed is not None and state.speed.value != solution.speed_rpm:
-        mode = " (G96)" if state.modes.speed_mode == "surface" else ""
-        reasons.append(f"S {state.speed.value:g}{mode} -> {solution.speed_rpm:g} rpm, which N and f fix")
-    given = {k: g for k, g in (("S", speed), ("N", per_rev), ("F", frequency)) if g is not None}
-    all_reasons = (*reasons, *solution.reasons)
-    end_stand_s = 0.0
-    if settings.vibration.end == "dwell":
-        end_stand_s = settings.vibration.end_revolutions * S_PER_MIN / solution.speed_rpm
-    return CutPlan(chain, path, solution, given, cut, edges, time_s, distance_mm, all_reasons, end_stand_s)
 
 
-def _cut_of(chain: Chain, length_mm: float, solution: Solution, settings: Settings) -> WaveformParameters:
+def _hides_speed(unknown_why: str) -> bool:
+    """True where what hides a place also hides the active S."""
+    return unknown_why in (JUMPED, LOOPED) or unknown_why.endswith(UNREAD)
+
+
+def _wave_of(
+    chain: Chain, length_mm: float, solution: Solution, expander: Expander, settings: Settings
+) -> WaveformParameters:
     """The wave of a chain: its stroke, its ramp, and the form of its moves."""
-    request = chain.requests[0]
-    values, waveform = request.values, cast(Waveform, request.waveform)
+    values, wave = chain.requests[0].values, expander.wave
     feed_mm_rev = _feed_mm_rev(chain.before, solution.speed_rpm)
     ticks = solution.period.ticks
-    forward = forward_ticks(ticks, values["ALPHA"].value, rounds_down=waveform == "dwell")
-    form = settings.output.segments
-    if form == "auto" or waveform == "dwell":
-        form = "tick" if waveform == "sine" else "stroke"
-    stroke_mm = _stroke_mm(
+    forward = forward_ticks(ticks, values["ALPHA"].value, rounds_down=wave.rounds_down)
+    asked = StrokeAsked(
         values,
-        solution,
-        waveform=waveform,
+        per_rev=solution.per_rev,
         feed_mm_rev=feed_mm_rev,
-        alpha=0.5 if waveform == "sine" else forward / ticks,
+        alpha_share=wave.share(forward, ticks),
         edges=int(values["EDGES"].value),
         margin=settings.vibration.margin,
+        ticks=ticks,
     )
     return WaveformParameters(
         length_mm=length_mm,
@@ -145,35 +186,35 @@ def _cut_of(chain: Chain, length_mm: float, solution: Solution, settings: Settin
         period_s=solution.period.period_s,
         ticks=ticks,
         forward_ticks=forward,
-        stroke_mm=stroke_mm,
-        waveform=waveform,
-        ramp_in_s=0.0 if waveform == "dwell" else _ramp_s(values, solution, settings),
+        stroke_mm=expander.stroke_mm(asked),
+        waveform=wave.name,
+        ramp_in_s=expander.ramp_s(_ramp_s(values, solution, settings)),
         ramp_exponent=values["K"].value,
-        end_revolutions=0.0 if settings.vibration.end == "dwell" else settings.vibration.end_revolutions,
-        form=cast(Literal["tick", "stroke"], form),
+        end_revolutions=0.0 if _dwells_at_end(settings) else settings.vibration.end_revolutions,
+        form=expander.form(settings.output.segments),
     )
 
 
-def _check_size(cut: WaveformParameters) -> None:
-    moves = cut.vibrations * cut.knots_per_vibration
+def _check_size(wave: WaveformParameters) -> None:
+    moves = wave.vibrations * wave.knots_per_vibration
     if moves > MOST_MOVES:
         message = f"this cut would become {moves} blocks; no program may have more than {MOST_MOVES} of them"
         raise RefusalError("VIB021", message, 'take output.segments "stroke", a lower f, or a higher feed')
 
 
-def _check_passes(cut: WaveformParameters, edges: int) -> None:
+def _check_passes(wave: WaveformParameters, edges: int) -> None:
     """Refuse a stroke over so many passes that judging its chips would take minutes.
 
     Nearer than that to a whole N no stroke is asked for, so it is a feed or a stroke in another unit.
     """
-    passes = cut.stroke_mm / cut.feed_mm_rev * edges
-    turn_s = S_PER_MIN / cut.speed_rpm / edges
-    knots = cut.knots_per_vibration * max(1.0, turn_s / cut.period_s)
+    passes = wave.stroke_mm / wave.feed_mm_rev * edges
+    turn_s = S_PER_MIN / wave.speed_rpm / edges
+    knots = wave.knots_per_vibration * max(1.0, turn_s / wave.period_s)
     if knots * passes**2 > _MOST_GAPS:
-        times = f"{cut.stroke_mm / cut.feed_mm_rev:.0f} times the feed of {shown(cut.feed_mm_rev)} mm/rev"
-        message = f"the stroke of {shown(cut.stroke_mm)} mm is {times}, out of range"
+        times = f"{wave.stroke_mm / wave.feed_mm_rev:.0f} times the feed of {shown(wave.feed_mm_rev)} mm/rev"
+        message = f"the stroke of {shown(wave.stroke_mm)} mm is {times}, out of range"
         help_text = "give a higher feed (is its unit the right one?), or a smaller Q or A"
-        if cut.form == "tick":
+        if wave.form == "tick":
             help_text += ', or take output.segments "stroke"'
         raise RefusalError(OUT_OF_RANGE, message, help_text)
 
@@ -225,50 +266,10 @@ def _rules(settings: Settings, state: State, alpha: float, edges: int) -> Solver
     )
 
 
-def _forward_share(alpha: SourcedValue, waveform: Waveform) -> float:
-    if waveform == "sine" and alpha.value != 0.5:
-        message = f"a sine goes forward and back in equal times; ALPHA {alpha.value:g} ({alpha.origin})"
-        raise RefusalError("VIB055", message, "take WAVE TRIANGLE, or leave ALPHA at 0.5")
-    return alpha.value
-
-
 def _feed_mm_rev(state: State, speed_rpm: float) -> float:
     assert state.feed is not None
     feed_mm = state.feed.value * (MM_PER_INCH if state.is_inch else 1.0)
     return feed_mm if state.modes.feed_mode == "rev" else feed_mm / speed_rpm
-
-
-def _stroke_mm(
-    values: Mapping[str, SourcedValue],
-    solution: Solution,
-    *,
-    waveform: Waveform,
-    feed_mm_rev: float,
-    alpha: float,
-    edges: int,
-    margin: float,
-) -> float:
-    """A, or Q times the feed, or the least stroke that breaks with the margin; a dwell has its own."""
-    if waveform == "dwell":
-        for key in ("Q", "A"):
-            if key in values:
-                given = f"{key} {values[key].value:g} ({values[key].origin})"
-                message = f"{given} is a stroke, and a dwell has none"
-                raise RefusalError("VIB085", message, f"leave {key} out, or take WAVE TRIANGLE")
-        return (1.0 - alpha) * alpha * feed_mm_rev / solution.per_rev
-    if "A" in values:
-        return values["A"].value
-    if "Q" in values:
-        return values["Q"].value * feed_mm_rev
-    return least_stroke_mm(
-        waveform,
-        solution.per_rev,
-        feed_mm_rev,
-        alpha_share=alpha,
-        edges=edges,
-        margin=margin,
-        ticks=solution.period.ticks,
-    )
 
 
 def _ramp_s(values: Mapping[str, SourcedValue], solution: Solution, settings: Settings) -> float:

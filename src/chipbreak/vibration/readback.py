@@ -30,14 +30,14 @@ _SHORT_RUN = 16
 class ReadBack:
     """Ends of the moves: ``points_mm`` (n, 3), how long each is, and its commanded feed, (n,) each.
 
-    ``stand_s`` is how long the tool stands behind each (G4), (n,), empty where it never does.  ``strangers``
+    ``dwell_s`` is how long the tool dwells behind each (G4), (n,), empty where it never does.  ``strangers``
     counts moves that are no feed moves, which an expanded cut never has.
     """
 
     points_mm: Floats
     lengths_mm: Floats
     feed_mm_s: Floats
-    stand_s: Floats
+    dwell_s: Floats
     strangers: int = 0
 
     def along(self, path: Path, meant_mm: Floats) -> tuple[Floats, Floats]:
@@ -58,7 +58,7 @@ def read_moves(interpreted: InterpretedProgram, first: int, last: int) -> ReadBa
     points: list[Floats] = []
     lengths: list[Floats] = []
     feeds: list[Floats] = []
-    stands: dict[int, float] = {}
+    dwells: dict[int, float] = {}
     strangers = count = 0
     line = first
     while line < last:
@@ -80,18 +80,18 @@ def read_moves(interpreted: InterpretedProgram, first: int, last: int) -> ReadBa
         elif effect.move is not None:
             strangers += 1
         elif "dwell" in effect.non_modal and count:  # before the first move it is no part of the cut
-            stands[count - 1] = stands.get(count - 1, 0.0) + _dwell_s(interpreted, effect)
+            dwells[count - 1] = dwells.get(count - 1, 0.0) + _dwell_of(interpreted, effect)
         state = effect.after
         line += 1
     if not points:
         return ReadBack(np.empty((0, 3)), np.empty(0), np.empty(0), np.empty(0), strangers)
-    stand_s = np.zeros(count if stands else 0)
-    stand_s[list(stands)] = list(stands.values())
+    dwell_s = np.zeros(count if dwells else 0)
+    dwell_s[list(dwells)] = list(dwells.values())
     points_mm, lengths_mm, feed_mm_s = (np.concatenate(column) for column in (points, lengths, feeds))
-    return ReadBack(points_mm, lengths_mm, feed_mm_s, stand_s, strangers)
+    return ReadBack(points_mm, lengths_mm, feed_mm_s, dwell_s, strangers)
 
 
-def _dwell_s(interpreted: InterpretedProgram, effect: BlockEffect) -> float:
+def _dwell_of(interpreted: InterpretedProgram, effect: BlockEffect) -> float:
     """The seconds of a G4 block as this control reads them."""
     word = effect.block.word(interpreted.settings.dialect.dwell_word)
     return plain_value(word) if word is not None else math.nan
