@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 from chipbreak import settings
 from chipbreak.checks.call_sets import BUILT_IN, NAMED
-from chipbreak.checks.calls import CallValues, Event, calls_of
+from chipbreak.checks.calls import CallValues, CheckKind, calls_of
 from chipbreak.cli import cli
 from chipbreak.macros.calls import ToolValues
 from chipbreak.text.diagnostics import RefusalError
@@ -75,7 +75,7 @@ def test_built_in_calls_hand_over_what_the_macros_take(
     """The macros' own writer of these blocks and the built-in templates say the same."""
     blocks = ToolValues(2, kind, 12.0, tip, 38.0, 70.0, 4, 45.0).blocks(profile)
     calls = calls_of(settings.load(profile))
-    written = calls.text(Event.TOOL_CHECK, VALUES._replace(data=data), is_inch=False)
+    written = calls.text(CheckKind.TOOL_CHECK, VALUES._replace(data=data), is_inch=False)
     assert written[: len(blocks)] == blocks
 
 
@@ -84,20 +84,20 @@ def test_a_shop_may_use_all_that_is_known_of_a_tool() -> None:
     shop = f'calls.shop={{trace=["G65 P1 {fields}"]}}'
     calls = calls_of(settings.load("fanuc-mill", [shop, "checks.calls=shop"]))
     data = DATA._replace(diameter_mm=12.7, corner_radius_mm=0.0)
-    (text,) = calls.text(Event.TRACE, CallValues(data=data), is_inch=True)
+    (text,) = calls.text(CheckKind.TRACE, CallValues(data=data), is_inch=True)
     assert text == "G65 P1 D0.5 H1.49606 R0. E2.75591 (FLAT END MILL 45.)"
 
 
 def test_what_a_call_lacks() -> None:
     calls = calls_of(settings.load("fanuc-mill"))
-    assert calls.lacking(Event.TOOL_CHECK, CallValues(2, data=ToolData(2, "drill", diameter_mm=6.8))) == [
+    assert calls.lacking(CheckKind.TOOL_CHECK, CallValues(2, data=ToolData(2, "drill", diameter_mm=6.8))) == [
         "tip",
         "length_mm",
         "holder_mm",
         "teeth",
         "helix",
     ]
-    assert calls.lacking(Event.TOOL_CHECK, CallValues(2)) == [
+    assert calls.lacking(CheckKind.TOOL_CHECK, CallValues(2)) == [
         "kind",
         "diameter_mm",
         "tip",
@@ -106,13 +106,13 @@ def test_what_a_call_lacks() -> None:
         "teeth",
         "helix",
     ]
-    assert calls.lacking(Event.TRACE, CallValues(2)) == calls.lacking(Event.TOOL_CHECK, CallValues(2))
-    assert calls.lacking(Event.CHIP_CHECK, CallValues(2)) == []
+    assert calls.lacking(CheckKind.TRACE, CallValues(2)) == calls.lacking(CheckKind.TOOL_CHECK, CallValues(2))
+    assert calls.lacking(CheckKind.CHIP_CHECK, CallValues(2)) == []
 
 
 @pytest.mark.parametrize("profile", ["fanuc-mill", "linuxcnc-mill"])
 def test_every_built_in_set_calls_every_event(profile: str) -> None:
-    assert set(calls_of(settings.load(profile)).blocks) == set(Event)
+    assert set(calls_of(settings.load(profile)).blocks) == set(CheckKind)
     assert profile in BUILT_IN
 
 
@@ -148,7 +148,7 @@ def test_the_number_of_workpieces_and_the_sister_are_handed_over() -> None:
         calls = calls_of(settings.load(profile, options))
         found = settings.load(profile, options).checks
         values = VALUES._replace(every=found.every, sister=found.sister.get("2", 0))
-        return [calls.text(event, values, is_inch=False)[-1] for event in Event]
+        return [calls.text(event, values, is_inch=False)[-1] for event in CheckKind]
 
     assert written("fanuc-mill", "checks.every=3") == [
         "G65 P9810 K3",

@@ -23,15 +23,19 @@ from chipbreak.text.nearest import nearest
 from chipbreak.tools.data import ToolData
 from chipbreak.units import MM_PER_INCH
 
-UNKNOWN_SET, UNKNOWN_EVENT, UNKNOWN_FIELD = "SET030", "SET031", "SET032"
-UNREADABLE_BLOCK, LONG_BLOCK, NOT_HANDED_OVER = "SET033", "SET034", "SET035"
+UNKNOWN_SET: Final = "SET030"
+UNKNOWN_CHECK: Final = "SET031"
+UNKNOWN_FIELD: Final = "SET032"
+UNREADABLE_BLOCK: Final = "SET033"
+LONG_BLOCK: Final = "SET034"
+NOT_HANDED_OVER: Final = "SET035"
 # No inserted block is longer, whatever the control takes: people read them on its screen.
 LONGEST_BLOCK = 80
 _DECIMALS = 6  # of a limit: 0.02 mm in inches is 0.000787
 
 
-class Event(enum.Enum):
-    """What can be called; the values are the keys of a set of calls."""
+class CheckKind(enum.Enum):
+    """The checks that can be called; the values are the keys of a set of calls."""
 
     CALIBRATE = "calibrate"
     TOOL_CHECK = "tool_check"
@@ -45,7 +49,7 @@ class Event(enum.Enum):
 
 
 class CallValues(NamedTuple):
-    """What the fields of a call stand for; None where an event has no such value.
+    """The values of the fields of a call; None where a check has no such value.
 
     ``every`` is 1 where each workpiece is checked, ``sister`` 0 where no tool may take this one's place.
     """
@@ -77,7 +81,7 @@ class CallValues(NamedTuple):
         return texts
 
 
-# The point angle stands where another tool has its radius, and needs no more room.
+# The point angle is where another tool has its radius, and needs no more room.
 _LONGEST_DATA = ToolData(
     number=99999999,
     type="bull nose end mill",
@@ -90,64 +94,67 @@ _LONGEST_DATA = ToolData(
     holder_mm=1999.9999,
 )
 _LONGEST = CallValues(99999999, 99999.999, 20.123457, 20.123457, "SEMI-FINISH", _LONGEST_DATA, 9999, 99999999)
-_HEIGHT, _LIMIT = ("height", "height_mm"), ("limit", "limit_mm", "operation")
-_EVENT_FIELDS: Final[Mapping[Event, tuple[str, ...]]] = {
-    Event.CALIBRATE: ("every",),
-    Event.TOOL_CHECK: ("tool", "speed_rpm", "every", "sister", *_LIMIT, *DATA_FIELDS),
-    Event.TRACE: ("tool", "speed_rpm", "every", *_HEIGHT, *DATA_FIELDS),
-    Event.CHIP_CHECK: ("tool", "every", "sister", *_LIMIT, *_HEIGHT, *DATA_FIELDS),
+_HEIGHT = ("height", "height_mm")
+_LIMIT = ("limit", "limit_mm", "operation")
+_FIELDS_OF: Final[Mapping[CheckKind, tuple[str, ...]]] = {
+    CheckKind.CALIBRATE: ("every",),
+    CheckKind.TOOL_CHECK: ("tool", "speed_rpm", "every", "sister", *_LIMIT, *DATA_FIELDS),
+    CheckKind.TRACE: ("tool", "speed_rpm", "every", *_HEIGHT, *DATA_FIELDS),
+    CheckKind.CHIP_CHECK: ("tool", "every", "sister", *_LIMIT, *_HEIGHT, *DATA_FIELDS),
 }
 
 
 class CallSet(NamedTuple):
-    """The blocks of every event that is called; see :class:`ShippedCalls`."""
+    """The blocks of every check that is called; see :class:`ShippedCalls`."""
 
     name: str
-    blocks: Mapping[Event, tuple[str, ...]]
-    tails: Mapping[Event, str]
+    blocks: Mapping[CheckKind, tuple[str, ...]]
+    tails: Mapping[CheckKind, str]
     ends_offset: bool
 
-    def has(self, event: Event) -> bool:
-        """True when this set has a call for an event."""
-        return event in self.blocks
+    def has(self, kind: CheckKind) -> bool:
+        """True when this set has a call for a check."""
+        return kind in self.blocks
 
-    def needs(self, event: Event, field: str) -> bool:
+    def needs(self, kind: CheckKind, field: str) -> bool:
         """True when a call uses a field."""
-        return any(field in _fields(block) for block in self.blocks.get(event, ()))
+        return any(field in _fields(block) for block in self.blocks.get(kind, ()))
 
-    def counts_on(self, event: Event) -> tuple[Event, ...]:
+    def counts_on(self, kind: CheckKind) -> tuple[CheckKind, ...]:
         """The events whose values a call needs: a TRACE counts on what the TOOL CHECK before it said."""
-        return (Event.TOOL_CHECK, event) if event is Event.TRACE else (event,)
+        return (CheckKind.TOOL_CHECK, kind) if kind is CheckKind.TRACE else (kind,)
 
-    def lacking(self, event: Event, values: CallValues) -> list[str]:
+    def lacking(self, kind: CheckKind, values: CallValues) -> list[str]:
         """The fields about the tool that a call uses and that have no value."""
         known = values.fields(is_inch=False)
-        blocks = [block for one in self.counts_on(event) for block in self.blocks.get(one, ())]
+        blocks = [block for one in self.counts_on(kind) for block in self.blocks.get(one, ())]
         used = [field for block in blocks for field in _fields(block)]
         return [field for field in dict.fromkeys(used) if field in DATA_FIELDS and field not in known]
 
     def hands_over(self, field: str) -> bool:
         """True when any call says a field."""
-        return any(self.needs(event, field) or field in _fields(self.tails.get(event, "")) for event in Event)
+        return any(
+            self.needs(kind, field) or field in _fields(self.tails.get(kind, "")) for kind in CheckKind
+        )
 
     def uses_tool_data(self) -> bool:
         """True when any call says something about the tool but its number."""
-        return any(self.needs(event, field) for event in self.blocks for field in DATA_FIELDS)
+        return any(self.needs(kind, field) for kind in self.blocks for field in DATA_FIELDS)
 
-    def text(self, event: Event, values: CallValues, *, is_inch: bool) -> tuple[str, ...]:
-        """The blocks of an event with its values; one that says of the tool what nobody gave is left out."""
+    def text(self, kind: CheckKind, values: CallValues, *, is_inch: bool) -> tuple[str, ...]:
+        """The blocks of a check with its values; one that needs a value that is not known is left out."""
         fields = values.fields(is_inch=is_inch)
         unsaid = set(DATA_FIELDS) - fields.keys()
-        kept = [block for block in self.blocks[event] if not unsaid.intersection(_fields(block))]
+        kept = [block for block in self.blocks[kind] if not unsaid.intersection(_fields(block))]
         if kept and (values.every > 1 or values.sister):
-            kept[-1] += self.tails.get(event, "")
+            kept[-1] += self.tails.get(kind, "")
         return tuple(block.format_map(fields) for block in kept)
 
 
 def calls_of(settings: Settings) -> CallSet:
     """The calls that the profile asks for, all of them checked.
 
-    Raises RefusalError: SET030 unknown set, SET031 unknown event, SET032 unknown field, SET033 a block that
+    Raises RefusalError: SET030 unknown set, SET031 unknown check, SET032 unknown field, SET033 a block that
     cannot be read, SET034 a block that may become too long, SET035 a set that does not tell the control what
     the profile asks for.
     """
@@ -176,14 +183,15 @@ def _read(name: str, settings: Settings) -> CallSet:
     blocks = {}
     for key, templates in shipped.blocks.items():
         where = f"calls.{name}.{key}"
-        names = [event.value for event in Event]
+        names = [one.value for one in CheckKind]
         if key not in names:
-            raise RefusalError(UNKNOWN_EVENT, f"{where}: there is no such event", _nearest(key, names))
-        event, tail = Event(key), shipped.tails.get(key, "")
+            raise RefusalError(UNKNOWN_CHECK, f"{where}: there is no such check", _nearest(key, names))
+        kind = CheckKind(key)
+        tail = shipped.tails.get(key, "")
         for template in templates:
-            _check(where, template + (tail if template == templates[-1] else ""), event, limit, settings)
-        blocks[event] = tuple(templates)
-    tails = {Event(key): tail for key, tail in shipped.tails.items()}
+            _check(where, template + (tail if template == templates[-1] else ""), kind, limit, settings)
+        blocks[kind] = tuple(templates)
+    tails = {CheckKind(key): tail for key, tail in shipped.tails.items()}
     return CallSet(name, blocks, tails, shipped.ends_offset)
 
 
@@ -206,17 +214,17 @@ def _shipped(name: str, settings: Settings) -> ShippedCalls:
     return found
 
 
-def _check(where: str, template: str, event: Event, limit: int, settings: Settings) -> None:
+def _check(where: str, template: str, kind: CheckKind, limit: int, settings: Settings) -> None:
     """Refuse a template that could write something the control does not read."""
-    known = _EVENT_FIELDS[event]
+    known = _FIELDS_OF[kind]
     try:
         fields = _fields(template)
     except ValueError as error:
         message = f'{where}: "{template}" cannot be read: {error}'
-        raise RefusalError(UNREADABLE_BLOCK, message, "fields stand in braces, such as {tool}") from None
+        raise RefusalError(UNREADABLE_BLOCK, message, "write fields in braces, such as {tool}") from None
     for field in fields:
         if field not in known:
-            message = f'{where}: "{template}" has a field {{{field}}}, which {event.value} does not have'
+            message = f'{where}: "{template}" has a field {{{field}}}, which {kind.value} does not have'
             raise RefusalError(UNKNOWN_FIELD, message, _nearest(field, known))
         if field == "speed_rpm" and settings.dialect.is_lathe:
             message = f'{where}: "{template}": S of a lathe turns the workpiece, not the tool'
@@ -228,7 +236,7 @@ def _check(where: str, template: str, event: Event, limit: int, settings: Settin
         why = "it holds characters that no control reads"
     if why:
         message = f'{where}: "{template}" is no block: {why}'
-        raise RefusalError(UNREADABLE_BLOCK, message, "write one block a line, as it stands in a program")
+        raise RefusalError(UNREADABLE_BLOCK, message, "write one block a line, as in a program")
     if len(text) > limit:
         message = f'{where}: "{template}" can become {len(text)} characters long, the limit is {limit}'
         raise RefusalError(LONG_BLOCK, message, "split it into two blocks")
@@ -249,4 +257,4 @@ def _nearest(name: str, known: Iterable[str]) -> str:
     near = nearest(name, names, 0.5)
     if near:
         return f"did you mean {near}?"
-    return f"known: {', '.join(names)}" if names else "this event has no fields"
+    return f"known: {', '.join(names)}" if names else "this check has no fields"

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+from chipbreak.insertion.conditional_state import jump_lines
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.kinds import Kind
 from chipbreak.operations.operations import Operation
@@ -25,8 +26,9 @@ class Limit(NamedTuple):
 
 
 def limit_before(operation: Operation, settings: Settings, when: str) -> Limit:
-    """W of a check that stands before an operation; ``when`` begins its reason."""
-    checks, kind = settings.checks, operation.kind
+    """W of a check before an operation; ``when`` begins its reason."""
+    checks = settings.checks
+    kind = operation.kind
     own = checks.w_mm.get(str(operation.tool))
     name = "an operation of unknown kind" if kind is Kind.UNKNOWN else kind.value.upper()
     what = f"{when} {name} ({operation.reason})"
@@ -40,21 +42,38 @@ def limit_before(operation: Operation, settings: Settings, when: str) -> Limit:
     return Limit(stricter_mm, f"{what}: neither rough nor finish, so the stricter W {stricter_mm:g} mm", kind)
 
 
+def _wears(operation: Operation) -> bool:
+    """True when the edge of the tool cuts in it, or may."""
+    return operation.cuts and operation.kind is not Kind.PROBE
+
+
+class _LeftIn:
+    """Whether a tool may still be in the spindle after others were called: their calls may be left out."""
+
+    def __init__(self) -> None:
+        self.may_be = True
+        self.why = ""
+
+    def pass_call(self, operation: Operation, may_be_left_out: bool) -> None:
+        """The call of another tool."""
+        self.may_be = self.may_be and may_be_left_out
+        self.why = f", if block delete (/) leaves out the call of T{operation.tool}"
+
+
 class Uses:
     """What the tools of a program do one after the other."""
 
     def __init__(self, operations: Sequence[Operation], interpreted: InterpretedProgram) -> None:
-        self._operations, self._program = operations, interpreted.program
-        self._jumps = [
-            s.block.line for s in interpreted.effects if any(c.keyword == "GOTO" for c in s.block.controls)
-        ]
-        self.cutting = [op for op in operations if op.cuts and op.kind is not Kind.PROBE]
+        self._operations = operations
+        self._program = interpreted.program
+        self._jumps = jump_lines(interpreted)
+        self.cutting = [operation for operation in operations if _wears(operation)]
         self.of_tool: dict[int | None, list[Operation]] = {}
         for operation in self.cutting:
             self.of_tool.setdefault(operation.tool, []).append(operation)
 
-    def limit_behind(self, operation: Operation, settings: Settings) -> Limit | None:
-        """W of the check behind an operation, None where the profile wants none."""
+    def limit_after(self, operation: Operation, settings: Settings) -> Limit | None:
+        """W of the check after an operation, None where the profile wants none."""
         tool = operation.tool
         limits = [limit_before(one, settings, when) for one, when in self._next(operation)]
         if not limits or self._may_be_last(operation):
@@ -65,28 +84,27 @@ class Uses:
     def _next(self, operation: Operation) -> Iterator[tuple[Operation, str]]:
         """What the tool may do next, and how to say so."""
         assert operation.last_cut is not None
-        tool, left_in = operation.tool, ""
-        is_left_in = True
+        tool = operation.tool
         last = self.of_tool[tool][-1].index
+        left_in = _LeftIn()
         for later in self._operations[operation.index + 1 :]:
-            if later.index > last and not is_left_in:
+            if later.index > last and not left_in.may_be:
                 return
-            calls = later.call_line is not None
-            if calls and later.tool != tool:
-                is_left_in = is_left_in and self._may_be_left_out(later.call_line)
-                left_in = f", if block delete (/) leaves out the call of T{later.tool}"
-            if later.first_cut is None or later.kind is Kind.PROBE:
+            if later.call_line is not None and later.tool != tool:
+                left_in.pass_call(later, self._may_be_left_out(later.call_line))
+            if not _wears(later):
                 continue
+            may_be_passed_by = self._may_be_passed_by(operation.last_cut, later)
             if later.tool == tool:
                 yield later, f"T{tool} is used next for"
-                if not self._may_be_passed_by(operation.last_cut, later):
+                if not may_be_passed_by:
                     return
-            elif is_left_in:
-                yield replace(later, tool=tool), f"T{tool} may be used next{left_in}, for"
-                is_left_in = self._may_be_passed_by(operation.last_cut, later)
+            elif left_in.may_be:
+                yield replace(later, tool=tool), f"T{tool} may be used next{left_in.why}, for"
+                left_in.may_be = may_be_passed_by
 
     def _may_be_last(self, operation: Operation) -> bool:
-        """True when nothing behind an operation is sure to be cut with its tool."""
+        """True when nothing after an operation is sure to be cut with its tool."""
         assert operation.last_cut is not None
         for later in reversed(self.of_tool[operation.tool]):
             if later.index <= operation.index:
@@ -99,7 +117,7 @@ class Uses:
         return line is not None and bool(self._program.block(line).skip)
 
     def _may_be_passed_by(self, last_cut: int, later: Operation) -> bool:
-        """True when block delete or a jump behind a cut may leave out an operation, or give it to another."""
+        """True when block delete or a jump after a cut may leave out an operation, or give it to another."""
         jumps = any(last_cut < line < (later.first_cut or 0) for line in self._jumps)
         return jumps or self._may_be_left_out(later.first_cut) or self._may_be_left_out(later.call_line)
 

@@ -1,7 +1,7 @@
-"""Which check stands at which border, and its limit W.
+"""Which check goes to which safe point, and its limit W.
 
 The limit depends on what the tool does *next*: a small chip is no harm before roughing, but leaves its mark
-in a finish.  So it is taken from the next operation of the same tool, and behind its last use from its
+in a finish.  So it is taken from the next operation of the same tool, and after its last use from its
 first one, which is what the next workpiece starts with.
 
 The shape of the edge is stored at a tool's first call and stays the reference for all its CHIP CHECKs in
@@ -14,36 +14,30 @@ from collections.abc import Sequence
 from itertools import groupby
 from typing import NamedTuple
 
-from chipbreak.checks.calls import CallSet, CallValues, Event, calls_of
+from chipbreak.checks.calls import CallSet, CallValues, CheckKind, calls_of
 from chipbreak.checks.clashes import clash_of
+from chipbreak.checks.findings import NO_SAFE_POINT, NO_SHAPE, SHARED_VARIABLE, Findings
 from chipbreak.checks.limits import Uses, limit_before
-from chipbreak.checks.tool_data_coverage import (
-    NO_BORDER,
-    NO_SHAPE,
-    NOT_LOOKED_AT,
-    SHARED_VARIABLE,
-    WHICH_TOOL,
-    Known,
-)
-from chipbreak.insertion.obstacles import Ground
+from chipbreak.checks.not_checked import WholeProgram, say_what_is_not_checked
+from chipbreak.checks.tool_data_coverage import ToolDataCoverage
+from chipbreak.checks.ways_out import SEE_ITS_TRACE
+from chipbreak.insertion.obstacles import Obstacles
 from chipbreak.insertion.safe_points import NoSafePoint, Range, SafePoint, SafePointFinder
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.main_program import MainProgram
-from chipbreak.operations.operations import Operation, calls_tool
+from chipbreak.operations.operations import Operation
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import Diagnostic
 from chipbreak.tools.merge import ToolTable
 from chipbreak.tools.tips import Tip, tip_of
 
-NO_TOOL_CALL, SISTER_IS_CALLED = "CHK001", "CHK008"
-
 
 class PlannedCheck(NamedTuple):
     """A check that will be inserted; ``limit_mm`` is the W of a CHIP CHECK."""
 
-    event: Event
+    kind: CheckKind
     tool: int | None
-    border: SafePoint
+    point: SafePoint
     blocks: tuple[str, ...]
     title: str
     reason: str
@@ -65,16 +59,16 @@ def plan_checks(
     planner.run()
     clash = clash_of(interpreted.program, settings) if planner.planned else None
     if clash is not None:
-        known = Known(interpreted.program, settings.checks, planner.calls, tools)
-        known.say(clash.line, SHARED_VARIABLE, clash.message, clash.help)
-        return [], known.diagnostics
-    return planner.planned, planner.known.diagnostics
+        findings = Findings(interpreted.program, is_strict=settings.checks.strict)
+        findings.say(clash.line, SHARED_VARIABLE, clash.message, clash.help)
+        return [], findings.diagnostics
+    return planner.planned, planner.findings.diagnostics
 
 
 class _Wish(NamedTuple):
     """A check that wants a place."""
 
-    event: Event
+    kind: CheckKind
     values: CallValues
     reason: str
 
@@ -82,9 +76,9 @@ class _Wish(NamedTuple):
     def title(self) -> str:
         """``CHIP CHECK T2 W0.02``."""
         values = self.values
-        parts = [self.event.title]
+        parts = [self.kind.title]
         parts += [f"T{values.tool}"] if values.tool is not None else []
-        is_limited = self.event is Event.CHIP_CHECK and values.limit_mm is not None
+        is_limited = self.kind is CheckKind.CHIP_CHECK and values.limit_mm is not None
         parts += [f"W{values.limit_mm:g}"] if is_limited else []
         return " ".join(parts)
 
@@ -100,12 +94,15 @@ class _Planner:
         settings: Settings,
         tools: ToolTable,
     ) -> None:
-        self.interpreted, self.main, self.tools = interpreted, main, tools
-        self.settings, self.checks = settings, settings.checks
+        self.interpreted = interpreted
+        self.main = main
+        self.tools = tools
+        self.settings = settings
+        self.checks = settings.checks
         self.operations = operations
         self.calls: CallSet = calls_of(settings)
         self.finder = SafePointFinder(
-            interpreted, Ground(interpreted, self.main), calls_end_offset=self.calls.ends_offset
+            interpreted, Obstacles(interpreted, self.main), calls_end_offset=self.calls.ends_offset
         )
         # How many workpieces a check is for; the control counts them where the beam is measured.
         self.every = self.checks.every
@@ -115,14 +112,16 @@ class _Planner:
             before = self.call_lines[-1] if self.call_lines else None
             self.call_lines.append(before if operation.call_line is None else operation.call_line)
         self.planned: list[PlannedCheck] = []
-        self.known = Known(interpreted.program, self.checks, self.calls, tools)
+        self.findings = Findings(interpreted.program, is_strict=self.checks.strict)
+        self.coverage = ToolDataCoverage(self.checks, self.calls, tools, self.findings)
         self.traced: set[int] = set()
         self.shapeless: set[int] = set()
         self.uses_tool_data = self.calls.uses_tool_data()
 
     def run(self) -> None:
         """Plan visit by visit: what a tool does between its call and the next one."""
-        self._say_what_is_left_out()
+        whole = WholeProgram(self.interpreted, self.main, self.operations, self.uses)
+        say_what_is_not_checked(whole, self.findings)
         is_calibrated = False
         for call, group in groupby(self.uses.cutting, lambda op: self.call_lines[op.index]):
             visit = list(group)
@@ -135,7 +134,7 @@ class _Planner:
             self._check_tool(call, visit[0], tool)
             for operation in visit:
                 self._check_chips(operation, tool)
-        if all(check.event is Event.CALIBRATE for check in self.planned):
+        if all(check.kind is CheckKind.CALIBRATE for check in self.planned):
             self.planned.clear()  # a beam that nobody looks at
 
     def _is_wanted(self, tool: int) -> bool:
@@ -147,51 +146,9 @@ class _Planner:
         """The tool that may take its place, 0 where there is none."""
         return self.checks.sister.get(str(tool), 0)
 
-    def _say_what_is_left_out(self) -> None:
-        """What nobody would notice otherwise: cuts of tools without a number, cuts behind the end."""
-        called = any(op.call_line is not None for op in self.operations)
-        if not called:
-            message = "no tool is called in the main program, so there is nothing to check"
-            help_text = f"a check needs the tool's number from its call{self._where_tools_are()}"
-            self.known.say(self.main.first, NO_TOOL_CALL, message, help_text)
-        elif None in self.uses.of_tool:
-            message = "this operation cuts with a tool whose number cannot be known; it is not checked"
-            line = self.uses.of_tool[None][0].first_cut or 0
-            self.known.say(line, WHICH_TOOL, message, "call the tool with its number before it cuts")
-        elif not self.uses.cutting:
-            self.known.say(
-                self.main.first, NOT_LOOKED_AT, "no tool that is called here cuts, so none is checked"
-            )
-        for tool in self.uses.of_tool:
-            sister = self._sister(tool) if tool is not None else 0
-            if sister and sister in self.uses.of_tool:
-                message = f"T{sister} is the sister of T{tool}, and this program cuts with it as well"
-                line = self.uses.of_tool[sister][0].first_cut or 0
-                self.known.say(
-                    line, SISTER_IS_CALLED, message, "keep a sister for the tool whose place it takes"
-                )
-        if self.main.behind is not None:
-            message = "another program or a subprogram starts behind the end; its tools are not checked"
-            self.known.say(self.main.behind, NOT_LOOKED_AT, message)
-
-    def _where_tools_are(self) -> str:
-        """Of a program that calls no tool: a call in a subprogram, or a T without its M6."""
-        events, tool_change = self.interpreted.effects, self.settings.dialect.tool_change
-        place = self.interpreted.program.source.place
-        inside = next((effect.block.line for effect in events if calls_tool(effect, tool_change)), None)
-        if inside is not None:
-            return f", and the call in line {place(inside).line} is not in the main program"
-        calls = (
-            effect for effect in events if effect.block.word("T") and "macro-call" not in effect.non_modal
-        )
-        prepared = next((effect.block.line for effect in calls), None)
-        if prepared is None or tool_change != "M6":
-            return ""
-        return f": T in line {place(prepared).line} prepares a tool, and M6 would bring it into the spindle"
-
     def _calibrate(self, call: int) -> None:
-        """Straight before the first tool call: behind it the master bar would have to change places."""
-        if not self.calls.has(Event.CALIBRATE):
+        """Straight before the first tool call: after it the master bar would have to change places."""
+        if not self.calls.has(CheckKind.CALIBRATE):
             return
         ends = [last + 1 for _, last in self.main.bodies if last < call]
         ends += [op.last_cut + 1 for op in self.operations if op.last_cut is not None and op.last_cut < call]
@@ -200,7 +157,7 @@ class _Planner:
         reason = "the beam is measured once a workpiece, before the first tool is called"
         if self.every > 1:
             reason += f"; the control counts, and checks every {self.every} workpieces"
-        if not self._place(where, _Wish(Event.CALIBRATE, CallValues(every=self.every), reason)):
+        if not self._place(where, _Wish(CheckKind.CALIBRATE, CallValues(every=self.every), reason)):
             self.every = 1  # nobody would count
 
     def _check_tool(self, call: int, operation: Operation, tool: int) -> None:
@@ -221,28 +178,30 @@ class _Planner:
         )
         called = f"called in line {self.interpreted.program.source.place(call).line}"
         wishes = []
-        if self.known.allows(Event.TOOL_CHECK, values, operation.first_cut):
+        if self.coverage.allows(CheckKind.TOOL_CHECK, values, operation.first_cut):
             reason = f"T{tool} is {called} and has not cut yet"
             reason += f"; T{values.sister} may take its place" if values.sister else ""
-            wishes.append(_Wish(Event.TOOL_CHECK, values, reason))
-        if tool not in self.traced and self.known.allows(Event.TRACE, values, operation.first_cut):
+            wishes.append(_Wish(CheckKind.TOOL_CHECK, values, reason))
+        if tool not in self.traced and self.coverage.allows(CheckKind.TRACE, values, operation.first_cut):
             reason = f"the edge of T{tool}, {called}, is stored before its first cut"
-            wishes.append(_Wish(Event.TRACE, values, reason))
-        if wishes and self._place(where, *wishes) and wishes[-1].event is Event.TRACE:
+            wishes.append(_Wish(CheckKind.TRACE, values, reason))
+        if wishes and self._place(where, *wishes) and wishes[-1].kind is CheckKind.TRACE:
             self.traced.add(tool)
 
     def _check_chips(self, operation: Operation, tool: int) -> None:
         """CHIP CHECK at the end of an operation, with the limit of what the tool does next."""
-        limit = self.uses.limit_behind(operation, self.settings) if self.calls.has(Event.CHIP_CHECK) else None
+        limit = (
+            self.uses.limit_after(operation, self.settings) if self.calls.has(CheckKind.CHIP_CHECK) else None
+        )
         if limit is None:
             return
         assert operation.last_cut is not None
-        if self.calls.has(Event.TRACE) and tool not in self.traced:
+        if self.calls.has(CheckKind.TRACE) and tool not in self.traced:
             if tool not in self.shapeless:
                 message = (
                     f"left out: CHIP CHECK T{tool} until it is called again; no shape of its edge was stored"
                 )
-                self.known.say(operation.last_cut, NO_SHAPE, message, "see why its TRACE was left out")
+                self.findings.say(operation.last_cut, NO_SHAPE, message, SEE_ITS_TRACE)
             self.shapeless.add(tool)
             return
         values = CallValues(
@@ -254,12 +213,12 @@ class _Planner:
             every=self.every,
             sister=self._sister(tool),
         )
-        if not self.known.allows(Event.CHIP_CHECK, values, operation.last_cut):
+        if not self.coverage.allows(CheckKind.CHIP_CHECK, values, operation.last_cut):
             return
-        where = Range(operation.last_cut + 1, operation.last_line, self._last_place_behind(operation))
-        self._place(where, _Wish(Event.CHIP_CHECK, values, limit.reason))
+        where = Range(operation.last_cut + 1, operation.last_line, self._last_place_after(operation))
+        self._place(where, _Wish(CheckKind.CHIP_CHECK, values, limit.reason))
 
-    def _last_place_behind(self, operation: Operation) -> int:
+    def _last_place_after(self, operation: Operation) -> int:
         """The line of the next tool call or the next cut."""
         for later in self.operations[operation.index + 1 :]:
             for line in (later.call_line, later.first_cut):
@@ -268,16 +227,24 @@ class _Planner:
         return self.main.last
 
     def _place(self, where: Range, *wishes: _Wish) -> bool:
-        """Plan checks at the first safe border of a range, or say why there is none."""
+        """Plan checks at the first safe point of a range, or say why there is none."""
         found = self.finder.find(where)
         if isinstance(found, NoSafePoint):
             titles = ", ".join(wish.title for wish in wishes)
             message = f"left out: {titles}; nothing can be inserted here, because {found.why}"
-            self.known.say(found.line, NO_BORDER, message, found.help)
+            self.findings.say(found.line, NO_SAFE_POINT, message, found.help)
             return False
         for wish in wishes:
-            blocks = self.calls.text(wish.event, wish.values, is_inch=found.state.is_inch)
-            tool, limit_mm = wish.values.tool, wish.values.limit_mm
-            check = PlannedCheck(wish.event, tool, found, blocks, wish.title, wish.reason, limit_mm)
-            self.planned.append(check)
+            blocks = self.calls.text(wish.kind, wish.values, is_inch=found.state.is_inch)
+            self.planned.append(
+                PlannedCheck(
+                    wish.kind,
+                    wish.values.tool,
+                    found,
+                    blocks,
+                    wish.title,
+                    wish.reason,
+                    wish.values.limit_mm,
+                )
+            )
         return True

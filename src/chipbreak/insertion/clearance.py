@@ -1,4 +1,4 @@
-"""Whether a turning tool may go home from where it stands: X outward first, then Z.
+"""Whether a turning tool may go home from where it is: X outward first, then Z.
 
 Inside a bore that way leads through the wall.  The workpiece is not known, but where tools have cut is: in
 front of all cuts, or further out than all of them, the way is free.
@@ -20,17 +20,19 @@ class Clearance:
     def __init__(self, interpreted: InterpretedProgram, main: MainProgram) -> None:
         self._lines: list[int] = []
         self._reach: list[tuple[float, float]] = []
-        x, z = -inf, -inf
+        x = -inf
+        z = -inf
         for effect in interpreted.effects_of(main.first, main.last):
             if effect.move is None or effect.move.kind == "rapid":
                 continue
             for place in (effect.before.position, effect.move.end):
-                x, z = max(x, place.x), max(z, place.z)  # an unknown place compares as nothing
+                x = max(x, place.x)  # an unknown place compares as nothing
+                z = max(z, place.z)
             self._lines.append(effect.block.line)
             self._reach.append((x, z))
 
     def is_clear(self, line: int, position: Position) -> bool:
-        """True when the tool stands in front of, or outside, all that was cut before a line."""
+        """True when the tool is in front of, or outside, all that was cut before a line."""
         at = bisect_left(self._lines, line)
         if at == 0:
             return True

@@ -1,13 +1,13 @@
-"""What nobody knows for sure, because it may be left out: block delete, branches, loops, jumps, subprograms.
+"""What is not known for sure, because it may be left out: block delete, branches, loops, jumps, subprograms.
 
 A part that may be left out is one whose lines may never run: ``o10 if``, ``WHILE``, what a jump forward
-passes by.  Behind it everything counts as perhaps set that it sets otherwise than it was.
+passes by.  After it everything counts as perhaps set that it sets otherwise than it was.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from chipbreak.insertion.subprograms import Subprograms
@@ -18,7 +18,7 @@ from chipbreak.operations.main_program import MainProgram
 from chipbreak.syntax.nodes import Number
 
 _OPENERS = {"O-IF": "O-ENDIF", "O-REPEAT": "O-ENDREPEAT", "O-DO": "O-WHILE", "DO": "END"}
-_WAYS_OUT = frozenset({"O-ELSE", "O-ELSEIF", "O-BREAK", "O-CONTINUE", "O-RETURN", "GOTO"})
+_EXITS = frozenset({"O-ELSE", "O-ELSEIF", "O-BREAK", "O-CONTINUE", "O-RETURN", "GOTO"})
 
 
 class Nest(NamedTuple):
@@ -37,12 +37,21 @@ class Part(NamedTuple):
     sets: frozenset[str]
 
 
+class Conditional(NamedTuple):
+    """What is conditional from a line on: what may or may not have been set -> the line that did it."""
+
+    line: int
+    setters: Mapping[str, int]
+
+
 def nests_of(interpreted: InterpretedProgram) -> Iterator[Nest]:
     """Loops and branches; one that is never closed runs to the end."""
     opened: list[tuple[str, str, int, bool]] = []
     for effect in interpreted.effects:
         for control in effect.block.controls:
-            keyword, label, line = control.keyword, control.label, effect.block.line
+            keyword = control.keyword
+            label = control.label
+            line = effect.block.line
             closes = bool(opened) and opened[-1][0] == keyword and opened[-1][1] in ("", label)
             if closes:
                 _, _, first, is_optional = opened.pop()
@@ -68,15 +77,20 @@ def _may_never_run(effect: BlockEffect, keyword: str) -> bool:
 
 def jumps_of(interpreted: InterpretedProgram) -> tuple[int, int] | None:
     """From the first to the last line that a jump leaves or reaches."""
-    lines = _jump_lines(interpreted)
+    lines = jump_lines(interpreted)
     if not lines:
         return None
     lines += interpreted.flow.targets
     return min(lines), max(lines)
 
 
-def _jump_lines(interpreted: InterpretedProgram) -> list[int]:
-    return [s.block.line for s in interpreted.effects if any(c.keyword == "GOTO" for c in s.block.controls)]
+def jump_lines(interpreted: InterpretedProgram) -> list[int]:
+    """The lines of all jumps (GOTO)."""
+    return [
+        effect.block.line
+        for effect in interpreted.effects
+        if any(control.keyword == "GOTO" for control in effect.block.controls)
+    ]
 
 
 def optional_parts(
@@ -88,54 +102,73 @@ def optional_parts(
     for nest in nests:
         inner = interpreted.effects[bisect_left(lines, nest.first) : bisect_right(lines, nest.last)]
         ways = {control.keyword for effect in inner for control in effect.block.controls}
-        if ways & _WAYS_OUT:
+        if ways & _EXITS:
             parts.append(Part(nest.first, nest.last, _all_set(inner, interpreted)))
         elif nest.is_optional:
             # A loop and a branch end with a speed that is not known: that is seen without this.
-            one, other = inner[0].before, inner[-1].after
-            parts.append(Part(nest.first, nest.last, differing(one, other) - {"S"}))
-    if jumps and any(target > min(_jump_lines(interpreted)) for target in interpreted.flow.targets):
+            sets = differing(inner[0].before, inner[-1].after) - {"S"}
+            parts.append(Part(nest.first, nest.last, sets))
+    if jumps and any(target > min(jump_lines(interpreted)) for target in interpreted.flow.targets):
         passed = [effect for effect in interpreted.effects if jumps[0] <= effect.block.line <= jumps[1]]
         parts.append(Part(*jumps, _all_set(passed, interpreted)))
     return sorted(parts, key=lambda part: part.last)
 
 
-def _all_set(effects_of: Sequence[BlockEffect], interpreted: InterpretedProgram) -> frozenset[str]:
+def _all_set(effects: Sequence[BlockEffect], interpreted: InterpretedProgram) -> frozenset[str]:
     sets = {
         what
-        for effect in effects_of
+        for effect in effects
         for what in set_by(effect, interpreted) | differing(effect.before, effect.after)
     }
     return frozenset(sets | {"motion"})
 
 
-def doubts_of(
+def conditional_state(
     interpreted: InterpretedProgram, main: MainProgram, subprograms: Subprograms, parts: Sequence[Part]
-) -> Iterator[tuple[int, dict[str, int]]]:
-    """(line, what is left open there -> the line that did it), wherever it changes.
+) -> Iterator[Conditional]:
+    """What is conditional, wherever that changes, by line.
 
-    What stands in the body of a subprogram counts where it is called.
+    What the body of a subprogram sets counts where it is called.
     """
-    open_now: dict[str, int] = {}
-    ends = [part for part in parts if main.has(part.first) or main.has(part.last)]
-    outermost = list(_outermost(ends))
+    walk = _Walk(interpreted, subprograms, [p for p in parts if main.has(p.first) or main.has(p.last)])
     for effect in interpreted.effects:
+        if main.has(effect.block.line):
+            yield from walk.read(effect)
+    yield from walk.close(interpreted.program.source.body.stop + 1)
+
+
+class _Walk:
+    """One walk over the blocks; ``ends`` are the parts that it has not left yet, by their last lines."""
+
+    def __init__(
+        self, interpreted: InterpretedProgram, subprograms: Subprograms, parts: Sequence[Part]
+    ) -> None:
+        self.interpreted = interpreted
+        self.subprograms = subprograms
+        self.ends = list(parts)
+        self.outermost = list(_outermost(parts))
+        self.setters: dict[str, int] = {}
+
+    def read(self, effect: BlockEffect) -> Iterator[Conditional]:
+        """Take in a block, and say what it changes."""
         line = effect.block.line
-        if not main.has(line):
-            continue
-        while ends and ends[0].last < line:
-            yield _closed(ends.pop(0), open_now)
-        changed = _changed(effect) | (subprograms.changes(effect) or frozenset())
-        before = dict(open_now)
-        if effect.block.skip or subprograms.changes(effect):
-            open_now |= dict.fromkeys(changed, line)
-        elif open_now and not _is_within(line, outermost):
-            for what in set_by(effect, interpreted):
-                open_now.pop(what, None)
-        if open_now != before:
-            yield line, dict(open_now)
-    for part in ends:
-        yield _closed(part, open_now)
+        yield from self.close(line)
+        before = dict(self.setters)
+        called = self.subprograms.changes(effect) or frozenset()
+        if effect.block.skip or called:
+            self.setters |= dict.fromkeys(sorted(_changed(effect) | called), line)
+        elif self.setters and not _is_within(line, self.outermost):
+            for what in set_by(effect, self.interpreted):
+                self.setters.pop(what, None)
+        if self.setters != before:
+            yield Conditional(line, dict(self.setters))
+
+    def close(self, line: int) -> Iterator[Conditional]:
+        """Leave the parts that end before a line."""
+        while self.ends and self.ends[0].last < line:
+            part = self.ends.pop(0)
+            self.setters |= dict.fromkeys(sorted(part.sets), part.last)
+            yield Conditional(part.last, dict(self.setters))
 
 
 def _outermost(parts: Sequence[Part]) -> Iterator[tuple[int, int]]:
@@ -152,16 +185,12 @@ def _is_within(line: int, parts: Sequence[tuple[int, int]]) -> bool:
     return at >= 0 and line <= parts[at][1]
 
 
-def _closed(part: Part, open_now: dict[str, int]) -> tuple[int, dict[str, int]]:
-    open_now |= dict.fromkeys(part.sets, part.last)
-    return part.last, dict(open_now)
-
-
 def _changed(effect: BlockEffect) -> set[str]:
     """What a block changed that an insertion has to know."""
-    one, other = effect.before, effect.after
     if not effect.block.skip:
         return set()
+    one = effect.before
+    other = effect.after
     changed = set(one.modes.changed(other.modes))
     parts = {"the spindle": "spindle", "coolant": "coolant", "S": "speed", "the tool": "tool"}
     return changed | {what for what, name in parts.items() if getattr(one, name) != getattr(other, name)}

@@ -1,22 +1,32 @@
-"""Where in a program nothing may be inserted, whatever the modal state says.
+"""Where in a program nothing may be inserted, whatever brought the tool there.
 
-Loops, branches and jumps (nobody knows how often the place is passed), lines that could not be read, codes
-that nobody knows, blocks with block delete whose effect still lasts, and look-ahead control.
+Loops, branches and jumps (it is not known how often the place is passed), lines that could not be read,
+codes that the profile does not know, blocks with block delete whose effect still lasts, modes that a check
+could not give back, and look-ahead control.
 """
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_right
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
+from itertools import takewhile
 
 from chipbreak.dialects.modes import Group
-from chipbreak.insertion.conditional_state import doubts_of, jumps_of, nests_of, optional_parts
+from chipbreak.insertion.conditional_state import conditional_state, jumps_of, nests_of, optional_parts
+from chipbreak.insertion.lasting_effects import (
+    UnitSwitch,
+    coolant_through,
+    last_switch,
+    turned_offsets,
+    unit_switches,
+    unreadable_lines,
+)
+from chipbreak.insertion.looking_back import effects_before
 from chipbreak.insertion.subprograms import Subprograms
-from chipbreak.model.block_effect import BlockEffect
+from chipbreak.insertion.ways_out import CALL_THE_TOOL_AGAIN, Obstacle
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
-from chipbreak.model.words import codes_of, plain_value
+from chipbreak.model.words import codes_of
 from chipbreak.operations.main_program import MainProgram
 from chipbreak.operations.operations import calls_tool
 
@@ -34,84 +44,173 @@ _AT_REST: dict[Group, str] = {
 }
 # What the numbers of a place depend on.
 _PLACING: frozenset[Group] = frozenset({"distance", "units", "work_offset", "length_offset", "diameter"})
-# Coolant through the spindle: M9 does not end it, and this profile has no code that is sure to do so.
-_THROUGH_ON, _THROUGH_OFF = 88.0, 89.0
 
 
-class Ground:
-    """What is known about the lines of a program before any border is looked for."""
+class Obstacles:
+    """What is known about the lines of a program before any candidate is looked at."""
 
     def __init__(self, interpreted: InterpretedProgram, main: MainProgram) -> None:
-        self.interpreted, self.main = interpreted, main
-        tool_change = interpreted.settings.dialect.tool_change
+        self.interpreted = interpreted
+        self.main = main
+        self.dialect = interpreted.settings.dialect
+        subprograms = Subprograms(interpreted)
         self._nests = list(nests_of(interpreted))
         self._jumps = jumps_of(interpreted)
-        subprograms = Subprograms(interpreted)
-        self._unknown = dict(_unknown(interpreted, subprograms))
-        self._opaque = sorted(self._unknown)
-        self._calls = [effect.block.line for effect in interpreted.effects if calls_tool(effect, tool_change)]
-        self._doubts = list(
-            doubts_of(interpreted, main, subprograms, optional_parts(interpreted, self._nests, self._jumps))
-        )
-        self._through = list(_through(interpreted))
-        self._turned = list(_turned(interpreted))
-        self._units = list(_switches_of_units(interpreted))
+        self._unreadable = list(unreadable_lines(interpreted, subprograms))
+        calls = (effect for effect in interpreted.effects if calls_tool(effect, self.dialect.tool_change))
+        self._tool_calls = [effect.block.line for effect in calls]
+        parts = optional_parts(interpreted, self._nests, self._jumps)
+        self._conditional = list(conditional_state(interpreted, main, subprograms, parts))
+        self._through = list(coolant_through(interpreted))
+        self._turned = list(turned_offsets(interpreted))
+        self._units = list(unit_switches(interpreted))
 
-    def why_not(self, line: int, state: State) -> str:
-        """Why nothing may be inserted before a line, or "" when its place and modes allow it."""
-        if state.ended or not (self.main.has(line) or line == self.main.last):
-            return "it stands in a subprogram or behind the end of the program"
-        if any(nest.first < line <= nest.last for nest in self._nests):
-            return "it stands in a loop or a branch"
-        if self._jumps and self._jumps[0] < line <= self._jumps[1]:
-            return "a jump (GOTO) may pass it by, or come back to it"
-        if self.interpreted.flow.in_contour(line):
-            return "it stands inside the shape of a cycle"
-        return self.unreadable(line) or self._doubted(line) or self._not_at_rest(line, state)
+    def at(self, line: int, state: State) -> Obstacle | None:
+        """What does not let anything be inserted before a line, None when its place and modes allow it."""
+        for rule in self._RULES:
+            why = rule(self, line, state)
+            if why:
+                is_unreadable = rule is Obstacles._behind_what_is_unreadable
+                return Obstacle(why, CALL_THE_TOOL_AGAIN) if is_unreadable else Obstacle(why)
+        return None
 
-    def unreadable(self, line: int) -> str:
-        """What nobody knows the effect of, "" where all is known.
-
-        A tool call ends what an unreadable line or a call may have switched, as far as it matters here.
-        """
-        at = bisect_right(self._calls, line - 1) - 1
-        since = self._calls[at] if at >= 0 else self.main.first
-        passed = bisect_right(self._opaque, line - 1) - 1
-        if passed >= 0 and self._opaque[passed] >= since:
-            line = self._opaque[passed]
-            return self._unknown[line].format(line=self._user_line(line))
-        return ""
-
-    def _doubted(self, line: int) -> str:
-        at = bisect_right(self._doubts, line - 1, key=lambda doubt: doubt[0]) - 1
-        for what, doubt in self._doubts[at][1].items() if at >= 0 else ():
-            if what != "motion" or not self._moves_between(self._doubts[at][0], line):
-                return f"line {self._user_line(doubt)} {self._who(doubt)} may or may not have set {what}"
-        return ""
-
-    def place_in_doubt(self, line: int, axes: Collection[str]) -> str:
-        """Why nobody knows where axes stand that moved while a G91 was in doubt, "" where all is known.
+    def why_place_is_conditional(self, line: int, axes: Collection[str]) -> str:
+        """Why it is not known where axes are that moved while a G91 was conditional, "" where all is known.
 
         Each must have been sent to a place again since.
         """
-        at = bisect_right(self._doubts, line - 1, key=lambda doubt: doubt[0]) - 1
-        while at >= 0 and not self._doubts[at][1].keys() & _PLACING:
+        at = self._conditional_at(line)
+        while at >= 0 and not self._conditional[at].setters.keys() & _PLACING:
             at -= 1
         if at < 0:
             return ""
-        closed = self._doubts[at + 1][0] if at + 1 < len(self._doubts) else line
+        closed = self._conditional[at + 1].line if at + 1 < len(self._conditional) else line
         moves = (effect.move for effect in self.interpreted.effects_of(closed, line))
         placed = {axis for move in moves if move is not None and not move.incremental for axis in move.axes}
-        what, doubt = next(one for one in self._doubts[at][1].items() if one[0] in _PLACING)
+        if not set(axes) - placed:
+            return ""
+        what, setter = next(one for one in self._conditional[at].setters.items() if one[0] in _PLACING)
+        return f"it moved after line {self._user_line(setter)}, which may or may not have set {what}"
+
+    def _conditional_at(self, line: int) -> int:
+        """Index of what is conditional before a line, -1 where nothing has been yet."""
+        return bisect_right(self._conditional, line - 1, key=lambda one: one.line) - 1
+
+    # --- the rules: why nothing may be inserted before a line, "" where one has nothing to say ------------
+    def _outside_the_main_program(self, line: int, state: State) -> str:
+        is_inside = self.main.has(line) or line == self.main.last
         return (
-            f"it moved after line {self._user_line(doubt)}, which may or may not have set {what}"
-            if set(axes) - placed
-            else ""
+            "" if is_inside and not state.ended else "it is in a subprogram or after the end of the program"
         )
 
-    def _who(self, line: int) -> str:
-        block = self.interpreted.program.block(line)
-        if block.skip:
+    def _in_a_nest(self, line: int, _: State) -> str:
+        is_in = any(nest.first < line <= nest.last for nest in self._nests)
+        return "it is in a loop or a branch" if is_in else ""
+
+    def _between_jumps(self, line: int, _: State) -> str:
+        is_between = self._jumps is not None and self._jumps[0] < line <= self._jumps[1]
+        return "a jump (GOTO) may pass it by, or come back to it" if is_between else ""
+
+    def _in_a_contour(self, line: int, _: State) -> str:
+        return "it is inside the shape of a cycle" if self.interpreted.flow.in_contour(line) else ""
+
+    def _behind_what_is_unreadable(self, line: int, _: State) -> str:
+        """A tool call ends what an unreadable line or a call may have switched, as far as it matters here."""
+        at = bisect_right(self._tool_calls, line - 1) - 1
+        since = self._tool_calls[at] if at >= 0 else self.main.first
+        passed = bisect_right(self._unreadable, line - 1, key=lambda one: one.line) - 1
+        if passed < 0 or self._unreadable[passed].line < since:
+            return ""
+        unreadable = self._unreadable[passed]
+        return unreadable.why(self._user_line(unreadable.line))
+
+    def _is_conditional(self, line: int, _: State) -> str:
+        at = self._conditional_at(line)
+        if at < 0:
+            return ""
+        for what, setter in self._conditional[at].setters.items():
+            if what != "motion" or not self._moves_between(self._conditional[at].line, line):
+                return f"line {self._user_line(setter)} {self._how(setter)} may or may not have set {what}"
+        return ""
+
+    def _group_is_on(self, _: int, state: State) -> str:
+        return next((what for group, what in _AT_REST.items() if state.modes.value(group) != "off"), "")
+
+    def _surface_speed_is_on(self, _: int, state: State) -> str:
+        if state.modes.speed_mode != "surface" or self.dialect.keeps_modes or self.dialect.is_lathe:
+            return ""
+        return "constant surface speed (G96) is on: S of a check would be a speed of the edge"
+
+    def _offset_is_turned(self, line: int, _: State) -> str:
+        turned = last_switch(self._turned, line)
+        where = "" if turned is None else f"G10 with R, line {self._user_line(turned)}"
+        return where and f"the coordinate system is rotated ({where})"
+
+    def _coolant_goes_through(self, line: int, _: State) -> str:
+        through = last_switch(self._through, line)
+        where = "" if through is None else f"M88, line {self._user_line(through)}"
+        return where and f"coolant through the spindle ({where}) is on: no M89 after it"
+
+    def _surface_speed_has_a_limit(self, _: int, state: State) -> str:
+        is_limited = bool(self.dialect.surface_limit) and state.speed_limit is not None
+        if state.modes.speed_mode != "surface" or not is_limited:
+            return ""
+        return "constant surface speed (G96) has a limit (D), which the macros cannot give back"
+
+    def _value_is_in_other_units(self, line: int, state: State) -> str:
+        """F and the P of G64 from before G20 or G21: given back as a number they would mean another value."""
+        at = bisect_right(self._units, line - 1, key=lambda one: one.line) - 1
+        if at < 0 or not self.dialect.converts_feed:
+            return ""
+        switch = self._units[at]
+        has_feed = switch.has_feed and state.feed is None
+        what = "F" if has_feed else "the P of G64" if self._keeps_tolerance(switch, line) else ""
+        return what and f"{what} is from before the change of units in line {self._user_line(switch.line)}"
+
+    def _keeps_tolerance(self, switch: UnitSwitch, line: int) -> bool:
+        if not switch.has_tolerance:
+            return False
+        since = takewhile(
+            lambda effect: effect.block.line >= switch.line, effects_before(self.interpreted, line)
+        )
+        return not any(codes_of(effect.block, "path", self.dialect) for effect in since)
+
+    def _taps(self, _: int, state: State) -> str:
+        return "tapping mode (G63) is on" if state.modes.path == "tapping" else ""
+
+    def _looks_ahead(self, line: int, state: State) -> str:
+        if not state.modes.look_ahead or self._look_ahead_is_off(line):
+            return ""
+        return "look-ahead control (G5, G5.1, G8) is on"
+
+    def _look_ahead_is_off(self, line: int) -> bool:
+        """True when the last such code switched it off: ``G8 P0``, ``G5 P0``, ``G5.1 Q0``."""
+        for effect in effects_before(self.interpreted, line):
+            if codes_of(effect.block, "look_ahead", self.dialect):
+                return effect.block.has("P", 0) or effect.block.has("Q", 0)
+        return True
+
+    _RULES = (
+        _outside_the_main_program,
+        _in_a_nest,
+        _between_jumps,
+        _in_a_contour,
+        _behind_what_is_unreadable,
+        _is_conditional,
+        _group_is_on,
+        _surface_speed_is_on,
+        _offset_is_turned,
+        _coolant_goes_through,
+        _surface_speed_has_a_limit,
+        _value_is_in_other_units,
+        _taps,
+        _looks_ahead,
+    )
+
+    # --- words of messages ----------------------------------------------------------------------------
+    def _how(self, line: int) -> str:
+        """How a line has left open what it sets."""
+        if self.interpreted.program.block(line).skip:
             return "with block delete (/)"
         if (self._jumps and line == self._jumps[1]) or any(line == nest.last for nest in self._nests):
             return "ends a loop, a branch or a jump, which"
@@ -122,124 +221,5 @@ class Ground:
         shapes = {int(i) for i in program.plain[first:last]}
         return any(i >= 0 and program.shapes[i].motion is not None for i in shapes)
 
-    def _not_at_rest(self, line: int, state: State) -> str:
-        for group, what in _AT_REST.items():
-            if state.modes.value(group) != "off":
-                return what
-        dialect = self.interpreted.settings.dialect
-        is_surface = state.modes.speed_mode == "surface"
-        if is_surface and not (dialect.keeps_modes or dialect.is_lathe):
-            return "constant surface speed (G96) is on: S of a check would be a speed of the edge"
-        turned, through = _last(self._turned, line), _last(self._through, line)
-        if turned is not None:
-            return f"the coordinate system is rotated (G10 with R, line {self._user_line(turned)})"
-        if through is not None:
-            where = self._user_line(through)
-            return f"coolant through the spindle (M88, line {where}) is on: no M89 behind it"
-        if is_surface and dialect.surface_limit and state.speed_limit is not None:
-            return "constant surface speed (G96) has a limit (D), which the macros cannot give back"
-        crossed = self._crossed(line, state) if dialect.converts_feed else ""
-        if crossed:
-            return crossed
-        if state.modes.path == "tapping":
-            return "tapping mode (G63) is on"
-        if state.modes.look_ahead and not self._looks_no_further(line):
-            return "look-ahead control (G5, G5.1, G8) is on"
-        return ""
-
-    def _crossed(self, line: int, state: State) -> str:
-        """F and the P of G64 from before G20 or G21: given back as a number they would mean another value."""
-        at = bisect_right(self._units, (line - 1, True, True)) - 1
-        if at < 0:
-            return ""
-        switch, has_feed, has_tolerance = self._units[at]
-        has_feed = has_feed and state.feed is None
-        if has_tolerance:
-            path = [
-                s
-                for s in self.interpreted.effects
-                if codes_of(s.block, "path", self.interpreted.settings.dialect)
-            ]
-            has_tolerance = not any(switch <= effect.block.line < line for effect in path)
-        what = "F" if has_feed else "the P of G64" if has_tolerance else ""
-        return what and f"{what} is from before the change of units in line {self._user_line(switch)}"
-
-    def _looks_no_further(self, line: int) -> bool:
-        """True when the last such code switched it off: ``G8 P0``, ``G5 P0``, ``G5.1 Q0``."""
-        dialect = self.interpreted.settings.dialect
-        for effect in reversed(self.interpreted.effects):
-            if effect.block.line < line and codes_of(effect.block, "look_ahead", dialect):
-                return effect.block.has("P", 0) or effect.block.has("Q", 0)
-        return True
-
     def _user_line(self, line: int) -> int:
         return self.interpreted.program.source.place(line).line
-
-
-def _last(switches: list[tuple[int, int]], line: int) -> int | None:
-    """The line before a line that switched something on, None where it is off."""
-    at = bisect_right(switches, (line - 1, 1 << 62)) - 1
-    return switches[at][0] if at >= 0 and switches[at][1] else None
-
-
-def _unknown(interpreted: InterpretedProgram, subprograms: Subprograms) -> Iterator[tuple[int, str]]:
-    """(line, why) wherever nobody knows what was left in force."""
-    for effect in interpreted.effects:
-        unknown_code = _unknown_code(effect, interpreted)
-        if effect.block.opaque:
-            yield effect.block.line, "line {line} before it cannot be read"
-        elif unknown_code:
-            yield (
-                effect.block.line,
-                f"line {{line}} before it says {unknown_code}, which this profile does not know",
-            )
-        elif subprograms.changes(effect) is None:
-            what = "calls tools" if subprograms.call_tools(effect) else "is not in this file"
-            yield (
-                effect.block.line,
-                f"what is called in line {{line}} {what}; nobody knows what it leaves in force",
-            )
-
-
-def _unknown_code(effect: BlockEffect, interpreted: InterpretedProgram) -> str:
-    """A G code that may have switched anything, "" where there is none."""
-    for word in effect.block.words_of("G"):
-        value = plain_value(word)
-        if math.isnan(value) or round(value * 10) not in interpreted.settings.dialect.g_codes:
-            return effect.block.text_of(word)
-    return ""
-
-
-def _through(interpreted: InterpretedProgram) -> Iterator[tuple[int, int]]:
-    """(line, whether coolant runs through the spindle behind it), wherever that is said."""
-    dialect = interpreted.settings.dialect
-    if dialect.is_lathe or dialect.tool_change != "M6":
-        return
-    for effect in interpreted.effects:
-        if effect.block.has("M", _THROUGH_ON):
-            yield effect.block.line, 1
-        elif effect.block.has("M", _THROUGH_OFF) or calls_tool(effect, dialect.tool_change):
-            yield effect.block.line, 0
-
-
-def _switches_of_units(interpreted: InterpretedProgram) -> Iterator[tuple[int, bool, bool]]:
-    """(line, whether an F, whether a tolerance is in force there from other units)."""
-    has_feed = has_tolerance = False
-    for effect in interpreted.effects:
-        before, after = effect.before, effect.after
-        has_feed |= before.feed is not None  # behind a loop it is not known any more, but in force
-        if before.modes.units != after.modes.units:
-            has_tolerance = has_tolerance or "P" in before.path_words
-            yield effect.block.line, has_feed, has_tolerance
-        elif codes_of(effect.block, "path", interpreted.settings.dialect):
-            has_tolerance = False
-
-
-def _turned(interpreted: InterpretedProgram) -> Iterator[tuple[int, int]]:
-    """(line, whether LinuxCNC's ``G10 L2 P1 R45`` turns a work offset), wherever that is said."""
-    if not interpreted.settings.dialect.turns_offsets:
-        return
-    for effect in interpreted.effects:
-        angle, kind = effect.block.word("R"), effect.block.word("L")
-        if "data-setting" in effect.non_modal and angle and kind and plain_value(kind) in (2.0, 20.0):
-            yield effect.block.line, int(plain_value(angle) != 0.0)

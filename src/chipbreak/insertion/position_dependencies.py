@@ -1,8 +1,8 @@
-"""What the blocks behind a border rely on: the place of the tool there, and its length offset.
+"""What the blocks after a candidate rely on: the place of the tool there, and its length offset.
 
 An inserted check leaves the tool retracted, somewhere over the laser.  Blocks that first bring it into place
 by themselves (rapid, absolute: first X and Y, then Z) rely on nothing.  Everything else does: a cut or a
-distance from where it stands, a way down before X and Y are in place, a slanting way down that would now
+distance from where the tool is, a way down before X and Y are in place, a slanting way down that would now
 start elsewhere.
 """
 
@@ -25,7 +25,7 @@ from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.variables import variables_of
 
-# Who has not come to a decision after this many blocks relies on everything.
+# Where this many blocks have not decided it, they are taken to rely on everything.
 HORIZON = 400
 _HARMLESS = frozenset({"dwell", "exact-stop", "tuning", "data-setting", "data-setting-end", "shift"})
 # Where these are on, a word of one axis moves another.
@@ -40,39 +40,39 @@ _BENT: tuple[Group, ...] = (
 )
 
 
-class Reliance(NamedTuple):
-    """``axes`` that must stand where they stood; whether the length offset must be in force again."""
+class PositionDependencies(NamedTuple):
+    """``axes`` that must be where they were; whether the length offset must be in force again."""
 
     axes: frozenset[str]
     length_offset: bool
 
 
-def reliance(
+def position_dependencies(
     interpreted: InterpretedProgram,
     line: int,
     homed: Collection[str],
     *,
     has_offset: bool,
     home_ends_offset: bool = True,
-) -> Reliance:
+) -> PositionDependencies:
     """What the blocks from ``line`` on rely on.
 
     ``homed`` are axes the program itself has sent to a fixed place: a tool change and the end of the
     program may count on that.  ``has_offset`` is True where a length offset is in force that the retract
     would end.  ``home_ends_offset`` is False for calls that end it also on a control whose own way home does
-    not: what stands behind that way home may then still rely on it.
+    not: blocks after that way home may then still rely on it.
     """
-    look = _Look(
+    walk = _Walk(
         interpreted, frozenset(homed), offset_is_decided=not has_offset, home_ends_offset=home_ends_offset
     )
     last = min(line + HORIZON, interpreted.program.source.body.stop)
     for effect in interpreted.effects_of(line, last):
-        if look.is_decided_by(effect):
+        if walk.is_decided_by(effect):
             break
     else:
         if last < interpreted.program.source.body.stop:
-            look.rely_on_all()
-    return Reliance(frozenset(look.axes), look.length_offset)
+            walk.rely_on_all()
+    return PositionDependencies(frozenset(walk.axes), walk.length_offset)
 
 
 def named_axes(effect: BlockEffect, settings: Settings) -> frozenset[str]:
@@ -89,7 +89,7 @@ def homed_axes(effect: BlockEffect, settings: Settings) -> frozenset[str]:
 
 
 def reads_position(effect: BlockEffect, dialect: Dialect) -> bool:
-    """True for a block that works with the place where the tool stands.
+    """True for a block that works with the place where the tool is.
 
     ``X[#5420+5]``, ``#100=#5041``, and LinuxCNC's G28.1 and G30.1, which keep that place, or G10 L10,
     L11 and L20, which give it other numbers.
@@ -106,7 +106,7 @@ def reads_position(effect: BlockEffect, dialect: Dialect) -> bool:
 
 
 def relies_on_speed(interpreted: InterpretedProgram, line: int) -> bool:
-    """True when the spindle is started behind ``line`` without a new S."""
+    """True when the spindle is started after ``line`` without a new S."""
     for effect in interpreted.effects_of(line, min(line + HORIZON, interpreted.program.source.body.stop)):
         if effect.block.has("S") or effect.after.ended:
             return False
@@ -116,8 +116,12 @@ def relies_on_speed(interpreted: InterpretedProgram, line: int) -> bool:
 
 
 @dataclass
-class _Look:
-    """The walk along the blocks.  The methods that look at axes return True when those are decided."""
+class _Walk:
+    """The walk along the blocks.
+
+    A rule about axes returns True when they are decided, False when the next block has to be looked at, and
+    None when it has nothing to say of a block.
+    """
 
     interpreted: InterpretedProgram
     homed: frozenset[str]
@@ -129,7 +133,8 @@ class _Look:
     length_offset: bool = False
 
     def __post_init__(self) -> None:
-        self.dialect, self.words = self.interpreted.settings.dialect, self.interpreted.settings.axis_words
+        self.dialect = self.interpreted.settings.dialect
+        self.words = self.interpreted.settings.axis_words
         self.all_axes = frozenset("XZ" if self.dialect.is_lathe else "XYZ")
 
     def is_decided_by(self, effect: BlockEffect) -> bool:
@@ -149,7 +154,8 @@ class _Look:
 
     def _look_at_offset(self, effect: BlockEffect) -> None:
         """A new offset or the way home ends the old one; a move of Z in the program's coordinates uses it."""
-        block, move = effect.block, effect.move
+        block = effect.block
+        move = effect.move
         is_home = "home" in effect.non_modal and "Z" in homed_axes(effect, self.interpreted.settings)
         ends_it = effect.after.ended or bool(codes_of(block, "length_offset", self.dialect))
         if ends_it or (is_home and self.home_ends_offset):
@@ -163,32 +169,69 @@ class _Look:
         self.offset_is_decided |= self.length_offset
 
     def _look_at_axes(self, effect: BlockEffect) -> bool:
-        block = effect.block
-        if block.opaque or block.controls or calls_subprogram(effect) or reads_position(effect, self.dialect):
-            return self._rely_on_rest()
-        if block.skip and effect.before.modes != effect.after.modes:
-            return self._rely_on_rest()  # it may be skipped: G91, and what comes is a distance
         named = named_axes(effect, self.interpreted.settings)
-        if effect.after.ended or calls_tool(effect, self.dialect.tool_change):
-            self.axes |= self.homed - self.placed - named
-            # M6 takes Z home on most machines, on a LinuxCNC without a changer nothing at all: X and Y
-            # that nobody names behind it are those from before.
-            if effect.after.ended or self.dialect.tool_change != "M6":
-                return effect.after.ended or not block.skip
-        if "home" in effect.non_modal:
-            return self._home(effect)
-        if "machine" in effect.non_modal:
-            return self._machine(effect)
+        decisions = (rule(self, effect, named) for rule in self._AXIS_RULES)
+        return next((decision for decision in decisions if decision is not None), False)
+
+    def _reads_or_calls(self, effect: BlockEffect, _: frozenset[str]) -> bool | None:
+        block = effect.block
+        acts = (
+            block.opaque or block.controls or calls_subprogram(effect) or reads_position(effect, self.dialect)
+        )
+        return self._rely_on_rest() if acts else None
+
+    def _may_set_modes(self, effect: BlockEffect, _: frozenset[str]) -> bool | None:
+        """``/G91`` may be skipped, and what comes is a distance."""
+        is_unsure = effect.block.skip and effect.before.modes != effect.after.modes
+        return self._rely_on_rest() if is_unsure else None
+
+    def _ends_or_calls_tool(self, effect: BlockEffect, named: frozenset[str]) -> bool | None:
+        ended = effect.after.ended
+        if not ended and not calls_tool(effect, self.dialect.tool_change):
+            return None
+        self.axes |= self.homed - self.placed - named
+        # M6 takes Z home on most machines, on a LinuxCNC without a changer nothing at all: X and Y that are
+        # not named after it are those from before.
+        if ended or self.dialect.tool_change != "M6":
+            return ended or not effect.block.skip
+        return None
+
+    def _goes_home(self, effect: BlockEffect, _: frozenset[str]) -> bool | None:
+        return self._home(effect) if "home" in effect.non_modal else None
+
+    def _moves_in_machine(self, effect: BlockEffect, named: frozenset[str]) -> bool | None:
+        return self._machine(effect, named) if "machine" in effect.non_modal else None
+
+    def _acts_otherwise(self, effect: BlockEffect, named: frozenset[str]) -> bool | None:
+        """A mode in which a word of one axis moves another, or a code that does more than move."""
         is_limit = "set-position" in effect.non_modal and not named  # G50 S2000
-        bent = any(effect.after.modes.value(group) != "off" for group in _BENT)
-        if bent or (effect.non_modal - _HARMLESS and not is_limit):
+        is_bent = any(effect.after.modes.value(group) != "off" for group in _BENT)
+        acts = is_bent or (effect.non_modal - _HARMLESS and not is_limit)
+        return self._rely_on_rest() if acts else None
+
+    def _does_not_move(self, effect: BlockEffect, named: frozenset[str]) -> bool | None:
+        if effect.move is not None:
+            return None
+        # Axis words that were not read: a G code the profile does not know.
+        return bool(named) and not effect.non_modal and self._rely_on_rest()
+
+    def _moves(self, effect: BlockEffect, _: frozenset[str]) -> bool | None:
+        move = effect.move
+        if move is None or move.kind != "rapid" or move.incremental:
             return self._rely_on_rest()
-        if effect.move is None:
-            # Axis words that nobody has read: a G code the profile does not know.
-            return bool(named) and not effect.non_modal and self._rely_on_rest()
-        if effect.move.kind != "rapid" or effect.move.incremental:
-            return self._rely_on_rest()
-        return self._rapid(frozenset(effect.move.axes), bool(block.skip))
+        return self._rapid(frozenset(move.axes), bool(effect.block.skip))
+
+    # The first that has something to say of a block decides.
+    _AXIS_RULES = (
+        _reads_or_calls,
+        _may_set_modes,
+        _ends_or_calls_tool,
+        _goes_home,
+        _moves_in_machine,
+        _acts_otherwise,
+        _does_not_move,
+        _moves,
+    )
 
     def _rely_on_rest(self) -> bool:
         """All axes that are not in place yet."""
@@ -218,8 +261,7 @@ class _Look:
         self.placed |= set() if effect.block.skip else named
         return self.placed >= self.all_axes
 
-    def _machine(self, effect: BlockEffect) -> bool:
-        named = named_axes(effect, self.interpreted.settings)
+    def _machine(self, effect: BlockEffect, named: frozenset[str]) -> bool:
         depth = effect.block.word(self.words.letters["Z"])
         if effect.after.modes.motion != "rapid":
             return self._rely_on_rest()

@@ -1,6 +1,6 @@
 """What the subprograms that a program calls leave switched.
 
-One that stands in the same file is followed, from the state of its caller.  Where it branches, all that its
+One that is in the same file is followed, from the state of its caller.  Where it branches, all that its
 blocks set counts as perhaps set.  Of one that is not in the file, or that calls tools itself, nothing is
 known.
 """
@@ -26,14 +26,14 @@ _Key = str | int
 
 
 class _Return(NamedTuple):
-    """The state behind a call, and what branches may have set besides."""
+    """The state after a call, and what branches may have set besides."""
 
     state: State
     perhaps: frozenset[str]
 
 
 class Subprograms:
-    """The bodies that stand in a file, by label or number."""
+    """The bodies in a file, by label or number."""
 
     def __init__(self, interpreted: InterpretedProgram) -> None:
         self.interpreted = interpreted
@@ -43,10 +43,10 @@ class Subprograms:
         self._runs: dict[tuple[object, ...], _Return | None] = {}
 
     def changes(self, effect: BlockEffect) -> frozenset[str] | None:
-        """What the call in a block sets or may set; None where nobody knows, empty where there is no call."""
+        """What the call in a block sets or may set; None where it is not known, empty without a call."""
         line = effect.block.line
         if line not in self._seen:
-            end = self._behind(effect, ())
+            end = self._after(effect, ())
             self._seen[line] = end and differing(effect.after, end.state) | end.perhaps
         return self._seen[line]
 
@@ -65,8 +65,8 @@ class Subprograms:
             key %= _ONE_PROGRAM
         return self.bodies.get(key)
 
-    def _behind(self, effect: BlockEffect, callers: tuple[_Key, ...]) -> _Return | None:
-        """Behind a block with all that it calls."""
+    def _after(self, effect: BlockEffect, callers: tuple[_Key, ...]) -> _Return | None:
+        """The state after a block with all that it calls."""
         found = _Return(effect.after, frozenset())
         for key in _called(effect):
             end = self._run(key, found.state, callers)
@@ -88,12 +88,13 @@ class Subprograms:
         body = self._body(key)
         if body is None or len(body) > _LONGEST:
             return None
-        program, tool_change = self.interpreted.program, self.interpreted.settings.dialect.tool_change
+        program = self.interpreted.program
+        tool_change = self.interpreted.settings.dialect.tool_change
         is_straight = True
         perhaps: set[str] = set()
         for line in body:
             effect = self._interpreter.advance(state, program.block(line))
-            end = self._behind(effect, (*callers, key))
+            end = self._after(effect, (*callers, key))
             if effect.block.opaque or effect.after.ended or calls_tool(effect, tool_change) or end is None:
                 return None
             branches = any(control.keyword != "O-CALL" for control in effect.block.controls)

@@ -28,7 +28,8 @@ from chipbreak.checks.plan import PlannedCheck, plan_checks
 from chipbreak.dialects.modes import UNSAID
 from chipbreak.editing.edits import Edit
 from chipbreak.editing.promise import SpindleRestarted
-from chipbreak.insertion.safe_points import SafePoint, retract_blocks
+from chipbreak.insertion.retract import retract_blocks
+from chipbreak.insertion.safe_points import SafePoint
 from chipbreak.model.flow import Flow
 from chipbreak.model.interpret import Interpreter
 from chipbreak.model.words import is_diameter
@@ -73,13 +74,13 @@ class CheckTools(Pass):
 
 
 def _line(check: PlannedCheck) -> int:
-    return check.border.line
+    return check.point.line
 
 
 def _edit(checks: Sequence[PlannedCheck], settings: Settings) -> Edit:
-    """One insertion for all checks of a border."""
-    border = checks[0].border
-    blocks = _Blocks(border, settings)
+    """One insertion for all checks of a safe point."""
+    point = checks[0].point
+    blocks = _Blocks(point, settings)
     blocks.make_ready()
     for check in checks:
         for text in check.blocks:
@@ -87,15 +88,15 @@ def _edit(checks: Sequence[PlannedCheck], settings: Settings) -> Edit:
     blocks.put_back()
     title = ", ".join(check.title for check in checks)
     reason = "; ".join(check.reason for check in checks)
-    return Edit(border.line, border.line, tuple(blocks.texts), title, reason, SpindleRestarted())
+    return Edit(point.line, point.line, tuple(blocks.texts), title, reason, SpindleRestarted())
 
 
 class _Blocks:
     """Writes blocks, and knows by the interpreter what each of them has changed."""
 
-    def __init__(self, border: SafePoint, settings: Settings) -> None:
-        self.border, self.settings, self.dialect = border, settings, settings.dialect
-        self.before = self.now = border.state
+    def __init__(self, point: SafePoint, settings: Settings) -> None:
+        self.point, self.settings, self.dialect = point, settings, settings.dialect
+        self.before = self.now = point.state
         self.interpreter = Interpreter(settings, Flow(frozenset(), ()))
         self.texts: list[str] = []
 
@@ -127,22 +128,22 @@ class _Blocks:
                 self.write(self.dialect.code(group, value))
 
     def _put_back_spindle(self) -> None:
-        if self.border.needs_speed and self.before.speed:
+        if self.point.needs_speed and self.before.speed:
             starts = [_SPINDLE[self.before.spindle]] if self.before.turns else []
             self.write(" ".join([f"S{self.before.speed.text}", *starts]))
 
     def _put_back_position_and_coolant(self) -> None:
         """The axis that comes down to the work is the last, and the coolant flows by then."""
         last = "X" if self.dialect.is_lathe else "Z"
-        first_axes = [axis for axis in self.border.axes if axis != last]
-        if self.border.axes and self.now.modes.distance != "absolute":
+        first_axes = [axis for axis in self.point.axes if axis != last]
+        if self.point.axes and self.now.modes.distance != "absolute":
             self.write(self.dialect.code("distance", "absolute"))
         if first_axes:
             self.write(" ".join(["G0", *map(self._word, first_axes)]))
         for name in sorted(self.before.coolant):
             self.write(_COOLANT[name])
-        if last in self.border.axes:
-            offset = [self.border.length_offset] if self.border.length_offset else []
+        if last in self.point.axes:
+            offset = [self.point.length_offset] if self.point.length_offset else []
             self.write(" ".join(["G0", *offset, self._word(last)]))
 
     def _word(self, axis: str) -> str:

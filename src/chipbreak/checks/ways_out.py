@@ -1,0 +1,19 @@
+"""What the user can do where a check is left out: the one home of these texts."""
+
+from __future__ import annotations
+
+from typing import Final
+
+GIVE_THE_SPEED: Final = "give S and M3 or M4 before the cut, after any block that a jump or a loop reaches"
+GIVE_THE_TOOL_DATA: Final = (
+    "give them in a tool file (--tools FILE); with checks.missing=error this is an error"
+)
+LEAVE_THE_CHECK_OUT: Final = "; checks.missing=skip leaves the check out"
+CALL_WITH_ITS_NUMBER: Final = "call the tool with its number before it cuts"
+KEEP_THE_SISTER: Final = "keep a sister for the tool whose place it takes"
+SEE_ITS_TRACE: Final = "see why its TRACE was left out"
+
+
+def call_a_tool(where: str) -> str:
+    """``where`` says where the program calls its tools, "" where it calls none."""
+    return f"a check needs the tool's number from its call{where}"

@@ -1,0 +1,138 @@
+"""Lines before which something might be inserted, each with the state there and what moved the tool last."""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+from chipbreak.insertion.position_dependencies import homed_axes, named_axes
+from chipbreak.insertion.retract import Retract
+from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.modal import State
+from chipbreak.model.words import codes_of
+from chipbreak.operations.main_program import calls_subprogram
+from chipbreak.operations.operations import calls_tool
+from chipbreak.settings.sections import Settings
+
+# "nothing" yet, "rapid", "home" (or the machine's own tool change), "call" of a subprogram or a macro, or
+# "cut" for all else.
+Mover = Literal["nothing", "rapid", "home", "call", "cut"]
+_Deed = Literal["tool change", "home", "call", "rapid", "cut", "nothing"]
+_MOVERS: dict[_Deed, Mover] = {
+    "tool change": "home",
+    "home": "home",
+    "call": "call",
+    "rapid": "rapid",
+    "cut": "cut",
+}
+_STARTS = (3, 4)
+_SPINDLE = (*_STARTS, 5, 19)
+
+
+class Candidate(NamedTuple):
+    """A line, the state before it, and what brought the tool there.
+
+    ``mover``   what moved last
+    ``homed``   axes that the program sent to a fixed place where our own retract does not take them
+    ``z_is_home``  the last move of Z was a reference return, which ends the length offset as ours does
+    ``z_is_shifted``  the length offset changed after the last move of Z: its number says nothing now
+    ``is_displaced``  X and Y are beside their numbers: G40 has ended cutter compensation without a move
+    ``spindle_is_unsure``  M3 was active at a tool change; some machines stop the spindle there, some do not
+    """
+
+    line: int
+    state: State
+    mover: Mover
+    homed: frozenset[str] = frozenset()
+    z_is_home: bool = False
+    z_is_shifted: bool = False
+    is_displaced: bool = False
+    spindle_is_unsure: bool = False
+
+
+def candidates(
+    interpreted: InterpretedProgram, retract: Retract, first: int, last: int, mover: Mover
+) -> list[Candidate]:
+    """The lines ``first`` to ``last``; ``mover`` is what moved before the first one."""
+    state = interpreted.before(first)
+    found = [Candidate(first, state, mover, is_displaced=_compensates(state))]
+    for effect in interpreted.effects_of(first, last):
+        found.append(_Step(effect, interpreted.settings, retract).after(found[-1]))
+    return found
+
+
+class _Step:
+    """One block, and what it makes of each fact about the line before it."""
+
+    def __init__(self, effect: BlockEffect, settings: Settings, retract: Retract) -> None:
+        self.effect, self.settings, self.retract = effect, settings, retract
+        self.deed = _deed_of(effect, settings)
+        axes_of = homed_axes if "home" in effect.non_modal else named_axes
+        self.named = axes_of(effect, settings)
+
+    def after(self, before: Candidate) -> Candidate:
+        """The next line."""
+        mover = _MOVERS.get(self.deed, before.mover)
+        return Candidate(
+            before.line + 1,
+            self.effect.after,
+            mover,
+            self._homed(before),
+            self._z_is_home(before),
+            self._z_is_shifted(before),
+            self._is_displaced(before, mover),
+            self._spindle_is_unsure(before),
+        )
+
+    def _homed(self, before: Candidate) -> frozenset[str]:
+        if self.deed == "tool change":
+            return frozenset()
+        if self.deed == "home":
+            return before.homed | (self.named - self.retract.repeats(self.effect))
+        return before.homed - self.named if self.deed in ("rapid", "cut") else before.homed
+
+    def _z_is_home(self, before: Candidate) -> bool:
+        if "Z" in self.named and "home" in self.effect.non_modal:
+            return True
+        return before.z_is_home and not ("Z" in self.named and self.deed in ("rapid", "cut"))
+
+    def _z_is_shifted(self, before: Candidate) -> bool:
+        if self._moves("Z"):
+            return False
+        shifts = bool(codes_of(self.effect.block, "length_offset", self.settings.dialect))
+        return shifts or before.z_is_shifted
+
+    def _is_displaced(self, before: Candidate, mover: Mover) -> bool:
+        if _compensates(self.effect.after):
+            return True
+        return before.is_displaced and mover != "home" and not self._moves("XY")
+
+    def _spindle_is_unsure(self, before: Candidate) -> bool:
+        block = self.effect.block
+        if self.deed == "tool change":
+            return self.effect.after.turns and not block.has("M", *_STARTS)
+        return before.spindle_is_unsure and not block.has("M", *_SPINDLE)
+
+    def _moves(self, axes: str) -> bool:
+        move = self.effect.move
+        return move is not None and any(axis in move.axes for axis in axes)
+
+
+def _deed_of(effect: BlockEffect, settings: Settings) -> _Deed:
+    """What a block does with the tool."""
+    motion = effect.after.modes.motion
+    if calls_tool(effect, settings.dialect.tool_change):
+        return "tool change"
+    if "home" in effect.non_modal or ("machine" in effect.non_modal and motion == "rapid"):
+        return "home"
+    if calls_subprogram(effect) or effect.non_modal & {"macro-call", "service"}:
+        return "call"
+    if effect.move is None:
+        return "nothing"
+    # A canned cycle ends with its own way out.
+    is_rapid = effect.move.kind == "rapid" or (motion == "cycle" and not effect.non_modal)
+    return "rapid" if is_rapid else "cut"
+
+
+def _compensates(state: State) -> bool:
+    return state.modes.compensation != "off"

@@ -1,0 +1,106 @@
+"""Effects of blocks that last and that no modal group shows, wherever they change."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from chipbreak.insertion.subprograms import Subprograms
+from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.words import codes_of, plain_value
+from chipbreak.operations.operations import calls_tool
+
+# Coolant through the spindle: M9 does not end it, and this profile has no code that is sure to do so.
+_THROUGH_ON = 88.0
+_THROUGH_OFF = 89.0
+
+
+class Unreadable(NamedTuple):
+    """A line after which it is not known what is in force; its number is between ``before`` and ``after``."""
+
+    line: int
+    before: str
+    after: str
+
+    def why(self, user_line: int) -> str:
+        """The reason, with the line as the user counts it."""
+        return f"{self.before}{user_line}{self.after}"
+
+
+def unreadable_lines(interpreted: InterpretedProgram, subprograms: Subprograms) -> Iterator[Unreadable]:
+    """Wherever it is not known what was left in force."""
+    for effect in interpreted.effects:
+        line = effect.block.line
+        unknown_code = _unknown_code(effect, interpreted)
+        if effect.block.opaque:
+            yield Unreadable(line, "line ", " before it cannot be read")
+        elif unknown_code:
+            why = f" before it says {unknown_code}, which this profile does not know"
+            yield Unreadable(line, "line ", why)
+        elif subprograms.changes(effect) is None:
+            what = "calls tools" if subprograms.call_tools(effect) else "is not in this file"
+            why = f" {what}; nobody knows what it leaves in force"
+            yield Unreadable(line, "what is called in line ", why)
+
+
+def _unknown_code(effect: BlockEffect, interpreted: InterpretedProgram) -> str:
+    """A G code that may have switched anything, "" where there is none."""
+    for word in effect.block.words_of("G"):
+        value = plain_value(word)
+        if math.isnan(value) or round(value * 10) not in interpreted.settings.dialect.g_codes:
+            return effect.block.text_of(word)
+    return ""
+
+
+def coolant_through(interpreted: InterpretedProgram) -> Iterator[tuple[int, int]]:
+    """(line, whether coolant runs through the spindle after it), wherever that is said."""
+    dialect = interpreted.settings.dialect
+    if dialect.is_lathe or dialect.tool_change != "M6":
+        return
+    for effect in interpreted.effects:
+        if effect.block.has("M", _THROUGH_ON):
+            yield effect.block.line, 1
+        elif effect.block.has("M", _THROUGH_OFF) or calls_tool(effect, dialect.tool_change):
+            yield effect.block.line, 0
+
+
+class UnitSwitch(NamedTuple):
+    """A line that changes the units; whether an F, and a tolerance, are in force there from other units."""
+
+    line: int
+    has_feed: bool
+    has_tolerance: bool
+
+
+def unit_switches(interpreted: InterpretedProgram) -> Iterator[UnitSwitch]:
+    """Every change of the units."""
+    has_feed = False
+    has_tolerance = False
+    for effect in interpreted.effects:
+        before = effect.before
+        has_feed |= before.feed is not None  # after a loop it is not known any more, but in force
+        if before.modes.units != effect.after.modes.units:
+            has_tolerance = has_tolerance or "P" in before.path_words
+            yield UnitSwitch(effect.block.line, has_feed, has_tolerance)
+        elif codes_of(effect.block, "path", interpreted.settings.dialect):
+            has_tolerance = False
+
+
+def turned_offsets(interpreted: InterpretedProgram) -> Iterator[tuple[int, int]]:
+    """(line, whether LinuxCNC's ``G10 L2 P1 R45`` turns a work offset), wherever that is said."""
+    if not interpreted.settings.dialect.turns_offsets:
+        return
+    for effect in interpreted.effects:
+        angle = effect.block.word("R")
+        kind = effect.block.word("L")
+        if "data-setting" in effect.non_modal and angle and kind and plain_value(kind) in (2.0, 20.0):
+            yield effect.block.line, int(plain_value(angle) != 0.0)
+
+
+def last_switch(switches: Sequence[tuple[int, int]], line: int) -> int | None:
+    """The line before a line that switched something on, None where it is off."""
+    at = bisect_right(switches, (line - 1, 1 << 62)) - 1
+    return switches[at][0] if at >= 0 and switches[at][1] else None

@@ -1,0 +1,16 @@
+"""What the user can do where nothing may be inserted: the one home of these texts."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+MAKE_A_PLACE: Final = "make a place for it: G0 to a known position, G40, G80, the spindle with S"
+CALL_THE_TOOL_AGAIN: Final = "call the tool again behind it: from there on all is known"
+MOVE_WITH_G40: Final = "move X or Y in the block of G40 or behind it, in rapid"
+
+
+class Obstacle(NamedTuple):
+    """Why nothing may be inserted before a line, and what would help."""
+
+    why: str
+    way_out: str = MAKE_A_PLACE
