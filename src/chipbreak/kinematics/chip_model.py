@@ -24,8 +24,10 @@ from chipbreak.units import S_PER_MIN
 _TOUCH = 1e-9  # a gap below this share of the feed is a touch, and a touch ends the chip
 _FULL = 0.98  # return strokes of at least this share of the longest belong to the steady part
 _EDGE = 0.01  # a crest that rounding has moved this share of a pass out of the steady part is still in it
-_SAMPLE_UNITS, _SAMPLE_POINTS = 200, 60_000  # vibrations or revolutions worked out in full; corners in them
-_ROUGHNESS_PASSES, _ROUGHNESS_ANGLES = 60, 1025
+_SAMPLE_UNITS = 200  # vibrations or revolutions worked out in full
+_SAMPLE_POINTS = 60_000  # corners in them
+_ROUGHNESS_PASSES = 60
+_ROUGHNESS_ANGLES = 1025
 
 
 @dataclass(frozen=True)
@@ -92,11 +94,13 @@ def judge(
     its rests are judged; else ``waveform`` and ``alpha_share`` serve only the speed band.  Errors: VIB020.
     """
     _check(time_s, distance_mm, speed_rpm, feed_mm_rev, edges)
-    rev_s, feed_mm = S_PER_MIN / speed_rpm, feed_mm_rev / edges
+    rev_s = S_PER_MIN / speed_rpm
+    feed_mm = feed_mm_rev / edges
     motion = Motion(time_s, distance_mm, rev_s / edges, _TOUCH * feed_mm)
     turns_back = waveform is None or wave_named(waveform).turns_back
     rests = None if turns_back else rests_of(time_s, distance_mm, motion.touch_mm)
-    steady, gaps = _steady_part(motion, steady_s, feed_mm_rev / rev_s, rests), motion.corner_gaps()
+    steady = _steady_part(motion, steady_s, feed_mm_rev / rev_s, rests)
+    gaps = motion.corner_gaps()
     margin = _margin(gaps, steady, time_s[steady.crest], motion.pass_s)
     if rests is not None:
         margin = rests.shortest_s(steady.crest) / motion.pass_s
@@ -109,7 +113,9 @@ def judge(
     longest_rev = (longest_s if breaks else float(time_s[-1] - time_s[0])) / rev_s
     first_rev = _first_chip(motion, gaps) / rev_s
     around_mm = None if diameter_mm is None else math.pi * diameter_mm
-    per_rev, ratio, band = rev_s / steady.period_s, stroke_mm / (steady.speed_mm_s * rev_s), None
+    per_rev = rev_s / steady.period_s
+    ratio = stroke_mm / (steady.speed_mm_s * rev_s)
+    band = None
     if waveform is not None and rests is None and per_rev > 0.0:
         band = speed_band_rpm(waveform, speed_rpm, per_rev, ratio, alpha_share=alpha_share, edges=edges)
     return Verdict(
@@ -166,7 +172,8 @@ def _margin(gaps: Gaps, steady: _Steady, crest_s: Floats, pass_s: float) -> floa
     bounds = crest_s if crest_s.size > 1 else window_s
     least = np.full(bounds.size - 1, np.inf)
     for corner_s, gap_mm in gaps:
-        low, high = np.searchsorted(corner_s, bounds[0]), np.searchsorted(corner_s, bounds[-1], side="right")
+        low = np.searchsorted(corner_s, bounds[0])
+        high = np.searchsorted(corner_s, bounds[-1], side="right")
         cells = np.searchsorted(corner_s[low:high], bounds[:-1])
         np.minimum(least, np.minimum.reduceat(np.append(gap_mm[low:high], np.inf), cells), out=least)
     margin = 1.0 - float(least.max()) / (steady.speed_mm_s * pass_s)
@@ -185,7 +192,8 @@ def _stroke(motion: Motion, steady: _Steady) -> float:
 
 def _sampled_part(motion: Motion, steady: _Steady, passes: int) -> tuple[float, float]:
     """The end of the steady part that is worked out in full: its start and end [s]."""
-    begin_s, end_s = steady.begin_s, steady.end_s
+    begin_s = steady.begin_s
+    end_s = steady.end_s
     unit_s = max(motion.pass_s, steady.period_s if steady.crest.size > 1 else 0.0)
     settled_s = begin_s + (passes - 1) * motion.pass_s
     if end_s - settled_s > 3.0 * unit_s:  # room enough to wait until all older passes were full too
@@ -209,15 +217,19 @@ def _chips(motion: Motion, part: tuple[float, float], passes: int) -> tuple[floa
     start_s = corners[starts] + enter[starts] * step_s[starts]
     chip_s = corners[stops] + leave[stops] * step_s[stops] - start_s
     if starts.size < 3:  # too few to tell whole chips from those that the ends of the part cut off
-        ended, span_s = int((start_s + chip_s < part[1]).sum()), part[1] - part[0]
+        ended = int((start_s + chip_s < part[1]).sum())
+        span_s = part[1] - part[0]
     else:
-        ended, span_s, chip_s = starts.size - 2, float(start_s[-1] - start_s[1]), chip_s[1:-1]
+        ended = starts.size - 2
+        span_s = float(start_s[-1] - start_s[1])
+        chip_s = chip_s[1:-1]
     return ended / span_s, float(chip_s.sum()) / span_s, float(chip_s.max(initial=0.0)), peak_mm
 
 
 def _ramp_peak_mm(motion: Motion, steady: _Steady, passes: int) -> float:
     """Greatest thickness while older passes are not yet those of the steady part, and behind it."""
-    begin_s, end_s = float(motion.time_s[0]), float(motion.time_s[-1])
+    begin_s = float(motion.time_s[0])
+    end_s = float(motion.time_s[-1])
     grown_s = min(steady.begin_s + passes * motion.pass_s, end_s)
     parts = [part for part in ((begin_s, grown_s), (steady.end_s, end_s)) if part[1] > part[0]]
     return max((motion.thickness(part, passes)[1] for part in parts), default=0.0)
@@ -229,7 +241,8 @@ def _first_chip(motion: Motion, gaps: Gaps) -> float:
     Only the last pass is asked, so while the stroke still grows the answer is never too short.
     """
     begun_mm = motion.distance_mm[0] + motion.touch_mm
-    start_s, hit_s = float(motion.time_s[0]), math.inf
+    start_s = float(motion.time_s[0])
+    hit_s = math.inf
     for corner_s, gap_mm in gaps:
         air = np.flatnonzero((gap_mm <= motion.touch_mm) & (motion.at(corner_s) > begun_mm))
         hit_s = min(hit_s, *corner_s[air[:1]].tolist(), math.inf)

@@ -65,7 +65,8 @@ def rests_of(time_s: Floats, distance_mm: Floats, still_mm: float) -> Rests:
     """The rests of knots (n,), between which less than ``still_mm`` is no move."""
     moving = np.flatnonzero(np.abs(np.diff(distance_mm)) > still_mm)
     gaps = np.flatnonzero(np.diff(moving) > 1)
-    begin, end = moving[gaps] + 1, moving[gaps + 1]
+    begin = moving[gaps] + 1
+    end = moving[gaps + 1]
     return Rests(begin, time_s[end] - time_s[begin])
 
 
@@ -88,13 +89,16 @@ def lowest_of(
     Its greatest value, and for each segment from which to which share of it, (n,) each, all heights lie above
     ``floor``: nowhere unless the second is the larger one.
     """
-    peak, step = -np.inf, max(1, _HEIGHTS_AT_ONCE // count)
-    enter, leave = np.empty(len(corners) - 1), np.empty(len(corners) - 1)
+    peak = -np.inf
+    step = max(1, _HEIGHTS_AT_ONCE // count)
+    enter = np.empty(len(corners) - 1)
+    leave = np.empty(len(corners) - 1)
     for first in range(0, len(enter), step):
         at = heights(corners[first : first + step + 1])
         peak = highest_minimum(at[:, :-1], at[:, 1:], peak)
         # Each height is straight, so each is above the floor before or after one place, or throughout.
-        left, right = at[:, :-1] - floor, at[:, 1:] - floor
+        left = at[:, :-1] - floor
+        right = at[:, 1:] - floor
         with np.errstate(divide="ignore", invalid="ignore"):
             place = left / (left - right)
         part = slice(first, first + step)

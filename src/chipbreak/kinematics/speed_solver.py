@@ -17,7 +17,8 @@ from chipbreak.units import MS_PER_S, S_PER_MIN
 FAR_RATIO = 1.25  # an f given as a word that far outside the group is more likely a feed
 MOST_TICKS = 1_000_000  # the end of a group without a highest multiple: over an hour per vibration
 WHOLE_WITHIN = 1e-3  # nearer to a whole number, the stroke would have to be hundreds of times the feed
-TOO_FEW, NEVER_BREAKS = "VIB001", "VIB005"
+TOO_FEW = "VIB001"
+NEVER_BREAKS = "VIB005"
 _FUZZ = 1e-9  # two numbers that differ by less were meant to be equal
 
 
@@ -77,7 +78,8 @@ class CommandGroup:
 
     def contains_near(self, frequency_hz: float) -> bool:
         """False when the frequency lies over a quarter beyond the fastest or the slowest of the group."""
-        slowest_hz, fastest_hz = self.nearest(1e-6).frequency_hz, self.nearest(1e6).frequency_hz
+        slowest_hz = self.nearest(1e-6).frequency_hz
+        fastest_hz = self.nearest(1e6).frequency_hz
         return slowest_hz / FAR_RATIO <= frequency_hz <= fastest_hz * FAR_RATIO
 
 
@@ -156,28 +158,8 @@ def solve(
     """
     _check_given({"S": speed, "N": per_rev, "f": frequency})
     reasons: list[str] = []
-    if frequency is not None:
-        asked_hz = frequency.value
-        if not group.contains_near(asked_hz):
-            near = ", ".join(shown(period.frequency_hz) for period in group.around(asked_hz))
-            way_out = f"the nearest are {near} Hz; a feed is written with an upper-case F"
-            raise RefusalError("VIB004", f"f {frequency} is far from all the control can command", way_out)
-    else:
-        assert speed is not None and per_rev is not None
-        asked_hz = per_rev.value * speed.value / S_PER_MIN
-    period = group.nearest(asked_hz)
-    # 41.667 Hz is how people write 1 / 24 ms; that is no correction.
-    if not math.isclose(asked_hz, period.frequency_hz, rel_tol=1e-4):
-        size = f"{shown(period.period_s * MS_PER_S)} ms" if group.periods_s else f"n = {period.ticks}"
-        near = f"{shown(period.frequency_hz)} Hz, nearest the control can command ({size})"
-        reasons.append(f"f {shown(asked_hz)} -> {near}")
-    if per_rev is not None:
-        wanted = per_rev.value
-        if speed is None or rules.correct == "spindle":
-            _check_breaks(wanted, rules, per_rev.origin)
-    else:
-        assert speed is not None
-        wanted = _count(speed, period, rules, reasons)
+    period = _period(speed, per_rev, frequency, group, reasons)
+    wanted = _wanted(speed, per_rev, period, rules, reasons)
     speed_rpm = _speed(speed, wanted, period, rules, reasons)
     reached = _ratio(period, speed_rpm)
     _check_breaks(reached, rules, f"S {shown(speed_rpm)}, f {shown(period.frequency_hz)}", period)
@@ -188,6 +170,52 @@ def solve(
     return Solution(speed_rpm, reached, period.frequency_hz, period, tuple(reasons), changed)
 
 
+def _period(
+    speed: SourcedValue | None,
+    per_rev: SourcedValue | None,
+    frequency: SourcedValue | None,
+    group: CommandGroup,
+    reasons: list[str],
+) -> Period:
+    """What the control can command nearest the f that was given, or that S and N make."""
+    if frequency is not None:
+        asked_hz = frequency.value
+        _check_near(frequency, group)
+    else:
+        assert speed is not None and per_rev is not None
+        asked_hz = per_rev.value * speed.value / S_PER_MIN
+    period = group.nearest(asked_hz)
+    # 41.667 Hz is how people write 1 / 24 ms; that is no correction.
+    if not math.isclose(asked_hz, period.frequency_hz, rel_tol=1e-4):
+        size = f"{shown(period.period_s * MS_PER_S)} ms" if group.periods_s else f"n = {period.ticks}"
+        near = f"{shown(period.frequency_hz)} Hz, nearest the control can command ({size})"
+        reasons.append(f"f {shown(asked_hz)} -> {near}")
+    return period
+
+
+def _check_near(frequency: SourcedValue, group: CommandGroup) -> None:
+    if not group.contains_near(frequency.value):
+        near = ", ".join(shown(period.frequency_hz) for period in group.around(frequency.value))
+        way_out = f"the nearest are {near} Hz; a feed is written with an upper-case F"
+        raise RefusalError("VIB004", f"f {frequency} is far from all the control can command", way_out)
+
+
+def _wanted(
+    speed: SourcedValue | None,
+    per_rev: SourcedValue | None,
+    period: Period,
+    rules: SolverRules,
+    reasons: list[str],
+) -> float:
+    """N as given, or as S and f make it."""
+    if per_rev is None:
+        assert speed is not None
+        return _count(speed, period, rules, reasons)
+    if speed is None or rules.correct == "spindle":
+        _check_breaks(per_rev.value, rules, per_rev.origin)
+    return per_rev.value
+
+
 def _count(speed: SourcedValue, period: Period, rules: SolverRules, reasons: list[str]) -> float:
     """N of given S and f (steps S8 to S12); nothing changes when S is right to its resolution already."""
     raw = _ratio(period, speed.value)
@@ -196,7 +224,8 @@ def _count(speed: SourcedValue, period: Period, rules: SolverRules, reasons: lis
     best = preferred_per_rev(raw, replace(rules, rounding="nearest-half"))
     if not _prints_as(speed, best, period, rules):
         best = preferred_per_rev(raw, rules)
-    low, high = best - (rules.mn or 0.0), best + (rules.pn or 0.0)
+    low = best - (rules.mn or 0.0)
+    high = best + (rules.pn or 0.0)
     count = min(max(raw, low), high)
     if raw < min(count, rules.edges * rules.phase) / 2:
         what = f"S {speed} with f {shown(period.frequency_hz)} Hz makes N {shown(raw)}"

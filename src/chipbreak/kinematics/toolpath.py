@@ -103,7 +103,8 @@ class Path:
 
         A chord over an arc of radius r and length l leaves it by l^2 / (8 r).
         """
-        low, high = np.minimum(start_mm, end_mm), np.maximum(start_mm, end_mm)
+        low = np.minimum(start_mm, end_mm)
+        high = np.maximum(start_mm, end_mm)
         pieces = np.ones(len(low), dtype=np.intp)
         for index, arc in enumerate(self.arcs):
             if arc is not None:
@@ -126,8 +127,10 @@ class Path:
         return np.unique(np.concatenate(cuts))
 
     def _on_leg(self, index: int, s_mm: Floats) -> Floats:
-        leg, arc = self.legs[index], self.arcs[index]
-        start_s, end_s = self.ends_mm[index], self.ends_mm[index + 1]
+        leg = self.legs[index]
+        arc = self.arcs[index]
+        start_s = self.ends_mm[index]
+        end_s = self.ends_mm[index + 1]
         share = (s_mm - start_s) / (end_s - start_s)
         if arc is None:
             line: Floats = np.asarray(leg.start) + share[:, None] * np.subtract(leg.end, leg.start)
@@ -140,8 +143,10 @@ class Path:
         return points
 
     def _along_leg(self, index: int, s_mm: Floats) -> Floats:
-        leg, arc = self.legs[index], self.arcs[index]
-        start_s, end_s = self.ends_mm[index], self.ends_mm[index + 1]
+        leg = self.legs[index]
+        arc = self.arcs[index]
+        start_s = self.ends_mm[index]
+        end_s = self.ends_mm[index + 1]
         length = end_s - start_s
         if arc is None:
             return np.tile(np.subtract(leg.end, leg.start) / length, (len(s_mm), 1))
@@ -159,7 +164,9 @@ def path_of(legs: Sequence[Leg]) -> Path:
 
     Errors: VIB022 for an arc that cannot be, VIB023 when there is no length at all.
     """
-    arcs, lengths, kept = [], [], []
+    arcs = []
+    lengths = []
+    kept = []
     for leg in legs:
         arc = _arc_of(leg) if leg.turn else None
         length = math.dist(leg.start, leg.end)
@@ -184,7 +191,8 @@ def _arc_of(leg: Leg) -> _Arc:
         centre = start + np.nan_to_num(offset)
     else:
         centre = _centre_from_radius(start, end, leg)
-    radius, end_radius = math.dist(start, centre), math.dist(end, centre)
+    radius = math.dist(start, centre)
+    end_radius = math.dist(end, centre)
     if radius == 0.0 or abs(radius - end_radius) > _RADIUS_TOLERANCE_MM:
         message = f"the arc starts {radius:.4f} mm and ends {end_radius:.4f} mm from its centre"
         raise RefusalError(BAD_ARC, message, "check I, J, K or R of the block")
@@ -195,7 +203,8 @@ def _arc_of(leg: Leg) -> _Arc:
     if sweep in (0.0, -full) or math.dist(start, end) < 1e-9:
         sweep = full * leg.turn
     middle = [0.0, 0.0, 0.0]
-    middle[axes[0]], middle[axes[1]] = float(centre[0]), float(centre[1])
+    middle[axes[0]] = float(centre[0])
+    middle[axes[1]] = float(centre[1])
     axial = 3 - sum(axes)
     rise = leg.end[axial] - leg.start[axial]
     return _Arc((middle[0], middle[1], middle[2]), radius, first, sweep, axes, rise)

@@ -140,7 +140,9 @@ class Triangle(Wave):
         The forward stroke is P + alpha f_r / N long and takes alpha / V, the return P - (1 - alpha) f_r / N
         and (1 - alpha) / V.
         """
-        alpha, advance_mm, frequency_hz = cut.alpha_share, cut.feed_mm_rev / per_rev, 1.0 / cut.period_s
+        alpha = cut.alpha_share
+        advance_mm = cut.feed_mm_rev / per_rev
+        frequency_hz = 1.0 / cut.period_s
         forward = 4.0 * (cut.stroke_mm + alpha * advance_mm) * (frequency_hz / alpha) ** 2
         back = 4.0 * (cut.stroke_mm - (1.0 - alpha) * advance_mm) * (frequency_hz / (1.0 - alpha)) ** 2
         return max(forward, back)
@@ -175,7 +177,8 @@ class Sine(Wave):
         """|sin pi delta|; of so few ``ticks`` that its corners matter it is taken as the polygon it is."""
         if ticks is None:
             return math.sin(math.pi * delta)
-        knots, heights = np.arange(1, ticks + 1) / ticks, self.heights(ticks, 1)
+        knots = np.arange(1, ticks + 1) / ticks
+        heights = self.heights(ticks, 1)
         # The difference of two polygons is largest at a corner of one of them.
         corners = np.concatenate([knots, knots + delta])
         before = np.interp(corners - delta, knots, heights, period=1.0)

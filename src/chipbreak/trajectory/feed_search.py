@@ -19,7 +19,8 @@ from chipbreak.units import MS_PER_S
 
 Floats = NDArray[np.float64]
 _TRIED = np.geomspace(0.5, 20.0, 75)
-_TRIED_BETWEEN, _COARSE = 40, 5
+_TRIED_BETWEEN = 40
+_COARSE = 5
 _ROWS_AT_ONCE = 1 << 13
 _SAME_S = 1e-9
 _MOST_KNOWN = 1 << 16

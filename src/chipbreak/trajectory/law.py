@@ -276,8 +276,10 @@ def _motion_with_dwells(
         ends = np.append(ends, len(dwell_s))
     spans_s = np.empty(len(dwell_s))
     known: dict[tuple[bytes, bytes], Motion] = {}
-    times, places = list[Floats](), list[Floats]()
-    now_s, first = 0.0, 0
+    times = list[Floats]()
+    places = list[Floats]()
+    now_s = 0.0
+    first = 0
     for last in ends.tolist():
         run = slice(first, last)
         key = (blocks.lengths_mm[run].tobytes(), feeds_mm_s[run].tobytes())

@@ -204,11 +204,13 @@ class LinuxCnc(RestingLaw):
 
     def _middle_feed(self, length_mm: float, periods: int) -> float:
         """The feed in the middle, by time, of all feeds that take this many periods."""
-        period, acceleration = self.servo_period_s, self.acceleration_mm_s2
+        period = self.servo_period_s
+        acceleration = self.acceleration_mm_s2
 
         def slowest(most: int) -> float:
             """The longest trapezoid time, in periods, that LinuxCNC still runs in ``most`` of its periods."""
-            low, high = max(most - 2.0, 2.0 * sqrt(length_mm / acceleration) / period), float(most)
+            low = max(most - 2.0, 2.0 * sqrt(length_mm / acceleration) / period)
+            high = float(most)
             for _ in range(14):
                 time = (low + high) / 2.0
                 feed = speed_for_time(length_mm, time * period, acceleration)
@@ -216,7 +218,8 @@ class LinuxCnc(RestingLaw):
                 low, high = (time, high) if round(took / period) <= most else (low, time)
             return low
 
-        late, early = slowest(periods), 2.0 * sqrt(length_mm / acceleration) / period
+        late = slowest(periods)
+        early = 2.0 * sqrt(length_mm / acceleration) / period
         if early < periods - 1.0:
             early = max(early, slowest(periods - 1))
         return speed_for_time(length_mm, (late + early) / 2.0 * period, acceleration)

@@ -23,17 +23,20 @@ def middle_feeds(lengths: Floats, times: Floats, acceleration: Floats, period: f
 
     Whether the control can do it has been asked before.
     """
-    periods, least = np.rint(times / period), 2.0 * np.sqrt(lengths / acceleration) / period
+    periods = np.rint(times / period)
+    least = 2.0 * np.sqrt(lengths / acceleration) / period
 
     def slowest(most: Floats) -> Floats:
         """The longest trapezoid times, in periods, that LinuxCNC still runs in ``most`` of its periods."""
-        low, high = np.maximum(most - 2.0, least), most
+        low = np.maximum(most - 2.0, least)
+        high = most
         for _ in range(14):
             middle = (low + high) / 2.0
             feeds = _speeds_for_times(lengths, middle * period, acceleration)
             took, _ = linuxcnc_many(lengths[:, np.newaxis], feeds[:, np.newaxis], acceleration, period, ramp)
             fits = np.rint(took[:, 0] / period) <= most
-            low, high = np.where(fits, middle, low), np.where(fits, high, middle)
+            low = np.where(fits, middle, low)
+            high = np.where(fits, high, middle)
         return low
 
     early = np.where(least < periods - 1.0, np.maximum(least, slowest(periods - 1.0)), least)
@@ -113,7 +116,9 @@ class _Blocks:
         *,
         per_revolution: bool,
     ) -> None:
-        self.count, self.acceleration, self.per_revolution = lengths.shape[1], acceleration, per_revolution
+        self.count = lengths.shape[1]
+        self.acceleration = acceleration
+        self.per_revolution = per_revolution
         self.period, self.ramp = times
         period = self.period
         caps = lengths / (LEAST_PERIODS * period)
@@ -124,8 +129,12 @@ class _Blocks:
         if self.per_revolution:
             ends = np.minimum(reachable, tops)
             ends[:, :-1] = np.minimum(ends[:, :-1], caps[:, 1:])
-        self.lengths, self.feeds, self.caps = lengths.ravel(), speeds.ravel(), caps.ravel()
-        self.tops, self.ends, self.reachable = tops.ravel(), ends.ravel(), reachable.ravel()
+        self.lengths = lengths.ravel()
+        self.feeds = speeds.ravel()
+        self.caps = caps.ravel()
+        self.tops = tops.ravel()
+        self.ends = ends.ravel()
+        self.reachable = reachable.ravel()
 
     def is_even(self, rows: _Rows, at: Places) -> Bools:
         """Whose block is run as one even change of speed."""
@@ -138,13 +147,16 @@ class _Blocks:
 
     def advance(self, rows: _Rows, times: Floats) -> None:
         """One servo period, or what is left of it in the next block where one ends."""
-        new, at = rows.leaves, rows.row * self.count + rows.block
+        new = rows.leaves
+        at = rows.row * self.count + rows.block
         times[at[new]] += rows.rest[new]
         rows.way = rows.way + np.where(new, self.lengths[at], 0.0)
         rows.done = np.where(new, 0.0, rows.done)
         rows.speed = np.where(new, rows.end_speed, rows.speed)
-        rows.block, at = rows.block + new, at + new
-        top, end = self.tops[at], self.ends[at]
+        rows.block = rows.block + new
+        at = at + new
+        top = self.tops[at]
+        end = self.ends[at]
         if self.per_revolution:
             rows.feed_before = np.where(new, self.feeds[at - 1], rows.feed_before)
             top = np.where(new, np.minimum(rows.feed_before, self.caps[at]), top)
@@ -156,7 +168,8 @@ class _Blocks:
         self._look_ahead(rows, at, end)
 
     def _step(self, rows: _Rows, at: Places, time: Floats, top: Floats, end: Floats) -> None:
-        speed, most = rows.speed, self.acceleration[rows.row]
+        speed = rows.speed
+        most = self.acceleration[rows.row]
         left = self.lengths[at] - rows.done
         ramp = (end - speed) * (speed + end) / (2.0 * np.maximum(left, NOTHING))
         half = most * time / 2.0
@@ -172,8 +185,10 @@ class _Blocks:
 
     def _look_ahead(self, rows: _Rows, at: Places, end: Floats) -> None:
         """Whose block ends within the next period, when, and at which speed."""
-        speed, most = rows.speed, self.acceleration[rows.row]
-        left, mean = self.lengths[at] - rows.done, (speed + end) / 2.0
+        speed = rows.speed
+        most = self.acceleration[rows.row]
+        left = self.lengths[at] - rows.done
+        mean = (speed + end) / 2.0
         time = left / mean
         change = (end - speed) / time
         hard = np.abs(change) > most
@@ -192,7 +207,8 @@ class _Blocks:
 
 def _start(blocks: _Blocks, before: Floats | None) -> _Rows:
     count = len(blocks.lengths) // blocks.count
-    none, off = np.zeros(count), np.zeros(count, np.bool_)
+    none = np.zeros(count)
+    off = np.zeros(count, np.bool_)
     feed_before = none if before is None else before
     row = np.arange(count)
     rows = _Rows(row, np.zeros(count, np.intp), none, none, none, feed_before, off, off, none, none)

@@ -50,11 +50,15 @@ class _Stretch:
     def __init__(
         self, lengths: Numbers, speeds: Numbers, acceleration: float, period: float, ramp: float
     ) -> None:
-        self.lengths, self.acceleration, self.period, self.ramp = lengths, acceleration, period, ramp
+        self.lengths = lengths
+        self.acceleration = acceleration
+        self.period = period
+        self.ramp = ramp
         self.caps = [lengths[0] / period, *(way / (LEAST_PERIODS * period) for way in lengths[1:])]
         self.speeds = [min(pair) for pair in zip(speeds, self.caps, strict=True)]
         self.ends = self._end_speeds()
-        self.times, self.places = [0.0] * len(lengths), list[float]()
+        self.times = [0.0] * len(lengths)
+        self.places = list[float]()
         self.block = 0
         self.done = self.speed = self.before = 0.0
         self.leaving: tuple[float, float] | None = None  # time to the end of the block, and the speed there
@@ -76,7 +80,8 @@ class _Stretch:
             rest, self.speed = self.leaving
             self.times[self.block] += rest
             self.before += self.lengths[self.block]
-            self.block, self.done = self.block + 1, 0.0
+            self.block = self.block + 1
+            self.done = 0.0
             self._begin(self.period - rest)
         self.places.append(self.before + self.done)
         self.finished = self.leaving is not None and self.block == len(self.lengths) - 1
@@ -94,7 +99,8 @@ class _Stretch:
         self.even = self.block < len(self.lengths) - 1 and 2.0 * left < self.ramp * both
 
     def _cruise(self) -> None:
-        speed, left = self.speed, self.lengths[self.block] - self.done
+        speed = self.speed
+        left = self.lengths[self.block] - self.done
         if self.even or speed != self.speeds[self.block]:
             return
         step = speed * self.period
@@ -106,7 +112,9 @@ class _Stretch:
 
     def _step(self, time: float, *, even: bool) -> None:
         """Move on by ``time``: towards the end speed, or as fast as feed and braking allow."""
-        speed, most, left = self.speed, self.acceleration, self.lengths[self.block] - self.done
+        speed = self.speed
+        most = self.acceleration
+        left = self.lengths[self.block] - self.done
         end = self.ends[self.block]
         if even and end > STANDING:
             change = (end - speed) * (speed + end) / (2.0 * max(left, NOTHING))
@@ -118,7 +126,8 @@ class _Stretch:
             change = (min(braked, self.speeds[self.block]) - speed) / max(time, NOTHING)
         after = speed + max(-most, min(most, change)) * time
         if after < 0.0:  # the last, incomplete period goes to the end
-            after, self.done = 0.0, self.done + (left if left < speed * time else 0.0)
+            after = 0.0
+            self.done = self.done + (left if left < speed * time else 0.0)
         else:
             self.done += min(left, (speed + after) / 2.0 * time)
         self.speed = after
@@ -129,7 +138,8 @@ class _Stretch:
         left = self.lengths[self.block] - self.done
         if left <= NOTHING:
             return 0.0, self.speed
-        end, mean = self.ends[self.block], (self.speed + self.ends[self.block]) / 2.0
+        end = self.ends[self.block]
+        mean = (self.speed + self.ends[self.block]) / 2.0
         if self.block == len(self.lengths) - 1 or mean <= STANDING:
             return None
         time = left / mean
@@ -161,7 +171,8 @@ class _PerRevolution(_Stretch):
         *,
         feed_before: float,
     ) -> None:
-        self.feeds, self.feed_before = speeds, feed_before
+        self.feeds = speeds
+        self.feed_before = feed_before
         super().__init__(lengths, speeds, acceleration, period, ramp)
 
     def _end_speeds(self) -> list[float]:
@@ -172,13 +183,16 @@ class _PerRevolution(_Stretch):
 
     def _begin(self, time: float) -> None:
         block = self.block
-        own_speed, own_end = self.speeds[block], self.ends[block]
+        own_speed = self.speeds[block]
+        own_end = self.ends[block]
         self.feed_before = self.feeds[block - 1]
         # For the rest of this period nothing is known of the block after this one.
-        self.speeds[block], self.ends[block] = min(self.feed_before, self.caps[block]), 0.0
+        self.speeds[block] = min(self.feed_before, self.caps[block])
+        self.ends[block] = 0.0
         self._step(time, even=False)
         self.leaving = self._end_in_sight()
-        self.speeds[block], self.ends[block] = own_speed, own_end
+        self.speeds[block] = own_speed
+        self.ends[block] = own_end
         self._enter()
 
     def _enter(self) -> None:

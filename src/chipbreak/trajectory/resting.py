@@ -259,7 +259,8 @@ def _several(
     found = []
     for part in np.flatnonzero(parts.stops - parts.starts > 1).tolist():
         run = slice(int(parts.starts[part]), int(parts.stops[part]))
-        lengths, feeds = tuple(ways_mm[run].tolist()), tuple(feeds_mm_s[run].tolist())
+        lengths = tuple(ways_mm[run].tolist())
+        feeds = tuple(feeds_mm_s[run].tolist())
         found.append((run, Stretch(lengths, feeds, float(times_s[part]), float(has_mm_s2[part]))))
     return found
 

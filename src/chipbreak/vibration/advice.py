@@ -39,7 +39,8 @@ def with_advice(
         return error
     law = control_along(settings, cut.path, cut.chain.before)
     group = command_group(settings)
-    frequency_hz, tried = cut.solution.frequency_hz, {cut.solution.frequency_hz}
+    frequency_hz = cut.solution.frequency_hz
+    tried = {cut.solution.frequency_hz}
     is_slow = _is_slow_to_plan(cut, settings, len(cut.time_s))
     moves_left = _MOST_SLOW_MOVES if is_slow else MOST_MOVES
     for _ in range(_TRIES):

@@ -53,7 +53,8 @@ class Columns:
 
     def table(self, letters: Sequence[str], axis_columns: Floats) -> MoveTable:
         """All blocks; ``axis_columns`` (n, axes)."""
-        columns, decimals = tuple(axis_columns.T), (self.words.decimals,) * len(letters)
+        columns = tuple(axis_columns.T)
+        decimals = (self.words.decimals,) * len(letters)
         if self.feeds is None:
             return MoveTable(tuple(letters), columns, decimals)
         return MoveTable((*letters, "F"), (*columns, self.feeds), (*decimals, self.feed_decimals))
@@ -66,7 +67,8 @@ def block_text(
 
     With ``plain_end`` the last block has the program's own F, in its own text.
     """
-    words, names = columns.words, columns.names
+    words = columns.words
+    names = columns.names
     places = np.diff(words.absolute, axis=0) if words.incremental else words.absolute[1:]
     table = columns.table(words.letters, places)
     last = len(table) - 1

@@ -124,7 +124,8 @@ def _check_digits(cut: CutPlan, words: Words, *, is_too_fine: bool) -> None:
         larger = cut.expander.larger
         stroke = f"the stroke of {cut.wave.stroke_mm:.4g} mm"
         message = f"{stroke} has fewer than {_LEAST_STEPS} steps of {step_mm:g} mm"
-        help_text, feed = f"raise output.decimals, or {larger}", cut.chain.before.feed
+        help_text = f"raise output.decimals, or {larger}"
+        feed = cut.chain.before.feed
         if feed is not None and cut.chain.before.modes.feed_mode == "minute":
             # The likeliest cause on a control that starts in G94: a feed per revolution, read per minute.
             message += f"; the feed F{feed.text} is per minute: {cut.wave.feed_mm_rev:.3g} mm per revolution"
@@ -154,7 +155,8 @@ def _knots(cut: CutPlan, chord_mm: float) -> tuple[Floats, Floats]:
 
 def _check_feed_digits(cut: CutPlan, spans: Floats, feeds: Floats, settings: Settings) -> None:
     """Refuse feeds that lose so many digits that the cut would take another time."""
-    digits, planned_s = feed_decimals(cut.chain.before, settings), cut.wave.duration_s
+    digits = feed_decimals(cut.chain.before, settings)
+    planned_s = cut.wave.duration_s
     with np.errstate(divide="ignore"):
         took_s = float((spans * feeds / np.round(feeds, digits)).sum())
     if abs(took_s - planned_s) > _TIME_SHARE * planned_s:
@@ -165,7 +167,8 @@ def _check_feed_digits(cut: CutPlan, spans: Floats, feeds: Floats, settings: Set
 def _axis_words(
     cut: CutPlan, time_s: Floats, distance_mm: Floats, settings: Settings, *, loops: bool
 ) -> Words:
-    chain, state = cut.chain, cut.chain.before
+    chain = cut.chain
+    state = cut.chain.before
     points = cut.path.points(distance_mm)
     decimals = settings.output.decimals + (1 if state.is_inch else 0)
     names = settings.axis_words

@@ -130,8 +130,10 @@ def refusal_of(
     request: Request, interpreted: InterpretedProgram
 ) -> tuple[RefusalError, tuple[int, int] | None] | None:
     """Why a block must not vibrate, with the place in the block, or None."""
-    effect, axis_words = request.effect, interpreted.settings.axis_words
-    move, state = effect.move, effect.after
+    effect = request.effect
+    axis_words = interpreted.settings.axis_words
+    move = effect.move
+    state = effect.after
     at = (effect.vibration[0].start, effect.vibration[-1].end) if effect.vibration else None
     if effect.in_contour:
         message = "this block is the shape of a cycle (G70 to G73); the control cuts it in its own way"

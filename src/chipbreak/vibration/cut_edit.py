@@ -32,7 +32,8 @@ class VibratedCut(Promise):
 
 def cut_edit(plan: CutPlan, expansion: Expansion, speed: str, interpreted: InterpretedProgram) -> Edit:
     """The edit of one cut; ``speed`` are the words that command its spindle speed, empty where it has it."""
-    settings, chain = interpreted.settings, plan.chain
+    settings = interpreted.settings
+    chain = plan.chain
     switched, given_back = _modes_around(chain, settings)
     feed_mode, feed_back = _feed_modes(plan, interpreted)
     settle = settling(settings) if speed else []
@@ -52,7 +53,8 @@ def _comments(chain: Chain, interpreted: InterpretedProgram) -> list[str]:
 
 def _feed_modes(plan: CutPlan, interpreted: InterpretedProgram) -> tuple[str, list[str]]:
     """The feed mode of the moves where it is another, and the blocks that give the programmed feed back."""
-    chain, dialect = plan.chain, interpreted.settings.dialect
+    chain = plan.chain
+    dialect = interpreted.settings.dialect
     was = chain.before.modes.feed_mode
     mode = plan.expander.feed_mode(was, interpreted.settings.output.feed_mode)
     feed = f"F{chain.after.feed.text}" if chain.after.feed else ""
@@ -83,8 +85,10 @@ def _modes_around(chain: Chain, settings: Settings) -> tuple[list[str], list[str
     A straight oscillation is collinear: a path mode that blends, or a smoothing, may round it away.  It would
     also round the corner from a cut before this one, unless the tool rests there.
     """
-    planner, before = settings.planner, chain.before
-    head, tail = list[str](), list[str]()
+    planner = settings.planner
+    before = chain.before
+    head = list[str]()
+    tail = list[str]()
     if planner.smoothing_off and not _is_same_mode(before.smooth_words, planner.smoothing_off):
         head.append(planner.smoothing_off)
         tail.append(before.smooth_words or planner.smoothing_on)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from chipbreak.kinematics.sourced_value import SourcedValue
@@ -54,22 +54,27 @@ def read_directive(text: str, line_number: int) -> Directive | None:
         return Directive(True)
     if rest == "OFF":
         return Directive(False)
-    values: dict[str, SourcedValue] = {}
-    waveform = ""
+    said: dict[str, str] = {}
+    for key, value in _items(rest):
+        if key in said:
+            raise RefusalError("VIB014", f"the directive gives {key} twice", "give each key once")
+        said[key] = value
+    waveform = said.pop("WAVE", "").lower()
+    origin = f"directive, line {line_number}"
+    return Directive(True, {key: SourcedValue(float(value), origin) for key, value in said.items()}, waveform)
+
+
+def _items(text: str) -> Iterator[tuple[str, str]]:
+    """Keys and values in order.  Errors: VIB014 at the first that is none."""
     at = 0
-    while at < len(rest):
-        item = _ITEM.match(rest, at)
+    while at < len(text):
+        item = _ITEM.match(text, at)
         key = item[1] if item else ""
         if item is None or key not in KEYS or (key == "WAVE") != (item[2] in WAVE_WORDS):
-            raise _unreadable(rest[at:].split()[0] if rest[at:].split() else rest, key)
-        if key in values or (key == "WAVE" and waveform):
-            raise RefusalError("VIB014", f"the directive gives {key} twice", "give each key once")
-        if key == "WAVE":
-            waveform = item[2].lower()
-        else:
-            values[key] = SourcedValue(float(item[2]), f"directive, line {line_number}")
+            rest = text[at:]
+            raise _unreadable(rest.split()[0] if rest.split() else text, key)
+        yield key, item[2]
         at = item.end()
-    return Directive(True, values, waveform)
 
 
 def _unreadable(found: str, key: str) -> RefusalError:

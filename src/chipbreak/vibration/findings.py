@@ -14,8 +14,11 @@ from chipbreak.units import MM_PER_INCH
 from chipbreak.vibration.measure import CutReport
 from chipbreak.vibration.ways_out import ways_out
 
-UNBROKEN, FINISHING, SERVO = "VIB060", "VIB061", "VIB062"
-MISSED, TOO_FAST = "VIB034", "VIB064"
+UNBROKEN = "VIB060"
+FINISHING = "VIB061"
+SERVO = "VIB062"
+MISSED = "VIB034"
+TOO_FAST = "VIB064"
 _MOST_ADVISED = 3  # what works is tried for the first of many cuts that fail alike
 # How much more surface speed than G96 asked for is said aloud.
 _MUCH_FASTER = 1.25
@@ -65,7 +68,8 @@ def findings_of_cuts(
 
 def _missed(judged: _Judged) -> Diagnostic | None:
     """The control cannot keep to the plan: corners and bends of the path cost it time."""
-    report, plan = judged.report, judged.report.plan
+    report = judged.report
+    plan = judged.report.plan
     if not report.misses_plan:
         return None
     planned_s = plan.wave.duration_s + plan.end_dwell_s
@@ -84,7 +88,8 @@ def _missed(judged: _Judged) -> Diagnostic | None:
 
 def _unbroken(judged: _Judged) -> Diagnostic | None:
     """Why the chips stay whole, and what would break them."""
-    plan, verdict = judged.report.plan, judged.report.verdict
+    plan = judged.report.plan
+    verdict = judged.report.verdict
     if verdict.breaks or judged.report.misses_plan:
         return None
     message = (
@@ -101,7 +106,8 @@ def _unbroken(judged: _Judged) -> Diagnostic | None:
 
 def _weak_servo(judged: _Judged) -> Diagnostic | None:
     """A cut whose stroke would break chips, if the servo did not leave too little of it."""
-    share, margin = judged.report.servo_share, judged.report.verdict.margin
+    share = judged.report.servo_share
+    margin = judged.report.verdict.margin
     if share is None or margin < 1.0 or margin * share >= 1.0:
         return None
     message = (
@@ -114,11 +120,13 @@ def _weak_servo(judged: _Judged) -> Diagnostic | None:
 
 def _surface_speed(judged: _Judged) -> Diagnostic | None:
     """A cut of G96 grows in diameter, and the speed of its start is far too high for that."""
-    report, state = judged.report, judged.report.plan.chain.before
+    report = judged.report
+    state = judged.report.plan.chain.before
     if state.modes.speed_mode != "surface" or not report.clearances or state.speed is None:
         return None
     asked_m_min = state.speed.value * (MM_PER_INCH * 12.0 / 1000.0 if state.is_inch else 1.0)
-    diameter_mm, speed_rpm = report.clearances[0].diameter_mm, report.plan.solution.speed_rpm
+    diameter_mm = report.clearances[0].diameter_mm
+    speed_rpm = report.plan.solution.speed_rpm
     made_m_min = math.pi * diameter_mm * speed_rpm / 1000.0
     if made_m_min <= _MUCH_FASTER * asked_m_min:
         return None
@@ -132,7 +140,8 @@ def _surface_speed(judged: _Judged) -> Diagnostic | None:
 
 def _finishing(judged: _Judged) -> Diagnostic | None:
     """Vibration on a finishing operation leaves its marks."""
-    line, verdict = judged.report.plan.chain.first, judged.report.verdict
+    line = judged.report.plan.chain.first
+    verdict = judged.report.verdict
     kinds = [o.kind for o in judged.operations if o.first_line <= line < o.last_line]
     if not kinds or kinds[0] not in (Kind.FINISH, Kind.SEMI_FINISH):
         return None

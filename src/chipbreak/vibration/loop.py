@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,7 +66,8 @@ def looped_points(
     """
     steps = np.rint(exact_steps)
     loops: list[Loop] = []
-    per_vibration, free = cut.wave.moves_per_vibration, 0
+    per_vibration = cut.wave.moves_per_vibration
+    free = 0
     for begin, last in _stretches(cut):
         every = _closing(cut, settings)
         first = _next_multiple(max(begin, free), every)
@@ -79,11 +81,14 @@ def looped_points(
             if found is None:
                 break
             _repeat(steps, exact_steps, start, found, per_vibration)
-            count, passes, drift = found
-            loops.append(Loop(start, count * per_vibration, passes, count, drift))
+            loops.append(
+                Loop(
+                    start, found.vibrations * per_vibration, found.passes, found.vibrations, found.drift_steps
+                )
+            )
             # One vibration leads from the last point of this loop to the first of the next one.
-            free = first + count * passes + 1
-            if not drift:
+            free = first + found.vibrations * found.passes + 1
+            if not found.drift_steps:
                 break  # what is left is shorter than one pass; written out it stays exact
             gone = _next_multiple(free, every) - first
             first += gone
@@ -102,12 +107,14 @@ def _stretches(cut: CutPlan) -> Iterator[tuple[int, int]]:
     """
     window_s = full_window(cut.wave)
     full = [round(time_s / cut.wave.period_s) for time_s in window_s]
-    first, last = max(full[0], 1), min(full[1], cut.wave.vibrations - 1)
+    first = max(full[0], 1)
+    last = min(full[1], cut.wave.vibrations - 1)
     each = cut.wave.knots_per_vibration
     if last <= first:
         return
     knots_mm = cut.distance_mm[1 + first * each : 1 + last * each].reshape(-1, each)
-    low_mm, high_mm = cut.distance_mm[first * each : last * each : each], knots_mm.max(axis=1)
+    low_mm = cut.distance_mm[first * each : last * each : each]
+    high_mm = knots_mm.max(axis=1)
     for index, arc in enumerate(cut.path.arcs):
         start_mm, end_mm = cut.path.ends_mm[index : index + 2]
         inside = np.flatnonzero((low_mm >= start_mm - _SAME_MM) & (high_mm <= end_mm + _SAME_MM))
@@ -134,17 +141,26 @@ def _closing(cut: CutPlan, settings: Settings) -> int:
 
 def _fewest(cut: CutPlan, settings: Settings) -> int:
     """How many vibrations a pass needs so that its statements can be read beside its blocks."""
-    words, rate = settings.dialect.loop, settings.planner.max_blocks_per_s
+    words = settings.dialect.loop
+    rate = settings.planner.max_blocks_per_s
     if rate is None or words is None:
         return 1
     spare = cut.wave.period_s * rate - cut.wave.knots_per_vibration
     return int(np.ceil(words.statements / spare)) if spare > 1e-6 else cut.wave.vibrations
 
 
+class _Pattern(NamedTuple):
+    """Vibrations of a pass, passes, and what their advance lacks in all to the exact one [steps]."""
+
+    vibrations: int
+    passes: int
+    drift_steps: float
+
+
 def _pattern(
     advance: Floats, vibrations: int, per_vibration: int, every: int, fewest: int
-) -> tuple[int, int, float] | None:
-    """Vibrations of a pass, passes and drift [steps] that leave the fewest blocks; None when none saves any.
+) -> _Pattern | None:
+    """The pattern that leaves the fewest blocks; None when none saves any.
 
     ``advance`` [steps] of one vibration, (axes,).  A pattern without drift goes before a shorter one with it.
     """
@@ -152,30 +168,39 @@ def _pattern(
     count = count[count >= fewest]
     if not len(count):
         return None
-    exact = np.outer(count, advance)
-    lacks = np.abs(np.rint(exact) - exact).max(axis=1)
+    lacks = _lacks(count, advance)
     most = vibrations // count
     drifts = lacks * most > _NO_DRIFT_STEPS
     short = np.minimum(most, MOST_DRIFT_STEPS // np.maximum(lacks, _NO_DRIFT_STEPS / vibrations))
     passes = np.where(drifts, short, most).astype(int)
-    saved = (passes - 1) * count * per_vibration
-    # As many such loops as there is room for, and the rest written out.
-    covered = count * np.maximum(passes, 1)
-    left = vibrations - vibrations // covered * (covered - count)
-    left = np.where(saved >= _LEAST_SAVED_BLOCKS, left, 2 * vibrations)
+    left = _left(count, passes, vibrations)
+    never = 2 * vibrations
+    left = np.where((passes - 1) * count * per_vibration >= _LEAST_SAVED_BLOCKS, left, never)
     alike = ~drifts & (passes >= _FEWEST_PASSES_ALIKE)
     if (alike & (left < vibrations)).any():
-        left = np.where(alike, left, 2 * vibrations)
+        left = np.where(alike, left, never)
     best = int(left.argmin())
     if left[best] >= vibrations:
         return None
     drift = float(lacks[best] * passes[best]) if drifts[best] else 0.0
-    return int(count[best]), int(passes[best]), drift
+    return _Pattern(int(count[best]), int(passes[best]), drift)
 
 
-def _repeat(
-    steps: Floats, exact_steps: Floats, start: int, pattern: tuple[int, int, float], per_vibration: int
-) -> None:
+def _lacks(count: NDArray[np.intp], advance: Floats) -> Floats:
+    """What so many vibrations lack to whole steps, (n,)."""
+    exact = np.outer(count, advance)
+    lacks: Floats = np.abs(np.rint(exact) - exact).max(axis=1)
+    return lacks
+
+
+def _left(count: NDArray[np.intp], passes: NDArray[np.int_], vibrations: int) -> NDArray[np.intp]:
+    """Vibrations to be written with as many such loops as there is room for, and the rest written out."""
+    covered = count * np.maximum(passes, 1)
+    left: NDArray[np.intp] = vibrations - vibrations // covered * (covered - count)
+    return left
+
+
+def _repeat(steps: Floats, exact_steps: Floats, start: int, pattern: _Pattern, per_vibration: int) -> None:
     """Put the points of all passes into ``steps``, the one that the first pass starts from included."""
     count, passes, _ = pattern
     knots = count * per_vibration
@@ -200,7 +225,8 @@ def among_kept(loops: Sequence[Loop], keep: NDArray[np.bool_]) -> list[Loop]:
         alike = (knots == knots[0]).all(axis=1)
         passes = loop.passes if alike.all() else int(alike.argmin())
         if passes > 1 and keep[loop.first]:
-            first, count = int(block[loop.first]), int(knots[0].sum())
+            first = int(block[loop.first])
+            count = int(knots[0].sum())
             found.append(Loop(first, count, passes, loop.vibrations, loop.drift_steps))
     return found
 

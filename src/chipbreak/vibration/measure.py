@@ -130,7 +130,8 @@ def measure_cut(result: InterpretedProgram, region: Region, plan: CutPlan, expan
 
 def _diameters(radii_mm: Floats) -> tuple[float, float]:
     """The largest and the smallest diameter of a cut from its signed radii; past the centre it is 0."""
-    low, high = float(radii_mm.min()), float(radii_mm.max())
+    low = float(radii_mm.min())
+    high = float(radii_mm.max())
     smallest_mm = 0.0 if low < 0.0 < high else min(abs(low), abs(high))
     return 2.0 * max(abs(low), abs(high)), 2.0 * smallest_mm
 

@@ -94,7 +94,8 @@ def plan_cut(chain: Chain, settings: Settings) -> CutPlan:
     Errors: RefusalError with the codes of the solver, the path and the waveform, VIB021 for a cut of too many
     blocks, and VIB053 for a spindle speed that cannot be known.
     """
-    request, state = chain.requests[0], chain.before
+    request = chain.requests[0]
+    state = chain.before
     expander = expander_named(request.waveform)
     reasons: list[str] = []
     asked = _asked(chain, settings, reasons)
@@ -102,7 +103,8 @@ def plan_cut(chain: Chain, settings: Settings) -> CutPlan:
     path = path_of(legs_of(chain))
     solution = _solved(asked, chain, expander, settings)
     wave = _wave_of(chain, path.length_mm, solution, expander, settings)
-    edges, alpha = int(request.values["EDGES"].value), request.values["ALPHA"].value
+    edges = int(request.values["EDGES"].value)
+    alpha = request.values["ALPHA"].value
     _check_size(wave)
     _check_passes(wave, edges)
     time_s, distance_mm = sample(wave)
@@ -141,8 +143,10 @@ def _asked(chain: Chain, settings: Settings, reasons: list[str]) -> _Asked:
 
 def _solved(asked: _Asked, chain: Chain, expander: Expander, settings: Settings) -> Solution:
     """S, N and f; a refusal with the way out that this cut has."""
-    values, state = chain.requests[0].values, chain.before
-    edges, alpha = int(values["EDGES"].value), values["ALPHA"].value
+    values = chain.requests[0].values
+    state = chain.before
+    edges = int(values["EDGES"].value)
+    alpha = values["ALPHA"].value
     rules = _rules(settings, state, alpha, edges)
     try:
         return solve(**asked._asdict(), group=command_group(settings), rules=rules)
@@ -166,7 +170,8 @@ def _wave_of(
     chain: Chain, length_mm: float, solution: Solution, expander: Expander, settings: Settings
 ) -> WaveformParameters:
     """The wave of a chain: its stroke, its ramp, and the form of its moves."""
-    values, wave = chain.requests[0].values, expander.wave
+    values = chain.requests[0].values
+    wave = expander.wave
     feed_mm_rev = _feed_mm_rev(chain.before, solution.speed_rpm)
     ticks = solution.period.ticks
     forward = forward_ticks(ticks, values["ALPHA"].value, rounds_down=wave.rounds_down)

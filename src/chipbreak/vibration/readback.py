@@ -55,40 +55,62 @@ class ReadBack:
 def read_moves(interpreted: InterpretedProgram, first: int, last: int) -> ReadBack:
     """All feed moves of lines ``first`` to ``last`` (exclusive), with the feed of each."""
     state = interpreted.before(first)
-    points: list[Floats] = []
-    lengths: list[Floats] = []
-    feeds: list[Floats] = []
-    dwells: dict[int, float] = {}
-    strangers = count = 0
+    moves = _Moves()
     line = first
     while line < last:
         run = uniform_run(interpreted.program, line, last)
         table = read_columns(interpreted.program, line, run) if run - line >= _SHORT_RUN else None
         if table is not None:
-            ends, words = _table_moves(interpreted, state, *table)
-            _add(state, ends, words, (points, lengths, feeds))
-            count += len(words)
+            moves.add(state, *_table_moves(interpreted, state, *table))
             state = interpreted.skip(state, line, run)
             line = run
-            continue
-        effect = interpreted.interpreter.advance(state, interpreted.program.block(line))
+        else:
+            effect = interpreted.interpreter.advance(state, interpreted.program.block(line))
+            moves.add_effect(effect, interpreted)
+            state = effect.after
+            line += 1
+    return moves.read_back()
+
+
+class _Moves:
+    """The moves read so far: ends, lengths, feeds; how long the tool dwells behind some; strangers."""
+
+    def __init__(self) -> None:
+        self.columns: tuple[list[Floats], list[Floats], list[Floats]] = ([], [], [])
+        self.dwells: dict[int, float] = {}
+        self.strangers = 0
+        self.count = 0
+
+    def add(self, state: State, ends: Floats, words: Floats) -> None:
+        """Moves between ``ends``, (n + 1, 3), with their F words, (n,)."""
+        moved = np.diff(ends, axis=0)
+        lengths = np.sqrt(np.einsum("ij,ij->i", moved, moved))
+        for column, values in zip(
+            self.columns, (ends[1:], lengths, _feeds(state, words, lengths)), strict=True
+        ):
+            column.append(values)
+        self.count += len(words)
+
+    def add_effect(self, effect: BlockEffect, interpreted: InterpretedProgram) -> None:
+        """What one block does."""
         if effect.move is not None and effect.move.is_cut:
             ends = _clean(np.array([effect.move.start, effect.move.end]))
             words = np.array([effect.after.feed.value if effect.after.feed else np.nan])
-            _add(effect.after, ends, words, (points, lengths, feeds))
-            count += 1
+            self.add(effect.after, ends, words)
         elif effect.move is not None:
-            strangers += 1
-        elif "dwell" in effect.non_modal and count:  # before the first move it is no part of the cut
-            dwells[count - 1] = dwells.get(count - 1, 0.0) + _dwell_of(interpreted, effect)
-        state = effect.after
-        line += 1
-    if not points:
-        return ReadBack(np.empty((0, 3)), np.empty(0), np.empty(0), np.empty(0), strangers)
-    dwell_s = np.zeros(count if dwells else 0)
-    dwell_s[list(dwells)] = list(dwells.values())
-    points_mm, lengths_mm, feed_mm_s = (np.concatenate(column) for column in (points, lengths, feeds))
-    return ReadBack(points_mm, lengths_mm, feed_mm_s, dwell_s, strangers)
+            self.strangers += 1
+        elif "dwell" in effect.non_modal and self.count:  # before the first move it is no part of the cut
+            last = self.count - 1
+            self.dwells[last] = self.dwells.get(last, 0.0) + _dwell_of(interpreted, effect)
+
+    def read_back(self) -> ReadBack:
+        """All of them."""
+        if not self.count:
+            return ReadBack(np.empty((0, 3)), np.empty(0), np.empty(0), np.empty(0), self.strangers)
+        dwell_s = np.zeros(self.count if self.dwells else 0)
+        dwell_s[list(self.dwells)] = list(self.dwells.values())
+        points_mm, lengths_mm, feed_mm_s = map(np.concatenate, self.columns)
+        return ReadBack(points_mm, lengths_mm, feed_mm_s, dwell_s, self.strangers)
 
 
 def _dwell_of(interpreted: InterpretedProgram, effect: BlockEffect) -> float:
@@ -101,7 +123,8 @@ def _table_moves(
     interpreted: InterpretedProgram, state: State, letters: str, numbers: Floats
 ) -> tuple[Floats, Floats]:
     """Start and ends of the moves of a table, (n + 1, 3), and their F words, (n,)."""
-    settings, words = interpreted.settings, interpreted.settings.axis_words
+    settings = interpreted.settings
+    words = interpreted.settings.axis_words
     unit = MM_PER_INCH if state.is_inch else 1.0
     start = _clean(np.array([state.position]))
     points = np.tile(start, (len(numbers), 1))
@@ -128,18 +151,13 @@ def _clean(points: Floats) -> Floats:
     return np.nan_to_num(points, nan=0.0)
 
 
-def _add(
-    state: State, ends: Floats, words: Floats, to: tuple[list[Floats], list[Floats], list[Floats]]
-) -> None:
-    """Lengths and feeds [mm/s] of moves between ``ends``, (n + 1, 3), from their F words, (n,)."""
-    moved = np.diff(ends, axis=0)
-    lengths = np.sqrt(np.einsum("ij,ij->i", moved, moved))
+def _feeds(state: State, words: Floats, lengths_mm: Floats) -> Floats:
+    """The feeds [mm/s] that F words say, (n,)."""
     mode = state.modes.feed_mode
     if mode == "inverse":
-        feeds = lengths * words / S_PER_MIN
+        feeds = lengths_mm * words / S_PER_MIN
     else:
         feeds = words * (MM_PER_INCH if state.is_inch else 1.0) / S_PER_MIN
     if mode == "rev":
         feeds = feeds * (state.speed.value if state.speed else np.nan)
-    for column, values in zip(to, (ends[1:], lengths, feeds), strict=True):
-        column.append(values)
+    return feeds

@@ -29,11 +29,34 @@ _FROM_PROFILE = {
 }
 _INSTEAD = {"N": "E", "E": "N", "Q": "A", "A": "Q"}
 _OFF = Directive(False)
-_LIMITS = {"ALPHA": (0.0, 1.0)}
-_POSSIBLE = (1e-9, 1e12)
 _AXIS = re.compile(r"[XYZUVWABC]\s*[-+.\d]")
 _COUNT = re.compile(r"N\s*[-+]?[.\d]")
-_FEED, _FREQUENCY = re.compile(r"F\s*[.\d]"), re.compile(r"f\s*[-+]?[.\d]")
+_FEED = re.compile(r"F\s*[.\d]")
+_FREQUENCY = re.compile(r"f\s*[-+]?[.\d]")
+
+
+class _Range(NamedTuple):
+    """Which values a key may have."""
+
+    above: float = 1e-9
+    below: float = 1e12
+    may_be_zero: bool = False
+    is_whole: bool = False
+    told: str = "a number above zero that makes sense"
+
+    def holds(self, value: float) -> bool:
+        """True for a value that can be."""
+        if self.may_be_zero and value == 0.0:
+            return True
+        return self.above < value < self.below and not (self.is_whole and value != int(value))
+
+
+_ANY = _Range()
+_RANGES = {
+    "ALPHA": _Range(0.0, 1.0, told="between 0 and 1"),
+    "RAMP": _Range(may_be_zero=True),
+    "EDGES": _Range(is_whole=True, told="a whole number above zero"),
+}
 
 
 class Request(NamedTuple):
@@ -60,7 +83,9 @@ class RequestReader:
     """Walks through the program once and collects requests and complaints."""
 
     def __init__(self, interpreted: InterpretedProgram) -> None:
-        self.interpreted, self.program, self.settings = interpreted, interpreted.program, interpreted.settings
+        self.interpreted = interpreted
+        self.program = interpreted.program
+        self.settings = interpreted.settings
         self.default = profile_directive(interpreted.settings)
         self.directive = self.default
         self.requests: list[Request] = []
@@ -169,15 +194,11 @@ class RequestReader:
 
     def _check_values(self, line: int, values: Mapping[str, SourcedValue], at: tuple[int, int]) -> bool:
         for key, given in values.items():
-            low, high = _LIMITS.get(key, _POSSIBLE)
-            zero_is_fine = key == "RAMP"
-            fits = low < given.value < high or (zero_is_fine and given.value == 0.0)
-            if not fits or (key == "EDGES" and given.value != int(given.value)):
+            allowed = _RANGES.get(key, _ANY)
+            if not allowed.holds(given.value):
                 letter = "f" if key == "F" else key
                 message = f"{letter} {given.value:g} is not possible: {KEYS[key]}"
-                way_out = "between 0 and 1" if key in _LIMITS else "a number above zero that makes sense"
-                way_out = "a whole number above zero" if key == "EDGES" else way_out
-                self._error(line, RefusalError(OUT_OF_RANGE, message, way_out), at)
+                self._error(line, RefusalError(OUT_OF_RANGE, message, allowed.told), at)
                 return False
         return True
 
@@ -239,7 +260,8 @@ def solver_inputs(
     per_rev = values.get("N")
     if per_rev is None and "E" in values:
         per_rev = values["E"]._replace(value=1.0 / values["E"].value)
-    frequency, speed = values.get("F"), values.get("S")
+    frequency = values.get("F")
+    speed = values.get("S")
     if speed is None and not (per_rev and frequency) and state.speed is not None:
         speed = SourcedValue(state.speed.value, f"active S, line {request.speed_line}")
     return speed, per_rev, frequency

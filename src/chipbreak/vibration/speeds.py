@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
@@ -47,22 +48,20 @@ def speed_changes(
     """
     changes: list[SpeedChange] = []
     commanded: tuple[str, float] | None = None  # mode and speed, None while the program's own is active
-    for index, cut in enumerate(cuts):
+    stops = [*(cut.chain.first for cut in cuts[1:]), interpreted.program.source.body.stop]
+    for cut, stop in zip(cuts, stops, strict=False):
         # An S in the block itself goes with the block; what the spindle turns is what stood before it.
-        now = _programmed(cut.chain.requests[0].effect.before) if commanded is None else commanded
+        now = commanded or _programmed(cut.chain.requests[0].effect.before)
         wanted = ("rpm", cut.solution.speed_rpm)
         if now != wanted:
             changes.append(SpeedChange(cut.chain.first, speed_words(now, wanted, settings), cut))
-        commanded = None if wanted == _programmed(cut.chain.after) else wanted
-        if commanded is None:
-            continue
-        stop = cuts[index + 1].chain.first if index + 1 < len(cuts) else interpreted.program.source.body.stop
-        checks = [line for line in checks_at if cut.chain.last <= line <= stop]
-        back = _needs_programmed(interpreted, cut.chain.last, stop, min(checks, default=None))
-        if back is not None:
-            if back.text:
-                changes.append(back)
+        if wanted == _programmed(cut.chain.after):
             commanded = None
+            continue
+        back = _needs_programmed(interpreted, cut.chain.last, stop, checks_at)
+        commanded = wanted if back is None else None
+        if back is not None and back.text:
+            changes.append(back)
     return changes
 
 
@@ -82,34 +81,70 @@ def speed_words(now: tuple[str, float] | None, wanted: tuple[str, float], settin
 
 
 def _needs_programmed(
-    interpreted: InterpretedProgram, first: int, stop: int, check: int | None
+    interpreted: InterpretedProgram, first: int, stop: int, checks_at: Collection[int]
 ) -> SpeedChange | None:
-    """Where the programmed speed must be back; an empty text where the program commands a speed itself.
-
-    ``check`` is the line before which the first tool check stands, None where none does.
-    """
+    """Where the programmed speed must be back; an empty text where the program commands a speed itself."""
+    check = min((line for line in checks_at if first <= line <= stop), default=None)
     state = interpreted.before(first)
     for effect in interpreted.effects_of(first, stop):
-        if effect.block.line == check and state.speed is not None:
-            return SpeedChange(check, _own_words(state, interpreted.settings), None)
-        if effect.block.line in interpreted.flow.targets:  # who jumps here comes with the programmed speed
-            return SpeedChange(effect.block.line, _own_words(state, interpreted.settings), None)
+        at = _Place(effect, state, is_checked=effect.block.line == check, interpreted=interpreted)
+        found = next((text for rule in _NEEDS if (text := rule(at)) is not None), None)
+        if found is not None:
+            return SpeedChange(effect.block.line, found, None)
         state = effect.after
-        if effect.after.speed != effect.before.speed and effect.after.speed is not None:
-            # An S under G96 is metres per minute: it must not meet the G97 of the cut before it.
-            own_mode = effect.after.modes.speed_mode == "rpm" or _says_speed_mode(effect)
-            text = "" if own_mode else _own_words(effect.before, interpreted.settings)
-            return SpeedChange(effect.block.line, text, None)
-        if _depends_on_speed(effect):
-            if effect.before.speed is None and effect.move is not None:
-                said = interpreted.program.source.place(effect.block.line).line
-                message = f"line {said} needs the spindle speed from before this cut,"
-                way_out = "give S before the cut, even when N and f make another of it, or behind it"
-                raise RefusalError("VIB057", f"{message} which the program does not say", way_out)
-            return SpeedChange(effect.block.line, _own_words(effect.before, interpreted.settings), None)
     if check == stop and state.speed is not None:
         return SpeedChange(check, _own_words(state, interpreted.settings), None)
     return None
+
+
+class _Place(NamedTuple):
+    """A block behind a vibrated cut, and the state that the program has before it."""
+
+    effect: BlockEffect
+    state: State
+    is_checked: bool
+    interpreted: InterpretedProgram
+
+    @property
+    def own_words(self) -> str:
+        """The programmed speed before this block."""
+        return _own_words(self.state, self.interpreted.settings)
+
+
+def _before_check(at: _Place) -> str | None:
+    """A tool check starts the spindle again as programmed."""
+    return at.own_words if at.is_checked and at.state.speed is not None else None
+
+
+def _before_target(at: _Place) -> str | None:
+    """A jump to here comes with the programmed speed."""
+    return at.own_words if at.effect.block.line in at.interpreted.flow.targets else None
+
+
+def _before_own_speed(at: _Place) -> str | None:
+    """The program commands a speed itself."""
+    before = at.effect.before
+    after = at.effect.after
+    if after.speed == before.speed or after.speed is None:
+        return None
+    # An S under G96 is metres per minute: it must not meet the G97 of the cut before it.
+    own_mode = after.modes.speed_mode == "rpm" or _says_speed_mode(at.effect)
+    return "" if own_mode else _own_words(before, at.interpreted.settings)
+
+
+def _before_dependent(at: _Place) -> str | None:
+    """What the block does depends on the speed.  Errors: VIB057."""
+    if not _depends_on_speed(at.effect):
+        return None
+    if at.effect.before.speed is None and at.effect.move is not None:
+        said = at.interpreted.program.source.place(at.effect.block.line).line
+        message = f"line {said} needs the spindle speed from before this cut,"
+        way_out = "give S before the cut, even when N and f make another of it, or behind it"
+        raise RefusalError("VIB057", f"{message} which the program does not say", way_out)
+    return _own_words(at.effect.before, at.interpreted.settings)
+
+
+_NEEDS = (_before_check, _before_target, _before_own_speed, _before_dependent)
 
 
 def _says_speed_mode(effect: BlockEffect) -> bool:

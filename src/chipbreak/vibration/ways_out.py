@@ -35,7 +35,8 @@ def ways_out(interpreted: InterpretedProgram, report: CutReport) -> str:
 
 
 def _larger_stroke(interpreted: InterpretedProgram, report: CutReport) -> str:
-    plan, margin = report.plan, report.verdict.margin
+    plan = report.plan
+    margin = report.verdict.margin
     ratio = plan.wave.stroke_mm / plan.wave.feed_mm_rev
     least = ratio / margin if margin > 0.0 else ratio
     factors = few(_STROKES, plan, interpreted.settings, report.move_count)
@@ -47,7 +48,8 @@ def _larger_stroke(interpreted: InterpretedProgram, report: CutReport) -> str:
 
 
 def _lower_frequency(interpreted: InterpretedProgram, report: CutReport) -> str:
-    plan, group = report.plan, command_group(interpreted.settings)
+    plan = report.plan
+    group = command_group(interpreted.settings)
     per_rev = round(plan.solution.per_rev, 4)
     for factor in few(_SLOWER, plan, interpreted.settings, report.move_count):
         frequency_hz = group.nearest(plan.solution.frequency_hz * factor).frequency_hz
