@@ -13,11 +13,12 @@ from chipbreak.model.modal import State
 from chipbreak.settings.sections import Axis, Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.trajectory.law import AxisLimits, ControlLaw
-from chipbreak.trajectory.laws import law_named
+from chipbreak.trajectory.laws import LAWS, law_named
 from chipbreak.units import MM_PER_INCH, MS_PER_S, S_PER_MIN
 
 _CODE = re.compile(r"G\s*(\d+(?:\.\d)?)", re.IGNORECASE)
 _TOLERANCE = re.compile(r"([PQ])\s*(\d*\.?\d+)", re.IGNORECASE)
+_WITHOUT_ACCELERATION = " or ".join(f'"{law.name}"' for law in LAWS if not law.needs_acceleration)
 
 
 def law_of(settings: Settings) -> type[ControlLaw]:
@@ -61,7 +62,7 @@ def _require_accelerations(
         if axis.acceleration_mm_s2 == inf and any(direction[index] for direction in directions):
             key = f"axes.{axis.axis}.max_acceleration_mm_s2"
             message = f"{axis.axis} moves, and the profile does not say how fast it can speed up ({key})"
-            raise RefusalError("VIB035", message, f'give {key}, or planner.model = "ideal"')
+            raise RefusalError("VIB035", message, f"give {key}, or planner.model = {_WITHOUT_ACCELERATION}")
 
 
 def _in_path_mode(law: ControlLaw, settings: Settings, state: State) -> ControlLaw:
