@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -10,6 +11,7 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 import chipbreak
+from chipbreak.dialects.base import PARENTHESES, SEMICOLON, CommentMarks
 from chipbreak.editing.bracket import checksum
 from chipbreak.editing.restore import regions, restore
 from chipbreak.text.source import read
@@ -238,3 +240,26 @@ def test_a_path_mode_goes_round_the_cut_on_a_control_that_said_none(mode: str) -
     result = chipbreak.rewrite(program, settings)
     assert f"\n{mode}\nG1 Z".encode() in result.data
     assert b"F0.05\nG64\n(CHIPBREAK END" in result.data
+
+
+@pytest.mark.parametrize("comments", [PARENTHESES, SEMICOLON], ids=["parentheses", "semicolon"])
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+@pytest.mark.parametrize(
+    "first",
+    [
+        "G1 Z-30. F0.05 N1.5",
+        "N10 G1 Z-30. F0.05 N1.5 ",
+        "g1 z-30. F0.05 (VIB) N1.5",
+        "G1 Z-30. F0.05 N1.5 ; X",
+    ],
+)
+def test_the_way_back_reads_comments_of_either_form(comments: CommentMarks, end: str, first: str) -> None:
+    settings = chipbreak.load("generic-lathe")
+    control = replace(settings, dialect=settings.dialect._replace(comment_marks=comments))
+    stray = ["; CHIPBREAK END", "(SEE CHIPBREAK BEGIN)"]
+    program = end.join(["G97 S3000 M3", "G0 X20. Z2.", first, *stray, "M30", ""])
+    out = chipbreak.rewrite(program.encode(), control).data
+    assert out != program.encode()
+    mark = b"; CHIPBREAK BEGIN VIB" if comments == SEMICOLON else b"(CHIPBREAK BEGIN VIB"
+    assert out.count(mark) == out.count(b"CHIPBREAK BEGIN VIB") == 1
+    assert restore(read(out)).data.decode() == program

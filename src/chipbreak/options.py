@@ -172,7 +172,7 @@ def rewrite_program(data: bytes, settings: Settings, source: str, asked: Asked) 
 
 def verify_program(data: bytes, settings: Settings, source: str, asked: Asked) -> Result:
     """Judge a filtered program; exits with 3 or 4 when it is not as it was written."""
-    from chipbreak.editing.bracket import MARK
+    from chipbreak.editing.bracket import BEGIN, find
     from chipbreak.pipeline import verify_filtered
     from chipbreak.text.diagnostics import ProgramRejectedError, SelfCheckError
 
@@ -184,7 +184,7 @@ def verify_program(data: bytes, settings: Settings, source: str, asked: Asked) -
         except SelfCheckError as error:  # nobody's fault but the choice of program and profile
             what = f"this is not what profile {settings.name} makes of it: {error}"
             way_out = "verify it with the profile and the settings that filtered it, or filter it again"
-            if MARK not in data:
+            if find(data, BEGIN) < 0:
                 way_out = "nothing in it was written by chipbreak: filter it first"
             click.echo(f"{name}: error SLF003: {what}\n  help: {way_out}", err=True)
             sys.exit(FAILED)

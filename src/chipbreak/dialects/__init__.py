@@ -1,6 +1,6 @@
 """What each control understands, as frozen tables: one value per control, no branches on names."""
 
-from chipbreak.dialects.base import NON_MODAL, Code, Dialect
+from chipbreak.dialects.base import NON_MODAL, Code, CommentMarks, Dialect
 from chipbreak.dialects.fanuc import FANUC_LATHE_A, FANUC_LATHE_B, FANUC_LATHE_C, FANUC_MILL
 from chipbreak.dialects.generic import GENERIC_LATHE
 from chipbreak.dialects.linuxcnc import LINUXCNC_LATHE, LINUXCNC_MILL
@@ -15,7 +15,17 @@ DIALECTS: tuple[Dialect, ...] = (
     LINUXCNC_MILL,
 )
 
-__all__ = ["DIALECTS", "FANUC_MILL", "GENERIC_LATHE", "LINUXCNC_MILL", "NON_MODAL", "Code", "Dialect", "find"]
+__all__ = [
+    "DIALECTS",
+    "FANUC_MILL",
+    "GENERIC_LATHE",
+    "LINUXCNC_MILL",
+    "NON_MODAL",
+    "Code",
+    "CommentMarks",
+    "Dialect",
+    "find",
+]
 
 
 def find(name: str, lathe_system: str) -> Dialect:

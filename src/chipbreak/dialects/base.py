@@ -59,6 +59,17 @@ class Loop(NamedTuple):
         return 1 + len(self.end)
 
 
+class CommentMarks(NamedTuple):
+    """What stands before and behind a comment that is written; nothing behind where the line ends it."""
+
+    before: str
+    behind: str
+
+
+PARENTHESES = CommentMarks("(", ")")
+SEMICOLON = CommentMarks("; ", "")
+
+
 class Dialect(NamedTuple):
     """A control's vocabulary.
 
@@ -75,6 +86,7 @@ class Dialect(NamedTuple):
     ``kept_variables`` first and last numbers of the variables in which programs may keep values
     ``retract_is_absolute`` these blocks must not stand in incremental mode
     ``axis_letters``  letters that can name a linear axis
+    ``comment_marks`` how a comment is written: PARENTHESES or SEMICOLON; the way back reads both
     ``loop``          how blocks are repeated; None where the control has no way that is known
     ``place_variables`` numbers and names of the variables that hold the place where the tool stands
     ``place_settings`` the L of those G10 that work with that place
@@ -102,6 +114,7 @@ class Dialect(NamedTuple):
     dwell_word: str = "X"
     axis_letters: str = "XYZABC"
     reads_comments_in_lower_case: bool = False
+    comment_marks: CommentMarks = PARENTHESES
     loop: Loop | None = None
     place_variables: frozenset[int | str] = frozenset(range(5001, 5061))
     place_settings: frozenset[float] = frozenset()

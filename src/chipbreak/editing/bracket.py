@@ -8,7 +8,8 @@
     (CHIPBREAK END 1F0A33C2)
 
 A line that would not survive inside a comment (parentheses, lower case, other bytes, a foreign line end) is
-written as ``(CHIPBREAK HEX ...)``, its bytes in hexadecimal with their line end.
+written as ``(CHIPBREAK HEX ...)``, its bytes in hexadecimal with their line end.  A control whose comments
+run to the end of the line has ``; CHIPBREAK BEGIN ...`` instead.
 """
 
 from __future__ import annotations
@@ -17,39 +18,61 @@ import re
 import zlib
 from collections.abc import Iterator
 
+from chipbreak.dialects import CommentMarks
+
 BEGIN, WAS, HEX, END = "BEGIN", "WAS", "HEX", "END"
-MARK = b"(CHIPBREAK BEGIN"
-LINE = re.compile(rb"[ \t]*(?:[Nn][-+]?[0-9.]+[ \t]*)?\(CHIPBREAK (BEGIN|WAS|HEX|END) ?([^()]*)\)[ \t]*")
+LINE = re.compile(
+    rb"[ \t]*(?:[Nn][-+]?[0-9.]+[ \t]*)?(?:(?P<parenthesis>\()|; ?)"
+    rb"CHIPBREAK (?P<kind>BEGIN|WAS|HEX|END) ?(?P<text>[^()]*)(?(parenthesis)\))[ \t]*"
+)
 _HEX_BYTES_PER_LINE = 30
 # What every control takes inside a comment; LinuxCNC also takes lower case and more signs.
 _SAFE = re.compile(rb"[A-Z0-9 .,=_+/-]*")
 _SAFE_WITH_LOWER_CASE = re.compile(rb"[A-Za-z0-9 .,=_+/#*\[\]<>:-]*")
 
 
-def comment(kind: str, text: str) -> str:
+def comment(kind: str, text: str, marks: CommentMarks) -> str:
     """One bracket line without its end."""
-    return f"(CHIPBREAK {kind} {text})"
+    return f"{marks.before}CHIPBREAK {kind} {text}{marks.behind}".rstrip()
 
 
-def title_text(title: str, max_chars: int, number: str = "") -> str:
+def find(data: bytes, kind: str, start: int = 0, stop: int | None = None) -> int:
+    """Where the next bracket line of a kind may be, -1 where there is none; :data:`LINE` knows for sure."""
+    name = f"CHIPBREAK {kind}".encode("ascii")
+    at = data.find(name, start, stop)
+    while at >= 0 and not data[max(at - 2, 0) : at].rstrip(b" ").endswith((b"(", b";")):
+        at = data.find(name, at + 1, stop)
+    return at
+
+
+def title_text(title: str, max_chars: int, marks: CommentMarks, number: str = "") -> str:
     """A title made fit for a comment: upper case, no parentheses, not too long behind a block number."""
     fit = re.sub(r"[^A-Z0-9 .,=_+/-]", " ", title.upper())
-    room = max_chars - len(comment(BEGIN, "")) - max(len(number), len("N99999 "))
+    room = max_chars - _frame(BEGIN, marks) - max(len(number), len("N99999 "))
     return fit[: max(room, 0)].rstrip()
 
 
-def was_lines(lines: list[bytes], line_end: bytes, max_chars: int, *, lower_case: bool) -> Iterator[str]:
+def _frame(kind: str, marks: CommentMarks) -> int:
+    """Characters of a bracket line beside its text."""
+    return len(f"{marks.before}CHIPBREAK {kind} {marks.behind}")
+
+
+def was_lines(
+    lines: list[bytes], line_end: bytes, max_chars: int, marks: CommentMarks, *, lower_case: bool
+) -> Iterator[str]:
     """The bracket lines that keep the original lines (with their ends)."""
     safe = _SAFE_WITH_LOWER_CASE if lower_case else _SAFE
+    step = min(_HEX_BYTES_PER_LINE, (max_chars - _frame(HEX, marks)) // 2)
     for raw in lines:
         text = raw.removesuffix(line_end)
-        fits = len(text) <= max_chars - len(comment(WAS, ""))
-        if raw.endswith(line_end) and fits and safe.fullmatch(text):
-            yield comment(WAS, text.decode("ascii"))
+        fits = len(text) <= max_chars - _frame(WAS, marks)
+        # Blanks at the end of a line get lost where nothing closes the comment.
+        shows_its_end = bool(marks.behind) or not text.endswith(b" ")
+        if raw.endswith(line_end) and fits and shows_its_end and safe.fullmatch(text):
+            yield comment(WAS, text.decode("ascii"), marks)
             continue
-        step = min(_HEX_BYTES_PER_LINE, (max_chars - len(comment(HEX, ""))) // 2)
         for at in range(0, len(raw), step):
-            yield comment(HEX, raw[at : at + step].hex().upper())
+            yield comment(HEX, raw[at : at + step].hex().upper(), marks)
 
 
 def checksum(content: bytes) -> str:

@@ -41,15 +41,16 @@ def _region(program: Program, edit: Edit, settings: Settings) -> list[bytes]:
     sequence = ""
     if originals and (number := program.block(edit.first).sequence) is not None:
         sequence = f"{number.letter}{number.value_text} "
-    title = bracket.title_text(edit.title, control.max_line_chars, sequence)
+    marks = settings.dialect.comment_marks
+    title = bracket.title_text(edit.title, control.max_line_chars, marks, sequence)
     lower = settings.dialect.reads_comments_in_lower_case
-    kept = bracket.was_lines(originals, end, control.max_line_chars, lower_case=lower)
+    kept = bracket.was_lines(originals, end, control.max_line_chars, marks, lower_case=lower)
     inner = [text.encode("latin-1") + end for text in kept]
     for item in edit.content:
         inner.append(print_moves(item, end) if isinstance(item, MoveTable) else item.encode("latin-1") + end)
     content = b"".join(inner)
-    head = f"{sequence}{bracket.comment(bracket.BEGIN, title)}".encode("latin-1")
-    foot = bracket.comment(bracket.END, bracket.checksum(content)).encode("ascii")
+    head = f"{sequence}{bracket.comment(bracket.BEGIN, title, marks)}".encode("latin-1")
+    foot = bracket.comment(bracket.END, bracket.checksum(content), marks).encode("ascii")
     # A file without a last line end keeps none.
     is_last = bool(originals) and not originals[-1].endswith((b"\n", b"\r"))
     return [head + end, content, foot if is_last else foot + end]

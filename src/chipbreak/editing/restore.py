@@ -35,16 +35,16 @@ def regions(source: Source) -> list[Region]:
     Raises ProgramRejectedError: RES001 when a bracketed part was edited, RES002 when a bracket is broken.
     """
     found: list[Region] = []
-    at = source.data.find(bracket.MARK)
+    at = bracket.find(source.data, bracket.BEGIN)
     while at >= 0:
         line = int(np.searchsorted(source.starts, at, "right")) - 1
         match = bracket.LINE.fullmatch(source.raw(line).rstrip(b"\r\n"))
-        if match and match[1].decode() == bracket.BEGIN:
-            region = _region(source, line, match[2].decode("latin-1"))
+        if match and match["kind"].decode() == bracket.BEGIN:
+            region = _region(source, line, match["text"].decode("latin-1"))
             found.append(region)
-            at = source.data.find(bracket.MARK, int(source.starts[region.last]))
+            at = bracket.find(source.data, bracket.BEGIN, int(source.starts[region.last]))
         else:
-            at = source.data.find(bracket.MARK, at + 1)
+            at = bracket.find(source.data, bracket.BEGIN, at + 1)
     return found
 
 
@@ -54,11 +54,11 @@ def _region(source: Source, first: int, title: str) -> Region:
     while line < source.line_count:
         raw = source.raw(line)
         match = bracket.LINE.fullmatch(raw.rstrip(b"\r\n"))
-        kind = match[1].decode() if match else ""
+        kind = match["kind"].decode() if match else ""
         if match and kind == bracket.WAS:
-            original += match[2] + source.line_end
+            original += match["text"] + source.line_end
         elif match and kind == bracket.HEX:
-            original += _from_hex(source, line, match[2])
+            original += _from_hex(source, line, match["text"])
         else:
             break
         line += 1
@@ -67,7 +67,7 @@ def _region(source: Source, first: int, title: str) -> Region:
     content = source.data[source.starts[first + 1] : source.starts[last - 1]]
     end = bracket.LINE.fullmatch(source.raw(last - 1).rstrip(b"\r\n"))
     assert end is not None
-    if end[2].decode("latin-1").strip() != bracket.checksum(content):
+    if end["text"].decode("latin-1").strip() != bracket.checksum(content):
         raise _rejected(
             source,
             first,
@@ -81,8 +81,8 @@ def _region(source: Source, first: int, title: str) -> Region:
 def _end_line(source: Source, first: int) -> int:
     """The line behind the END that closes a BEGIN."""
     start = int(source.starts[first + 1])
-    at = source.data.find(b"(CHIPBREAK END", start)
-    inner = source.data.find(bracket.MARK, start, max(at, start))
+    at = bracket.find(source.data, bracket.END, start)
+    inner = bracket.find(source.data, bracket.BEGIN, start, max(at, start))
     if at < 0 or inner >= 0:
         raise _broken(source, first, "the END comment of this part is missing")
     line = int(np.searchsorted(source.starts, at, "right")) - 1
