@@ -136,8 +136,8 @@ def outcome(job: Job, result: chipbreak.Result, run: machine.Run) -> Outcome:
 def run(jobs: Sequence[Job], *sets: str, slowly: bool = False) -> list[Outcome]:
     """Filter and run; one start of the machine for each acceleration and speed of the simulation.
 
-    LinuxCNC reads about one block in a millisecond on the wall.  Where the sped-up machine has to wait for
-    them, it stops between blocks that it would have run into each other; ``slowly`` does not speed it up.
+    LinuxCNC reads several blocks in a millisecond on the wall.  Where the sped-up machine has to wait for them,
+    it stops between blocks that it would have run into each other; ``slowly`` does not speed it up.
     """
     results = [job.filtered(*sets) for job in jobs]
     kinds = [
@@ -159,10 +159,10 @@ def run(jobs: Sequence[Job], *sets: str, slowly: bool = False) -> list[Outcome]:
 
 
 def _speed_up(result: chipbreak.Result) -> float:
-    """So fast that a block lasts 3 ms on the wall, but one of few values."""
+    """So fast that a block lasts a millisecond on the wall, but one of few values."""
     (cut,) = result.cuts
     block_ms = cut.duration_s / cut.move_count * 1000.0
-    return max([1.0, *(speed for speed in (2.0, 4.0, 10.0) if block_ms / speed >= 3.0)])
+    return max([1.0, *(speed for speed in (3.0, 10.0) if block_ms / speed >= 1.0)])
 
 
 def grid() -> list[Job]:
