@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import chipbreak
 from chipbreak.editing.edits import Edit, MoveTable, OverlapError
 from chipbreak.editing.promise import KEPT
-from chipbreak.editing.render import print_moves, render
+from chipbreak.editing.render import _ROWS_AT_ONCE, print_moves, render
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
 from chipbreak.syntax.parse import parse
 from chipbreak.text.source import read
@@ -61,6 +61,17 @@ def _row(x: float, z: float) -> str:
         return f"{rounded:.{decimals}f}"
 
     return f"X{text(x, 3)} Z{text(z, 2)}"
+
+
+def test_a_table_of_several_pieces_prints_every_row_once() -> None:
+    """Rows are printed some thousand at a time, and a piece may need more digits than the one before."""
+    count = 2 * _ROWS_AT_ONCE + 3
+    z = -np.arange(count) / 1000.0
+    z[_ROWS_AT_ONCE] = 12345.678
+    data = print_moves(MoveTable(("X", "Z"), (np.linspace(0.0, 9.0, count), z), (3, 2)), b"\n")
+    lines = data.decode().split("\n")
+    assert lines.pop() == ""
+    assert lines == [_row(a, b) for a, b in zip(np.linspace(0.0, 9.0, count), z, strict=True)]
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), 1e20])

@@ -218,6 +218,24 @@ def test_messages_name_lines_of_the_file_the_user_has() -> None:
     assert complaint(wrong) == ("VIB005", line)
 
 
+def test_restored_lines_have_the_numbers_of_the_file_at_hand() -> None:
+    """A block that was put back is found at the BEGIN of its part, every other line where it stands."""
+    chain = b"G97 S3000 M3\nG0 X20. Z2.\n(VIB N1.5)\nG1 Z-3. F0.05\nX24. Z-5.\n(VIB OFF)\nG1 X30.\nM30\n"
+    for program in (CUT, chain):
+        out = chipbreak.rewrite(program, SETTINGS).data
+        filtered, back = read(out), restore(read(out))
+        assert back.data == program
+        begins = [region.first + 1 for region in regions(filtered) if region.original]
+        for line in range(back.line_count):
+            text, number = back.raw(line), back.place(line).line
+            if text and filtered.raw(number - 1) != text:
+                assert number in begins, text
+        put_back = [line for line in range(back.line_count) if back.place(line).line in begins]
+        assert b"".join(back.raw(line) for line in put_back) == b"".join(
+            region.original for region in regions(filtered)
+        )
+
+
 def test_regions_say_what_was_there() -> None:
     first, second = regions(read(OUT))
     assert first.original == b"G1 Z-3. F0.05 N1.5\n"

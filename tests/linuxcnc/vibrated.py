@@ -136,8 +136,8 @@ def outcome(job: Job, result: chipbreak.Result, run: machine.Run) -> Outcome:
 def run(jobs: Sequence[Job], *sets: str, slowly: bool = False) -> list[Outcome]:
     """Filter and run; one start of the machine for each acceleration and speed of the simulation.
 
-    LinuxCNC reads several blocks in a millisecond on the wall.  Where the sped-up machine has to wait for them,
-    it stops between blocks that it would have run into each other; ``slowly`` does not speed it up.
+    LinuxCNC reads several blocks in a millisecond on the wall.  Where the sped-up machine has to wait for
+    them, it stops between blocks that it would have run into each other; ``slowly`` does not speed it up.
     """
     results = [job.filtered(*sets) for job in jobs]
     kinds = [

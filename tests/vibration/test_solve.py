@@ -298,6 +298,20 @@ def test_the_clamp_is_an_error() -> None:
     assert refusal(per_rev=900.5, frequency=62.5, rules=SolverRules(resolution_rpm=10)).code == "VIB007"
 
 
+@pytest.mark.parametrize(("edges", "phase"), [(1, 0.5), (2, 0.5), (1, 0.25)])
+def test_a_speed_given_with_a_frequency_may_be_halved_and_no_more(edges: int, phase: float) -> None:
+    """Below half the least N that breaks, S would fall to less than half: asked for, or a slip of the pen?"""
+    rules = SolverRules(edges=edges, phase=phase, resolution_rpm=0.1)
+    half = edges * phase / 2.0
+    just_too_fast, just_fine = (60.0 * 62.5 / (half * share) for share in (0.999, 1.001))
+    error = refusal(speed=just_too_fast, frequency=62.5, rules=rules)
+    assert error.code == "VIB008"
+    assert "less than half that spindle speed" in error.message
+    got = solved(speed=just_fine, frequency=62.5, rules=rules)
+    assert got.per_rev == pytest.approx(edges * phase, rel=1e-4)
+    assert got.speed_rpm / just_fine == pytest.approx(0.5, rel=2e-3)
+
+
 def test_a_doubled_speed_is_refused() -> None:
     assert refusal(speed=100, per_rev=1.5, group=CommandGroup(max_multiple=8)).code == "VIB008"
 

@@ -325,6 +325,37 @@ def test_one_missing_vibration_of_a_thousand_is_found() -> None:
     assert (got.breaks, got.margin < 1) == (False, True)
 
 
+def test_a_vibration_that_is_missing_in_the_last_revolution_is_found() -> None:
+    """No later pass meets the place where it is missing, and its neighbour touches the last pass."""
+    time_s, distance_mm = steady_wave("triangle", 1.5, 1.2)
+    whole = judged(time_s, distance_mm, steady_s=(0.0, time_s[-1]))
+    assert (whole.breaks, whole.margin) == (True, pytest.approx(1.2))
+    crest, trough = time_s.size - 4, time_s.size - 3
+    got = judged(
+        np.delete(time_s, [crest, trough]),
+        np.delete(distance_mm, [crest, trough]),
+        steady_s=(0.0, time_s[-1]),
+    )
+    assert (got.breaks, got.margin) == (False, 0.0)
+
+
+def test_the_thickest_chip_on_the_way_out_counts() -> None:
+    """The stroke grows slowly, and at its end the tool goes on in plain feed as far ahead as the crests."""
+    time_s, _ = steady_wave("triangle", 1.5, 1.2)
+    plain_mm = FEED_MM / REV_S * time_s
+    crests = np.arange(time_s.size) % 2 == 1
+    stroke_mm = 1.2 * FEED_MM * np.minimum(time_s / (30.0 * REV_S), 1.0)
+    distance_mm = plain_mm + np.where(crests, stroke_mm, 0.0)
+    distance_mm[-1] += stroke_mm[-1]  # behind the last crest it does not turn back
+    time_s = np.append(time_s, time_s[-1] + 2.0 * REV_S)
+    distance_mm = np.append(distance_mm, distance_mm[-1] + 2.0 * FEED_MM)
+    got = judged(time_s, distance_mm, steady_s=(30.0 * REV_S, time_s[-3]))
+    thickness_mm, _ = regenerated(time_s, distance_mm, settled=0)
+    assert got.ramp_peak_thickness == pytest.approx(thickness_mm.max() / FEED_MM, rel=1e-3)
+    assert got.ramp_peak_thickness == pytest.approx(2.1, rel=1e-3)
+    assert got.peak_thickness == pytest.approx(2.0, rel=1e-3)
+
+
 def test_the_weakest_vibration_decides() -> None:
     time_s, distance_mm = sample(replace(CUT, length_mm=80.0, form="stroke"))
     weak_mm = distance_mm.copy()
