@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from hypothesis import Phase, event, given
+from hypothesis import Phase, event, example, given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
@@ -51,7 +51,14 @@ def state_at_moves(program: bytes) -> Iterator[tuple[object, ...]]:
                 yield move[:4]
 
 
+_SLOW = "G90 G0 X10 Z30\n(VIB E2)\nG1 X-1 F0.4\nZ26\n(VIB OFF)"  # 0.4 mm per minute in G94
+_SLOW_TURNING = "G90 G0 X17 Z9\n(VIB N1.5)\nG1 Z-3 F0.4\n(VIB OFF)"
+
+
 @pytest.mark.linuxcnc
+@example(["G94 F200", _SLOW, "G94 F200"])
+@example(["G94 F200", _SLOW_TURNING, "G96 D1631 S83", "G95 F0.3"])
+@example(["S57", "G61", "G96 D1631 S83", _SLOW_TURNING, _SLOW])
 @given(st.lists(_ITEMS, min_size=3, max_size=14))
 @hypothesis_settings(max_examples=60, phases=[Phase.explicit, Phase.reuse, Phase.generate])
 def test_all_else_stays_as_it_was(items: list[str]) -> None:
@@ -63,8 +70,10 @@ def test_all_else_stays_as_it_was(items: list[str]) -> None:
     except chipbreak.ProgramRejectedError as error:
         codes = {d.code for d in error.diagnostics if d.severity.value == "error"}
         event(f"refused {sorted(codes)}")
-        # N and f under a slow G96, a clamp, a feed of the wrong mode: no other reason.
-        assert codes <= {"VIB006", "VIB008", "VIB013", "VIB021", "VIB057", "VIB023"}, program.decode()
+        # N and f under a slow G96, a clamp, a feed of the wrong mode (so slow that F has too few decimals to
+        # keep the time, VIB059): no other reason.
+        legitimate = {"VIB006", "VIB008", "VIB013", "VIB021", "VIB057", "VIB023", "VIB059"}
+        assert codes <= legitimate, program.decode()
         return
     event("taken")
     assert list(state_at_moves(out)) == list(state_at_moves(program))
