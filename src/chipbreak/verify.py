@@ -105,7 +105,8 @@ def _check_lengths(
     source: Source, found: Sequence[Region], edits: Sequence[Edit], interpreted: InterpretedProgram
 ) -> None:
     """No new block is longer than the control takes; a comment that is kept may be as long as it was."""
-    limit, original = interpreted.settings.control.max_line_chars, interpreted.program.source
+    limit = interpreted.settings.control.max_line_chars
+    original = interpreted.program.source
     for region, edit in zip(found, edits, strict=True):
         sizes = np.diff(source.starts[region.first : region.last + 1])
         for line in (np.flatnonzero(sizes > limit) + region.first).tolist():
@@ -128,9 +129,11 @@ def _check_borders(written: Written, motion_from: int) -> None:
 
     The motion code counts only behind line ``motion_from``.
     """
-    edit, region = written.edit, written.region
+    edit = written.edit
+    region = written.region
     for where, line, new_line in (("before", edit.first, region.first), ("behind", edit.last, region.last)):
-        was, now = written.original.before(line), written.result.before(new_line)
+        was = written.original.before(line)
+        now = written.result.before(new_line)
         if was.ended:
             continue  # the next block starts another program, from the power-on state
         if line <= motion_from:
@@ -176,7 +179,8 @@ def _check_speed(written: Written) -> None:
 
     An edit before it may have left another one, so what counts is what happens inside.
     """
-    edit, region = written.edit, written.region
+    edit = written.edit
+    region = written.region
     if edit.promise.leaves_speed or written.was_behind.ended:
         return
     was, was_behind = (spindle_speed(written.original.before(line)) for line in (edit.first, edit.last))

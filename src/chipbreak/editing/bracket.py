@@ -20,7 +20,10 @@ from collections.abc import Iterator
 
 from chipbreak.dialects import CommentMarks
 
-BEGIN, WAS, HEX, END = "BEGIN", "WAS", "HEX", "END"
+BEGIN = "BEGIN"
+WAS = "WAS"
+HEX = "HEX"
+END = "END"
 LINE = re.compile(
     rb"[ \t]*(?:[Nn][-+]?[0-9.]+[ \t]*)?(?:(?P<parenthesis>\()|; ?)"
     rb"CHIPBREAK (?P<kind>BEGIN|WAS|HEX|END) ?(?P<text>[^()]*)(?(parenthesis)\))[ \t]*"

@@ -56,7 +56,8 @@ class OverlapError(SelfCheckError):
 
     def __init__(self, one: Edit, other: Edit) -> None:
         super().__init__(one, other)
-        self.one, self.other = one, other
+        self.one = one
+        self.other = other
 
     def __str__(self) -> str:
         one, other = (f"{e.pass_name} (lines {e.first + 1} to {e.last})" for e in (self.one, self.other))

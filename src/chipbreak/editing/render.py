@@ -13,7 +13,9 @@ from chipbreak.settings.sections import Settings
 from chipbreak.syntax.parse import Program
 
 _ROWS_AT_ONCE = 1 << 15
-_ZERO, _MINUS, _POINT = ord("0"), ord("-"), ord(".")
+_ZERO = ord("0")
+_MINUS = ord("-")
+_POINT = ord(".")
 
 
 def render(program: Program, edits: Sequence[Edit], settings: Settings) -> list[bytes | memoryview]:
@@ -35,7 +37,8 @@ def render(program: Program, edits: Sequence[Edit], settings: Settings) -> list[
 
 def _region(program: Program, edit: Edit, settings: Settings) -> list[bytes]:
     """One change between its brackets."""
-    source, control = program.source, settings.control
+    source = program.source
+    control = settings.control
     end = source.line_end
     originals = [source.raw(line) for line in range(edit.first, edit.last)]
     sequence = ""

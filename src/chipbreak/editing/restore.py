@@ -12,7 +12,8 @@ from chipbreak.editing import bracket
 from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, Severity
 from chipbreak.text.source import Source, read
 
-EDITED, BROKEN = "RES001", "RES002"
+EDITED = "RES001"
+BROKEN = "RES002"
 
 
 class Region(NamedTuple):

@@ -64,7 +64,8 @@ class CheckTools(Pass):
             raise SettingsError.of(error, context.settings.name) from None
 
     def _plan(self, context: Context) -> Planned:
-        settings, tools = context.settings, context.tools
+        settings = context.settings
+        tools = context.tools
         if not settings.checks.enabled:
             return Planned()
         checks, found = plan_checks(context.operations, context.interpreted, context.main, settings, tools)
@@ -95,7 +96,9 @@ class _Blocks:
     """Writes blocks, and knows by the interpreter what each of them has changed."""
 
     def __init__(self, point: SafePoint, settings: Settings) -> None:
-        self.point, self.settings, self.dialect = point, settings, settings.dialect
+        self.point = point
+        self.settings = settings
+        self.dialect = settings.dialect
         self.before = self.now = point.state
         self.interpreter = Interpreter(settings, Flow(frozenset(), ()))
         self.texts: list[str] = []

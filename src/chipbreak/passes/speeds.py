@@ -88,7 +88,8 @@ def _blocks(
     interpreted: InterpretedProgram, effect: BlockEffect, asked: CuttingSpeed, speed: str
 ) -> tuple[int, int, tuple[str, ...]]:
     """First and last line (exclusive) that change, and what they become."""
-    line, text = effect.block.line, effect.block.text
+    line = effect.block.line
+    text = effect.block.text
     if asked.words:
         first, second = asked.words
         between = text[first.end : second.start].rstrip()

@@ -14,12 +14,16 @@ from chipbreak.text.diagnostics import ChipbreakError, Diagnostic, RefusalError,
 from chipbreak.text.nearest import nearest
 from chipbreak.text.span import Place
 
-UNKNOWN_KEY, WRONG_TYPE, IMPOSSIBLE = "SET001", "SET002", "SET003"
-UNREADABLE, UNKNOWN_PROFILE = "SET004", "SET005"
+UNKNOWN_KEY = "SET001"
+WRONG_TYPE = "SET002"
+IMPOSSIBLE = "SET003"
+UNREADABLE = "SET004"
+UNKNOWN_PROFILE = "SET005"
 
 
 # No machine has a value nearer to zero or larger; arithmetic with them would leave the numbers.
-_SMALLEST, _LARGEST = 1e-9, 1e12
+_SMALLEST = 1e-9
+_LARGEST = 1e12
 
 
 class SettingsError(ChipbreakError):
