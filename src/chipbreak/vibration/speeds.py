@@ -39,12 +39,12 @@ def speed_changes(
     interpreted: InterpretedProgram,
     cuts: Sequence[CutPlan],
     settings: Settings,
-    checks_at: Collection[int] = (),
+    restarted_at: Collection[int] = (),
 ) -> list[SpeedChange]:
     """All speed commands that the vibrated cuts need, in order.
 
-    ``checks_at`` are the lines before which tool checks will stand: they stop the spindle and start it as
-    programmed.  Errors: VIB057 when the programmed speed must come back and is not known.
+    ``restarted_at`` are the lines before which the spindle will be stopped and started as programmed, as for
+    a tool check.  Errors: VIB057 when the programmed speed must come back and is not known.
     """
     changes: list[SpeedChange] = []
     commanded: tuple[str, float] | None = None  # mode and speed, None while the program's own is active
@@ -58,7 +58,7 @@ def speed_changes(
         if wanted == _programmed(cut.chain.after):
             commanded = None
             continue
-        back = _needs_programmed(interpreted, cut.chain.last, stop, checks_at)
+        back = _needs_programmed(interpreted, cut.chain.last, stop, restarted_at)
         commanded = wanted if back is None else None
         if back is not None and back.text:
             changes.append(back)
@@ -81,19 +81,19 @@ def speed_words(now: tuple[str, float] | None, wanted: tuple[str, float], settin
 
 
 def _needs_programmed(
-    interpreted: InterpretedProgram, first: int, stop: int, checks_at: Collection[int]
+    interpreted: InterpretedProgram, first: int, stop: int, restarted_at: Collection[int]
 ) -> SpeedChange | None:
     """Where the programmed speed must be back; an empty text where the program commands a speed itself."""
-    check = min((line for line in checks_at if first <= line <= stop), default=None)
+    restart = min((line for line in restarted_at if first <= line <= stop), default=None)
     state = interpreted.before(first)
     for effect in interpreted.effects_of(first, stop):
-        at = _Place(effect, state, is_checked=effect.block.line == check, interpreted=interpreted)
+        at = _Place(effect, state, is_restarted=effect.block.line == restart, interpreted=interpreted)
         found = next((text for rule in _NEEDS if (text := rule(at)) is not None), None)
         if found is not None:
             return SpeedChange(effect.block.line, found, None)
         state = effect.after
-    if check == stop and state.speed is not None:
-        return SpeedChange(check, _own_words(state, interpreted.settings), None)
+    if restart == stop and state.speed is not None:
+        return SpeedChange(restart, _own_words(state, interpreted.settings), None)
     return None
 
 
@@ -102,7 +102,7 @@ class _Place(NamedTuple):
 
     effect: BlockEffect
     state: State
-    is_checked: bool
+    is_restarted: bool
     interpreted: InterpretedProgram
 
     @property
@@ -111,9 +111,9 @@ class _Place(NamedTuple):
         return _own_words(self.state, self.interpreted.settings)
 
 
-def _before_check(at: _Place) -> str | None:
-    """A tool check starts the spindle again as programmed."""
-    return at.own_words if at.is_checked and at.state.speed is not None else None
+def _before_restart(at: _Place) -> str | None:
+    """The spindle starts again as programmed, behind a tool check for example."""
+    return at.own_words if at.is_restarted and at.state.speed is not None else None
 
 
 def _before_target(at: _Place) -> str | None:
@@ -144,7 +144,7 @@ def _before_dependent(at: _Place) -> str | None:
     return _own_words(at.effect.before, at.interpreted.settings)
 
 
-_NEEDS = (_before_check, _before_target, _before_own_speed, _before_dependent)
+_NEEDS = (_before_restart, _before_target, _before_own_speed, _before_dependent)
 
 
 def _says_speed_mode(effect: BlockEffect) -> bool:
