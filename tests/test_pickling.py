@@ -17,7 +17,7 @@ import chipbreak
 from chipbreak.editing.edits import Edit, OverlapError
 from chipbreak.macros.parameters import UnsetError
 from chipbreak.settings import profile_names
-from chipbreak.syntax.build import UnreadableError
+from chipbreak.syntax.expressions import UnreadableError
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.span import Place

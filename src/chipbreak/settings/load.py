@@ -9,12 +9,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from chipbreak.dialects import DIALECTS, Dialect, find
+from chipbreak.dialects import Dialect, dialect_names, find
 from chipbreak.settings.axis_words import AXES, AxisWords, axis_words
 from chipbreak.settings.checking import (
     IMPOSSIBLE,
     UNKNOWN_KEY,
-    UNKNOWN_PROFILE,
     UNREADABLE,
     WRONG_TYPE,
     Layer,
@@ -23,50 +22,21 @@ from chipbreak.settings.checking import (
     hint_at,
 )
 from chipbreak.settings.plug_ins import check_plug_ins
+from chipbreak.settings.profile_files import profile_names, profile_text
 from chipbreak.settings.ranges import check_ranges
-from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS, Axis, Planner, Settings
+from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS, Axis, Control, Planner, Settings
 from chipbreak.settings.tool_rules import check_macros, check_sisters
-from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.text.frozen_table import FrozenTable
-from chipbreak.text.nearest import nearest
 from chipbreak.text.span import Place
 from chipbreak.trajectory.laws import foreign_keys
-
-_PROFILES = Path(__file__).parents[1] / "profiles"
-
-
-def profile_names() -> list[str]:
-    """The shipped profiles."""
-    return sorted(path.stem for path in _PROFILES.glob("*.toml"))
-
-
-def profile_text(profile: str) -> tuple[str, str]:
-    """Name and text of a profile: a shipped name, or the path of a TOML file.
-
-    Raises SettingsError when there is neither.
-    """
-    if profile in profile_names():
-        return profile, (_PROFILES / f"{profile}.toml").read_text("utf-8")
-    path = Path(profile)
-    if path.suffix != ".toml" and not path.is_file():
-        near = nearest(profile, profile_names())
-        hint = f"did you mean {near}? " if near else ""
-        message = f"there is no profile {profile!r}"
-        known = f"{hint}shipped: {', '.join(profile_names())}; or give the path of a TOML file"
-        raise SettingsError(Diagnostic(UNKNOWN_PROFILE, Severity.ERROR, message, known))
-    try:
-        return profile, path.read_text("utf-8")
-    except (OSError, ValueError) as error:
-        message = f"profile {profile} cannot be read: {_os_reason(error)}"
-        help_text = "check the path; a profile is a TOML file in UTF-8"
-        raise SettingsError(Diagnostic(UNREADABLE, Severity.ERROR, message, help_text)) from None
 
 
 def load(profile: str | os.PathLike[str], options: Sequence[str] = ()) -> Settings:
     """Settings of a profile with ``section.key=value`` options over it.
 
-    A profile is the name of a shipped one or the path of a TOML file.  It may name another as ``base``; its
-    own keys win.  Raises SettingsError.
+    A profile is the name of a shipped one, the path of a TOML file, or a name that an installed package
+    offers.  It may name another as ``base``; its own keys win.  Raises SettingsError.
     """
     profile = os.fspath(profile)
     layers = list(_profile_layers(profile, set()))
@@ -91,14 +61,7 @@ def _build(
     sections = {name: cls(**_frozen(values[name])) for name, cls in SECTIONS.items()}
     axes = {axis: sections.pop(f"axes.{axis}") for axis in AXES}
     control = sections["control"]
-    try:
-        dialect = find(control.dialect, control.lathe_system)
-    except KeyError:
-        names = sorted({d.name for d in DIALECTS})
-        message = f"control.dialect {control.dialect!r} is not known"
-        raise layer.fail(IMPOSSIBLE, "control.dialect", message, f"one of {', '.join(names)}") from None
-    if control.dwell_word:
-        dialect = dialect._replace(dwell_word=control.dwell_word)
+    dialect = _dialect(layer, control)
     mode = sections["output"].feed_mode
     if not dialect.can("feed_mode", mode):
         message = f"output.feed_mode {mode!r}: {dialect.title} has no code for it"
@@ -124,6 +87,19 @@ def _build(
         origins=FrozenTable(origins),
         **sections,
     )
+
+
+def _dialect(layer: Layer, control: Control) -> Dialect:
+    """The dialect that a profile names, with the profile's own dwell word."""
+    try:
+        dialect = find(control.dialect, control.lathe_system)
+    except KeyError:
+        message = f"control.dialect {control.dialect!r} is not known"
+        known = f"one of {', '.join(dialect_names())}"
+        raise layer.fail(IMPOSSIBLE, "control.dialect", message, known) from None
+    except RefusalError as error:
+        raise layer.fail(error.code, "control.dialect", error.message, error.help) from error
+    return dialect._replace(dwell_word=control.dwell_word) if control.dwell_word else dialect
 
 
 def _frozen(values: Mapping[str, Any]) -> FrozenTable[str, Any]:
@@ -299,9 +275,3 @@ def _check_sections(layer: Layer) -> None:
 def _too_deep(name: str) -> SettingsError:
     message = f"{name} is nested too deeply"
     return SettingsError(Diagnostic(UNREADABLE, Severity.ERROR, message, "no value needs that"))
-
-
-def _os_reason(error: Exception) -> str:
-    if isinstance(error, OSError):
-        return error.strerror or str(error)
-    return "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else str(error)

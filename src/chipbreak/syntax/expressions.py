@@ -21,7 +21,7 @@ class UnreadableError(Exception):
     """The grammar reads the line, but what stands at ``column`` is more than can be held."""
 
     def __init__(self, why: str, column: int) -> None:
-        super().__init__(why)
+        super().__init__(why, column)
         self.why, self.column = why, column
 
 
