@@ -21,7 +21,7 @@ from chipbreak.syntax.parse import read_block
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.nearest import nearest
 from chipbreak.tools.data import ToolData
-from chipbreak.units import MM_PER_INCH
+from chipbreak.units import mm_per_unit
 
 UNKNOWN_SET: Final = "SET030"
 UNKNOWN_CHECK: Final = "SET031"
@@ -65,7 +65,7 @@ class CallValues(NamedTuple):
 
     def fields(self, *, is_inch: bool) -> dict[str, str]:
         """The texts of all fields that have a value; lengths without ``_mm`` are in program units."""
-        scale = MM_PER_INCH if is_inch else 1.0
+        scale = mm_per_unit(is_inch=is_inch)
         texts = data_texts(self.data, is_inch=is_inch) if self.data else {}
         for name, value in (("height", self.height_mm), ("limit", self.limit_mm)):
             if value is not None:

@@ -11,7 +11,7 @@ from typing import Final
 from chipbreak.syntax.numbers import print_number
 from chipbreak.tools.data import ToolData
 from chipbreak.tools.tips import Tip, tip_of
-from chipbreak.units import MM_PER_INCH
+from chipbreak.units import mm_per_unit
 
 _LENGTHS: Final = {
     "diameter": "diameter_mm",
@@ -46,7 +46,7 @@ def _lengths(tool: ToolData, is_inch: bool) -> dict[str, str]:
         value_mm = getattr(tool, field)
         if value_mm is not None:
             texts[f"{name}_mm"] = print_number(value_mm, _DECIMALS)
-            inches = print_number(value_mm / MM_PER_INCH, _INCH_DECIMALS)
+            inches = print_number(value_mm / mm_per_unit(is_inch=True), _INCH_DECIMALS)
             texts[name] = inches if is_inch else texts[f"{name}_mm"]
     return texts
 

@@ -7,10 +7,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from chipbreak.editing.promise import Promise
+from chipbreak.kinematics.floats import Floats
 from chipbreak.text.diagnostics import SelfCheckError
 
 
@@ -23,7 +21,7 @@ class MoveTable:
     """
 
     letters: tuple[str, ...]
-    columns: tuple[NDArray[np.float64], ...]
+    columns: tuple[Floats, ...]
     decimals: tuple[int, ...]
     behind: str = ""
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from chipbreak.editing import bracket
 from chipbreak.editing.edits import Edit, MoveTable, in_order
+from chipbreak.kinematics.floats import Floats
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.parse import Program
 
@@ -77,7 +78,7 @@ def print_moves(table: MoveTable, line_end: bytes) -> bytes:
     return b"".join(parts)
 
 
-def _cells(lead: str, values: NDArray[np.float64], decimals: int) -> NDArray[np.uint8]:
+def _cells(lead: str, values: Floats, decimals: int) -> NDArray[np.uint8]:
     """The characters of one column, (n, width), NUL where a number is shorter than the longest."""
     scaled = np.rint(values * 10.0**decimals)
     if not np.isfinite(scaled).all() or np.abs(scaled).max(initial=0.0) >= 2.0**53:

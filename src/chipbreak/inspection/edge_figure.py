@@ -14,9 +14,9 @@ from typing import Final
 from xml.sax.saxutils import escape
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from chipbreak.kinematics.floats import Floats
+
 _WIDTH, _HEIGHT = 920, 480
 _COLOURS: Final = ("#1f5fa8", "#2f8f4e", "#8a5bb5", "#b5761b", "#3a9fa8", "#a83f7a", "#6b6b6b", "#7a8f2f")
 _RED: Final = "#c0272d"

@@ -18,7 +18,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Floats = NDArray[np.float64]
+from chipbreak.kinematics.floats import Floats
 
 # Lengths that differ by less are equal: sums of decimal fractions are off by some 1e-15.
 SAME_MM: Final = 1e-9

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from chipbreak.kinematics.piecewise import Floats, Gaps, Motion, Rests, mean_step_s, rests_of
+from chipbreak.kinematics.floats import Floats
+from chipbreak.kinematics.piecewise import Gaps, Motion, Rests, mean_step_s, rests_of
 from chipbreak.kinematics.waveform import speed_band_rpm
 from chipbreak.kinematics.waves import wave_named
 from chipbreak.text.diagnostics import RefusalError

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from chipbreak.kinematics.floats import Floats
+
 Indices = NDArray[np.intp]
 Gaps = tuple[tuple[Floats, Floats], ...]  # pairs of times and g_1 at those times
 # Many passes at many corners would fill the memory, so they are worked out some corners at a time.

@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from chipbreak.kinematics.floats import Floats
 from chipbreak.text.diagnostics import RefusalError
 
-Floats = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 # First and second axis of a plane: turning from the first to the second is counter-clockwise (G3).

@@ -13,15 +13,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
+from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.sourced_value import shown
 from chipbreak.kinematics.speed_solver import never_breaks
 from chipbreak.kinematics.waves import FUZZ, Wave, wave_named
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.units import S_PER_MIN
-
-Floats = npt.NDArray[np.float64]
 
 TOO_SHORT = "VIB013"
 

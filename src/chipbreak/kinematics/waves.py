@@ -11,12 +11,11 @@ from abc import ABC, abstractmethod
 from typing import ClassVar, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
+from chipbreak.kinematics.floats import Floats
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.units import S_PER_MIN
 
-Floats = npt.NDArray[np.float64]
 FUZZ = 1e-9  # shares of a vibration or of a stroke that differ by less are equal
 
 

@@ -15,16 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.dialects.modes import Motion
+from chipbreak.kinematics.floats import Floats
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.flow import Flow, read_flow
 from chipbreak.model.interpret import Interpreter, initial_state
-from chipbreak.model.modal import Position, Setting, State
-from chipbreak.model.words import feed_value, is_diameter, length_mm
+from chipbreak.model.modal import Position, State
+from chipbreak.model.words import feed_of, is_diameter, length_mm
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.columns import read_columns, uniform_run
 from chipbreak.syntax.parse import Program
 from chipbreak.syntax.shapes import MOTION_CODE, NO_POINT, bits_of
-from chipbreak.units import MM_PER_INCH
 
 _MOTION: tuple[Motion, ...] = ("rapid", "line", "cw", "ccw")
 _SHORT_RUN = 8
@@ -111,7 +111,7 @@ class InterpretedProgram(NamedTuple):
             return True
         return not _used(self.program.bits[first:last]) & NO_POINT
 
-    def _sum(self, state: State, last: int, letters: str, numbers: NDArray[np.float64]) -> State:
+    def _sum(self, state: State, last: int, letters: str, numbers: Floats) -> State:
         """Add up the distances of a run whose blocks all have the same words."""
         control, words = self.settings.control, self.settings.axis_words
         word_of = {w.address: w for w in self.program.block(last - 1).words}
@@ -120,7 +120,7 @@ class InterpretedProgram(NamedTuple):
             axis = words.axes.get(letter, "")
             if axis not in words.signs:
                 continue
-            scale = (MM_PER_INCH if state.is_inch else 1.0) * words.signs[axis]
+            scale = state.mm_per_unit * words.signs[axis]
             if axis == "X" and is_diameter(state, control):
                 scale /= 2.0
             is_distance = letter in words.distances or state.modes.distance == "incremental"
@@ -128,8 +128,7 @@ class InterpretedProgram(NamedTuple):
             ends[axis.lower()] = (ends[axis.lower()] if is_distance else 0.0) + float(total) * scale
         feed = word_of.get("F")
         if feed is not None:
-            setting = Setting(feed_value(feed, state, control), feed.value_text, last - 1)
-            state = state._replace(feed=setting)
+            state = state._replace(feed=feed_of(feed, state, control, last - 1))
         return state._replace(position=Position(**ends))
 
     def _jump(self, state: State, first: int, last: int) -> State:
@@ -147,8 +146,7 @@ class InterpretedProgram(NamedTuple):
             word = blocks[line].word(letter)
             assert word is not None
             if not axis:
-                feed = Setting(feed_value(word, state, control), word.value_text, line)
-                state = state._replace(feed=feed)
+                state = state._replace(feed=feed_of(word, state, control, line))
                 continue
             value = length_mm(word, state, control) * words.signs[axis]
             if axis == "X" and is_diameter(state, control):

@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 from chipbreak.dialects.modes import Modes, Motion
+from chipbreak.units import mm_per_unit
 
 UNKNOWN = math.nan
 
@@ -24,7 +25,12 @@ LOOPED, UNREAD = "a loop or a branch arrives here", "cannot be read"
 
 
 class Setting(NamedTuple):
-    """A value a word has set: the number, the word's own text, and the line it stands on (from 0)."""
+    """A value that a word has set.
+
+    ``value``  in the units of the state, whatever those of the program
+    ``text``   the word's own text, for giving it back
+    ``line``   where it stands, from 0
+    """
 
     value: float
     text: str
@@ -35,8 +41,8 @@ class State(NamedTuple):
     """Everything that one block leaves to the next.
 
     ``modes``          the value of each modal group
-    ``feed``           F as programmed; its unit follows ``modes.feed_mode`` and ``units``
-    ``speed``          S as programmed: rpm under speed_mode rpm, m/min (or ft/min) under surface
+    ``feed``           F in mm/rev, mm/min or, for inverse time, 1/min, as ``modes.feed_mode`` says
+    ``speed``          S in rpm, or in m/min under constant surface speed
     ``speed_limit``    G50/G92 S, LinuxCNC's G96 D [rpm]
     ``unknown_why``    why the position, the feed or the speed cannot be known
     ``path_words``     the path mode as the program wrote it, with its P and Q; empty while it said none
@@ -77,6 +83,11 @@ class State(NamedTuple):
     def is_inch(self) -> bool:
         """True while the program is in inches."""
         return self.modes.units == "inch"
+
+    @property
+    def mm_per_unit(self) -> float:
+        """Millimetres in the program's unit of length."""
+        return mm_per_unit(is_inch=self.modes.units == "inch")
 
     @property
     def turns(self) -> bool:

@@ -9,7 +9,6 @@ from typing import NamedTuple
 from chipbreak.dialects.modes import UNSAID
 from chipbreak.model.modal import Setting, State
 from chipbreak.settings.sections import Settings
-from chipbreak.units import MM_PER_INCH
 
 _Rule = Callable[[State, State], str]
 
@@ -92,7 +91,7 @@ def is_same_place(was: State, now: State) -> bool:
 
 def moved(was: State, now: State, settings: Settings) -> str:
     """Which axis does not stand where it stood, by more than half a last digit of the output."""
-    tolerance_mm = 0.51 * 10.0**-settings.output.decimals * (MM_PER_INCH if was.is_inch else 1.0)
+    tolerance_mm = 0.51 * settings.output.step_mm(is_inch=was.is_inch)
     for axis, a, b in zip("XYZ", was.position, now.position, strict=True):
         if not (math.isnan(a) and math.isnan(b)) and not abs(a - b) <= tolerance_mm:
             return f"the position of {axis} ({a:g} and {b:g})"

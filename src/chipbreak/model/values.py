@@ -12,7 +12,7 @@ from chipbreak.dialects import Dialect
 from chipbreak.dialects.modes import Group
 from chipbreak.model.codes import BlockCodes
 from chipbreak.model.modal import UNKNOWN, Setting, State
-from chipbreak.model.words import codes_of, feed_value, plain_value, surface_limit
+from chipbreak.model.words import codes_of, feed_of, plain_value, speed_of, surface_limit
 from chipbreak.settings.sections import Control
 from chipbreak.syntax.nodes import Block, Word
 
@@ -118,11 +118,12 @@ def _feed_and_speed(after: State, said: Said) -> State:
         if word in said.vibration:
             continue
         if word.address == "F":
-            feed = Setting(feed_value(word, after, said.control), word.value_text, said.block.line)
-            after = after._replace(feed=feed)
-            continue
-        setting = Setting(plain_value(word), word.value_text, said.block.line)
-        after = after._replace(speed_limit=setting) if limits else after._replace(speed=setting)
+            after = after._replace(feed=feed_of(word, after, said.control, said.block.line))
+        elif limits:
+            limit = Setting(plain_value(word), word.value_text, said.block.line)
+            after = after._replace(speed_limit=limit)
+        else:
+            after = after._replace(speed=speed_of(word, after, said.block.line))
     return after
 
 

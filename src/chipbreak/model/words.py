@@ -8,7 +8,7 @@ from chipbreak.model.evaluate import constant
 from chipbreak.model.modal import UNKNOWN, Setting, State
 from chipbreak.settings.sections import Control
 from chipbreak.syntax.nodes import Block, Word
-from chipbreak.units import MM_PER_INCH
+from chipbreak.units import mm_per_step, surface_speed_m_min
 
 NO_POINT = "a number without a decimal point; this control may read it as increments"
 
@@ -52,26 +52,36 @@ def surface_limit(block: Block, mode: SpeedMode, dialect: Dialect) -> Setting | 
 def length_mm(word: Word, state: State, control: Control) -> float:
     """A length in mm under the control's decimal-point rule; NaN when it cannot be known."""
     value = plain_value(word)
-    scale = MM_PER_INCH if state.is_inch else 1.0
+    scale = state.mm_per_unit
     if word.number is None or word.has_point or value == 0.0:
         return value * scale
     if control.decimal_point == "calculator":
         return value * scale
     if control.decimal_point == "increment":
-        # The least increment of an inch program is a tenth as many inches as that of a metric one is mm.
-        return value * control.increment_mm * (MM_PER_INCH / 10.0 if state.is_inch else 1.0)
+        return value * control.increment_mm * mm_per_step(is_inch=state.is_inch)
     return UNKNOWN
 
 
-def feed_value(word: Word, state: State, control: Control) -> float:
-    """F in program units; NaN where the control may read it in increments.
+def feed_of(word: Word, state: State, control: Control, line: int) -> Setting:
+    """What an F sets: mm/rev, mm/min or 1/min as the feed mode says; NaN where it may count increments.
 
     Feed per minute is a whole number on most controls, so only feed per revolution needs its point.
     """
     value = plain_value(word)
-    if word.number is None or word.has_point or control.decimal_point == "calculator":
-        return value
-    return UNKNOWN if state.modes.feed_mode == "rev" and value != 0.0 else value
+    if state.modes.feed_mode != "inverse":
+        value *= state.mm_per_unit
+    may_count_increments = state.modes.feed_mode == "rev" and control.decimal_point != "calculator"
+    if may_count_increments and word.number is not None and not word.has_point and value != 0.0:
+        value = UNKNOWN
+    return Setting(value, word.value_text, line)
+
+
+def speed_of(word: Word, state: State, line: int) -> Setting:
+    """What an S sets: rpm, or m/min under constant surface speed."""
+    value = plain_value(word)
+    if state.modes.speed_mode == "surface":
+        value = surface_speed_m_min(value, is_inch=state.is_inch)
+    return Setting(value, word.value_text, line)
 
 
 def is_diameter(state: State, control: Control) -> bool:

@@ -39,7 +39,6 @@ from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.syntax.parse import read_block
 from chipbreak.text.diagnostics import RefusalError
-from chipbreak.units import MM_PER_INCH
 
 CHECK_TOOLS = "check_tools"
 _SPINDLE = {"cw": "M3", "ccw": "M4"}
@@ -151,9 +150,7 @@ class _Blocks:
 
     def _word(self, axis: str) -> str:
         """Where an axis stood, as a word."""
-        value = getattr(self.before.position, axis.lower())
-        if self.before.is_inch:
-            value /= MM_PER_INCH
+        value = getattr(self.before.position, axis.lower()) / self.before.mm_per_unit
         if axis == "X" and is_diameter(self.before, self.settings.control):
             value *= 2.0
         words = self.settings.axis_words

@@ -11,6 +11,7 @@ from chipbreak.kinematics.waves import WAVES
 from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.trajectory.laws import LAWS
+from chipbreak.units import mm_per_step
 
 
 def _one_of(default: str, *others: str) -> Any:
@@ -93,6 +94,19 @@ class Output:
     loop_variable: int = field(default=33, metadata={"at_least": 1, "below": 1000})
     decimals: int = _digits(3)
     feed_decimals: int = _digits(5)
+
+    def decimals_of(self, *, is_inch: bool) -> int:
+        """Decimals of a position: inch programs get one more."""
+        return self.decimals + is_inch
+
+    def step_mm(self, *, is_inch: bool) -> float:
+        """What the last decimal of a position is worth."""
+        return 10.0**-self.decimals * mm_per_step(is_inch=is_inch)
+
+    def feed_decimals_of(self, *, is_inch: bool) -> int:
+        """Decimals of F: fine for feed per revolution, three fewer for the larger numbers of other modes."""
+        fine = self.feed_decimals + is_inch
+        return fine if self.feed_mode == "rev" else max(1, fine - 3)
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chipbreak.kinematics.floats import Floats
 from chipbreak.syntax.parse import Program
 
 _MOST_DECIMALS = 9
@@ -31,7 +31,7 @@ def uniform_run(program: Program, first: int, last: int) -> int:
     return last
 
 
-def read_columns(program: Program, first: int, last: int) -> tuple[str, NDArray[np.float64]] | None:
+def read_columns(program: Program, first: int, last: int) -> tuple[str, Floats] | None:
     """Letters and numbers of lines ``first`` to ``last`` (exclusive): ("ZF", array of shape (n, 2)).
 
     Only for plain blocks that all have the same words in the same order, without block numbers and G codes;
@@ -54,7 +54,7 @@ def read_columns(program: Program, first: int, last: int) -> tuple[str, NDArray[
     return letters.pop(), numbers.reshape(-1, width)
 
 
-def _even_numbers(text: bytes, count: int, width: int) -> NDArray[np.float64] | None:
+def _even_numbers(text: bytes, count: int, width: int) -> Floats | None:
     """The numbers of rows that have the same decimals in every row, read as whole numbers without points.
 
     A whole number below 2 ** 53 through a power of ten is rounded once, as the decimal itself would be.
@@ -78,5 +78,5 @@ def _even_numbers(text: bytes, count: int, width: int) -> NDArray[np.float64] | 
     whole = np.fromstring(text.translate(None, b".").decode("ascii"), np.int64, sep=" ")
     if len(whole) != count * width or np.abs(whole).max() >= 2**53:
         return None
-    numbers: NDArray[np.float64] = (whole.reshape(count, width) / powers).ravel()
+    numbers: Floats = (whole.reshape(count, width) / powers).ravel()
     return numbers

@@ -21,7 +21,7 @@ from chipbreak.tools.data import ToolData
 from chipbreak.tools.facts import holder_said, stick_out_said, teeth_said
 from chipbreak.tools.tips import Tip, tip_of_type
 from chipbreak.tools.values import name_of, number_of, type_of
-from chipbreak.units import MM_PER_INCH
+from chipbreak.units import mm_per_unit
 
 
 def tools_in_comments(interpreted: InterpretedProgram) -> list[ToolData]:
@@ -48,7 +48,7 @@ def _unit_at(interpreted: InterpretedProgram, given: list[tuple[int, str]], line
         at = max(bisect_right([number for number, _ in given], line) - 1, 0)
         code_line, unit = given[at]
         who = f"{_word(unit)}, as line {interpreted.program.source.place(code_line).line} of the program says"
-    return (MM_PER_INCH if unit == "inch" else 1.0), who
+    return mm_per_unit(is_inch=unit == "inch"), who
 
 
 def _unit_codes(interpreted: InterpretedProgram) -> list[tuple[int, str]]:
@@ -118,7 +118,7 @@ class _Reader:
     def _values(self, line: int, text: str, note: ToolNote | None) -> dict[str, Any]:
         """The fields that a comment gives; a value that cannot be is no value."""
         scale = _unit_at(self.interpreted, self.units, line)[0]
-        scales = {None: scale, "mm": 1.0, "in": MM_PER_INCH}
+        scales = {None: scale, "mm": 1.0, "in": mm_per_unit(is_inch=True)}
         values: dict[str, Any] = {"teeth": teeth_said(text)}
         for field, length in (("length_mm", stick_out_said(text)), ("holder_mm", holder_said(text))):
             values[field] = length.value * scales[length.unit] if length else None

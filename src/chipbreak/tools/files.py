@@ -8,7 +8,7 @@ from pathlib import Path
 from chipbreak.settings.sections import Settings
 from chipbreak.tools.data import CANNOT_OPEN, MOST_BYTES, Errors, ToolData
 from chipbreak.tools.reader import Unit
-from chipbreak.units import MM_PER_INCH
+from chipbreak.units import mm_per_unit
 
 
 def files_of(settings: Settings) -> tuple[str, ...]:
@@ -26,7 +26,7 @@ def table_unit(settings: Settings, of_program: tuple[float, str]) -> Unit:
     unit = settings.tools.table_unit
     if unit == "program":
         return Unit(*of_program)
-    return Unit(MM_PER_INCH if unit == "inch" else 1.0, f"{unit}, {settings.origin('tools.table_unit')}")
+    return Unit(mm_per_unit(is_inch=unit == "inch"), f"{unit}, {settings.origin('tools.table_unit')}")
 
 
 def read_files(names: Sequence[str], unit: tuple[float, str]) -> list[list[ToolData]]:

@@ -19,8 +19,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chipbreak.kinematics.floats import Floats
 from chipbreak.tools.cells import Row, decoded, rows
 from chipbreak.tools.data import BAD_VALUE, FIELDS, NO_FORMAT, NO_NUMBER, UNKNOWN_KEY, Errors, ToolData
 from chipbreak.tools.reader import Unit
@@ -29,7 +29,6 @@ from chipbreak.tools.values import TYPES, hint_at, name_of, number_of, type_of
 _REQUIRED = ("number", "type", "teeth", "diameter_mm", "length_mm")
 _OPTIONAL = tuple(field for field in FIELDS if field not in _REQUIRED)
 _KEYS = (*_REQUIRED, *_OPTIONAL)
-Points = NDArray[np.float64]
 
 
 def read_csv(data: bytes, name: str, _unit: Unit) -> list[ToolData]:
@@ -134,7 +133,7 @@ def _help(key: str, value: Any) -> str:
 _TRACE_COLUMNS = ("tooth", "height_mm", "radius_mm")
 
 
-def read_traces(name: str, data: bytes) -> dict[int, Points]:
+def read_traces(name: str, data: bytes) -> dict[int, Floats]:
     """Traced edges: tooth -> points (height, radius) [mm] by rising height, an array of shape (n, 2).
 
     Raises ToolFileError.

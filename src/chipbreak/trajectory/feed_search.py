@@ -12,12 +12,11 @@ from functools import lru_cache
 from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chipbreak.kinematics.floats import Floats
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.units import MS_PER_S
 
-Floats = NDArray[np.float64]
 _TRIED = np.geomspace(0.5, 20.0, 75)
 _TRIED_BETWEEN = 40
 _COARSE = 5

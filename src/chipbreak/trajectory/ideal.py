@@ -8,8 +8,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from chipbreak.kinematics.floats import Floats
 from chipbreak.trajectory.junctions import Blocks, exact_blocks
-from chipbreak.trajectory.law import ControlLaw, Floats, Motion
+from chipbreak.trajectory.law import ControlLaw, Motion
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from chipbreak.kinematics.floats import Floats
+
 Places = NDArray[np.intp]
 CORNER_LIMIT = 0.1  # LinuxCNC's tangent kink ratio; for other controls, radians that count as straight on
 _DIGITS = 9  # of a length in mm: what lies behind them is noise that would make every stretch another one

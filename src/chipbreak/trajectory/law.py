@@ -16,11 +16,10 @@ from typing import ClassVar, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from chipbreak.kinematics.floats import Floats
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.trajectory.junctions import Blocks, blocks_of
 from chipbreak.units import S_PER_MIN
-
-Floats = NDArray[np.float64]
 
 _NOTHING_MM = 1e-12  # of a length that counts as none
 _SOON_S = 1e-9

@@ -25,8 +25,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from chipbreak.kinematics.floats import Floats
 from chipbreak.trajectory.junctions import CORNER_LIMIT, Blocks, Parts, sharpest_of_parts
-from chipbreak.trajectory.law import Floats
 from chipbreak.trajectory.linuxcnc_many import linuxcnc_many, middle_feeds
 from chipbreak.trajectory.linuxcnc_planner import linuxcnc
 from chipbreak.trajectory.planner import speed_for_time

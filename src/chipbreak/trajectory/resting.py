@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from chipbreak.kinematics.floats import Floats
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.trajectory.feed_search import Stretch, feed_factors, feeds_of_single_blocks, forget
 from chipbreak.trajectory.junctions import (
@@ -25,7 +26,7 @@ from chipbreak.trajectory.junctions import (
     least_of_parts,
     parts_of,
 )
-from chipbreak.trajectory.law import ControlLaw, Floats, Motion, turns_of
+from chipbreak.trajectory.law import ControlLaw, Motion, turns_of
 from chipbreak.trajectory.planner import speed_for_time
 
 _ROUNDS = 4

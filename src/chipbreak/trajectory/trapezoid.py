@@ -16,8 +16,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from chipbreak.kinematics.floats import Floats
 from chipbreak.trajectory.junctions import Blocks, Parts
-from chipbreak.trajectory.law import Floats
 from chipbreak.trajectory.planner import Numbers, joint_speeds, speed_for_time
 from chipbreak.trajectory.resting import RestingLaw, Run
 

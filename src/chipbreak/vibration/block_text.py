@@ -7,17 +7,15 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chipbreak.editing.edits import MoveTable
+from chipbreak.kinematics.floats import Floats
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.vibration.chain import Chain
 from chipbreak.vibration.dwell import DWELL_DECIMALS
 from chipbreak.vibration.loop import Loop
 from chipbreak.vibration.loop_names import LoopNames
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,24 +14,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.editing.edits import MoveTable
+from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.toolpath import split_at
-from chipbreak.model.modal import State
 from chipbreak.model.words import is_diameter
 from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
-from chipbreak.units import MM_PER_INCH, S_PER_MIN
+from chipbreak.units import S_PER_MIN, typed_feed
 from chipbreak.vibration.block_text import Columns, Words, block_text
 from chipbreak.vibration.dwell import printed_s
 from chipbreak.vibration.loop import Loop, among_kept, looped_points, same_feeds
 from chipbreak.vibration.loop_names import LoopNames
 from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.plan import CutPlan
+from chipbreak.vibration.tolerances import PLANNED_TIME_SHARE
 
-Floats = NDArray[np.float64]
 _SAME_MM = 1e-6
 _LEAST_STEPS = 4
-_TIME_SHARE = 0.004
 _SAME_S = 1e-12
 
 
@@ -63,7 +62,7 @@ def moves_of(cut: CutPlan, settings: Settings, names: LoopNames | None = None) -
     columns = Columns(ends.words, dwell_s, names)
     if not cut.expander.keeps_feed:
         feeds = _feed_words(cut, ends, settings)
-        columns = replace(columns, feeds=feeds, feed_decimals=feed_decimals(cut.chain.before, settings))
+        columns = replace(columns, feeds=feeds, feed_decimals=_feed_decimals(cut, settings))
     distance_mm = ends.distance_mm[1:].copy()
     distance_mm[-1] = cut.path.length_mm
     text = block_text(columns, cut.chain, settings, plain_end=_tail_is_programmed(cut, settings))
@@ -92,7 +91,8 @@ def _ends(cut: CutPlan, settings: Settings, *, loops: bool) -> _Ends:
     if dwells.any():
         # Where knots have become one point, the last of them takes over how often the tool dwells.
         counts = np.add.reduceat(dwells.astype(np.intp), np.append(0, np.flatnonzero(keep)[:-1] + 1))
-    _check_digits(cut, words, is_too_fine=bool((counts > 1).any()))
+    step_mm = settings.output.step_mm(is_inch=cut.chain.before.is_inch)
+    _check_digits(cut, words, step_mm, is_too_fine=bool((counts > 1).any()))
     if len(times) == 1:
         message = f"the cut rounds to nothing at {words.decimals} decimals"
         raise RefusalError("VIB023", message, "a vibrated cut needs a distance to travel")
@@ -117,9 +117,8 @@ def _dwells(cut: CutPlan, counts: NDArray[np.intp], settings: Settings) -> Float
     return dwell_s
 
 
-def _check_digits(cut: CutPlan, words: Words, *, is_too_fine: bool) -> None:
+def _check_digits(cut: CutPlan, words: Words, step_mm: float, *, is_too_fine: bool) -> None:
     """Refuse a stroke of few steps, and an end that incremental words cannot reach."""
-    step_mm = 10.0**-words.decimals * (MM_PER_INCH if cut.chain.before.is_inch else 1.0)
     if cut.wave.stroke_mm < _LEAST_STEPS * step_mm or is_too_fine:
         larger = cut.expander.larger
         stroke = f"the stroke of {cut.wave.stroke_mm:.4g} mm"
@@ -153,13 +152,12 @@ def _knots(cut: CutPlan, chord_mm: float) -> tuple[Floats, Floats]:
     return np.interp(place, knots, time_s), np.interp(place, knots, distance_mm)
 
 
-def _check_feed_digits(cut: CutPlan, spans: Floats, feeds: Floats, settings: Settings) -> None:
+def _check_feed_digits(cut: CutPlan, spans: Floats, feeds: Floats, digits: int) -> None:
     """Refuse feeds that lose so many digits that the cut would take another time."""
-    digits = feed_decimals(cut.chain.before, settings)
     planned_s = cut.wave.duration_s
     with np.errstate(divide="ignore"):
         took_s = float((spans * feeds / np.round(feeds, digits)).sum())
-    if abs(took_s - planned_s) > _TIME_SHARE * planned_s:
+    if abs(took_s - planned_s) > PLANNED_TIME_SHARE * planned_s:
         message = f"with {digits} decimals of F this cut of {planned_s:.3f} s would take {took_s:.3f} s"
         raise RefusalError("VIB059", message, "raise output.feed_decimals, or take another output.feed_mode")
 
@@ -170,9 +168,9 @@ def _axis_words(
     chain = cut.chain
     state = cut.chain.before
     points = cut.path.points(distance_mm)
-    decimals = settings.output.decimals + (1 if state.is_inch else 0)
+    decimals = settings.output.decimals_of(is_inch=state.is_inch)
     names = settings.axis_words
-    scale = np.array([float(names.signs[axis]) for axis in AXES]) / (MM_PER_INCH if state.is_inch else 1.0)
+    scale = np.array([float(names.signs[axis]) for axis in AXES]) / state.mm_per_unit
     if is_diameter(state, settings.control):
         scale[0] *= 2.0
     moving = _moving_axes(cut)
@@ -214,15 +212,6 @@ def _moving_axes(cut: CutPlan) -> str:
     return "".join(axis for axis in AXES if axis in moved)
 
 
-def feed_decimals(state: State, settings: Settings) -> int:
-    """Decimals of F: fine for feed per revolution, three fewer for the larger numbers of the other modes.
-
-    Inch programs get one more, as positions do.
-    """
-    fine = settings.output.feed_decimals + (1 if state.is_inch else 0)
-    return fine if settings.output.feed_mode == "rev" else max(1, fine - 3)
-
-
 def _feed_words(cut: CutPlan, ends: _Ends, settings: Settings) -> Floats:
     """F of every block, (n - 1,), from the rounded points and the time that each block should really take.
 
@@ -235,21 +224,27 @@ def _feed_words(cut: CutPlan, ends: _Ends, settings: Settings) -> Floats:
     blocks = law.blocks(moved, np.diff(ends.distance_mm))
     feeds_mm_s = law.feeds_for_spans(blocks, spans, plain_from)
     same_feeds(feeds_mm_s, ends.words.loops, blocks, law, cut.wave.period_s)
-    unit = MM_PER_INCH if cut.chain.before.is_inch else 1.0
+    state = cut.chain.before
+    digits = _feed_decimals(cut, settings)
+    feeds: Floats = np.maximum(_typed_feeds(cut, feeds_mm_s, blocks.lengths_mm, settings), 10.0**-digits)
+    if _tail_is_programmed(cut, settings):
+        assert state.feed is not None
+        feeds[plain_from:] = typed_feed(state.feed.value, is_inch=state.is_inch)
+    _check_feed_digits(cut, spans, feeds, digits)
+    return feeds
+
+
+def _typed_feeds(cut: CutPlan, feeds_mm_s: Floats, lengths_mm: Floats, settings: Settings) -> Floats:
+    """Feeds as numbers of F words, in the feed mode and the units of the output."""
     mode = settings.output.feed_mode
     if mode == "inverse":
-        rates = feeds_mm_s / np.abs(blocks.lengths_mm) * S_PER_MIN
-    elif mode == "minute":
-        rates = feeds_mm_s / unit * S_PER_MIN
-    else:
-        rates = feeds_mm_s / unit * S_PER_MIN / cut.solution.speed_rpm
-    feeds: Floats = np.maximum(rates, 10.0 ** -feed_decimals(cut.chain.before, settings))
-    if _tail_is_programmed(cut, settings):
-        feed = cut.chain.before.feed
-        assert feed is not None
-        feeds[plain_from:] = feed.value
-    _check_feed_digits(cut, spans, feeds, settings)
-    return feeds
+        return feeds_mm_s / np.abs(lengths_mm) * S_PER_MIN
+    per_minute = feeds_mm_s / cut.chain.before.mm_per_unit * S_PER_MIN
+    return per_minute if mode == "minute" else per_minute / cut.solution.speed_rpm
+
+
+def _feed_decimals(cut: CutPlan, settings: Settings) -> int:
+    return settings.output.feed_decimals_of(is_inch=cut.chain.before.is_inch)
 
 
 def _tail_is_programmed(cut: CutPlan, settings: Settings) -> bool:

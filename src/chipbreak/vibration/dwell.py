@@ -10,6 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.sourced_value import shown
 from chipbreak.kinematics.waveform import WaveformParameters
 from chipbreak.text.diagnostics import RefusalError
@@ -17,7 +18,6 @@ from chipbreak.trajectory.law import ControlLaw
 from chipbreak.units import MS_PER_S, S_PER_MIN
 from chipbreak.vibration.expander import Expander, Form, StrokeAsked
 
-Floats = NDArray[np.float64]
 DWELL_DECIMALS = 3  # of the seconds in a G4 block
 _PER_S = 1000.0
 _STILL_MM = 1e-9

@@ -10,12 +10,12 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.sourced_value import SourcedValue
 from chipbreak.kinematics.waveform import WaveformParameters
 from chipbreak.kinematics.waves import Wave
 from chipbreak.trajectory.law import ControlLaw
 
-Floats = NDArray[np.float64]
 Form = Literal["tick", "stroke"]
 
 

@@ -10,7 +10,6 @@ from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.kinds import Kind
 from chipbreak.operations.operations import Operation
 from chipbreak.text.diagnostics import Diagnostic, Severity
-from chipbreak.units import MM_PER_INCH
 from chipbreak.vibration.measure import CutReport
 from chipbreak.vibration.ways_out import ways_out
 
@@ -124,7 +123,7 @@ def _surface_speed(judged: _Judged) -> Diagnostic | None:
     state = judged.report.plan.chain.before
     if state.modes.speed_mode != "surface" or not report.clearances or state.speed is None:
         return None
-    asked_m_min = state.speed.value * (MM_PER_INCH * 12.0 / 1000.0 if state.is_inch else 1.0)
+    asked_m_min = state.speed.value
     diameter_mm = report.clearances[0].diameter_mm
     speed_rpm = report.plan.solution.speed_rpm
     made_m_min = math.pi * diameter_mm * speed_rpm / 1000.0

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.waveform import full_window
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
@@ -24,15 +25,13 @@ from chipbreak.trajectory.law import ControlLaw
 from chipbreak.units import MS_PER_S
 from chipbreak.vibration.machine import law_of
 from chipbreak.vibration.plan import CutPlan
-
-Floats = NDArray[np.float64]
+from chipbreak.vibration.tolerances import PLANNED_TIME_SHARE
 
 MOST_DRIFT_STEPS = 0.25
 _NO_DRIFT_STEPS = 1e-6
 _FEWEST_PASSES_ALIKE = 4  # fewer passes of a pattern without drift are not worth its length
 _LEAST_SAVED_BLOCKS = 12
 _MOST_PERIODS = 1000
-_TIME_SHARE = 0.004
 _SAME_S = 1e-9
 _SAME_MM = 1e-9
 
@@ -247,7 +246,7 @@ def same_feeds(
         places_mm = np.append(0.0, np.cumsum(run.lengths_mm))
         took_s = float(law.motion(places_mm, run, feeds[two]).spans_s[loop.count :].sum())
         wanted_s = loop.vibrations * period_s
-        if abs(took_s - wanted_s) > _TIME_SHARE * wanted_s:
+        if abs(took_s - wanted_s) > PLANNED_TIME_SHARE * wanted_s:
             message = (
                 f"a pass of {loop.vibrations} vibrations would take {took_s * MS_PER_S:.6g} ms"
                 f" instead of {wanted_s * MS_PER_S:.6g}"

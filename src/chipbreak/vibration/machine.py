@@ -14,7 +14,7 @@ from chipbreak.settings.sections import Axis, Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.trajectory.law import AxisLimits, ControlLaw
 from chipbreak.trajectory.laws import LAWS, law_named
-from chipbreak.units import MM_PER_INCH, MS_PER_S, S_PER_MIN
+from chipbreak.units import MS_PER_S, S_PER_MIN
 
 _CODE = re.compile(r"G\s*(\d+(?:\.\d)?)", re.IGNORECASE)
 _TOLERANCE = re.compile(r"([PQ])\s*(\d*\.?\d+)", re.IGNORECASE)
@@ -71,7 +71,7 @@ def _in_path_mode(law: ControlLaw, settings: Settings, state: State) -> ControlL
     code = _CODE.match(words)
     group = settings.dialect.g_codes.get(round(float(code[1]) * 10)) if code else None
     given = {letter.upper(): float(number) for letter, number in _TOLERANCE.findall(words)}
-    merge_mm = given.get("Q", given.get("P", 0.0)) * (MM_PER_INCH if state.is_inch else 1.0)
+    merge_mm = given.get("Q", given.get("P", 0.0)) * state.mm_per_unit
     return replace(
         law,
         every_block_stops=group is not None and group.value == "exact-stop",

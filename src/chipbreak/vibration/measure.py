@@ -7,24 +7,22 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chipbreak.editing.restore import Region
 from chipbreak.kinematics.chip_model import Verdict, judge
+from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.machine_demand import flank_clearance_deg, least_acceleration_mm_s2, servo_share
 from chipbreak.kinematics.waveform import WaveformParameters, full_window
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.text.diagnostics import SelfCheckError
 from chipbreak.trajectory.law import ControlLaw
-from chipbreak.units import MM_PER_INCH, MS_PER_S
+from chipbreak.units import MS_PER_S
 from chipbreak.vibration.blocks import Expansion
 from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.plan import CutPlan
 from chipbreak.vibration.readback import ReadBack, read_moves
+from chipbreak.vibration.tolerances import TIME_SHARE
 
-Floats = NDArray[np.float64]
-# Feeds are rounded, so the time of a cut differs from the plan by about half a unit in their last place.
-_TIME_TOLERANCE = 0.005
 _COUNT_TOLERANCE = 0.01
 _SAME_DWELL_S = 1e-6
 # A control that stops at both ends of the cut and of its plain end needs a little longer.
@@ -168,7 +166,7 @@ def _steady_s(plan: CutPlan, expansion: Expansion, time_s: Floats) -> tuple[floa
 
 def _is_late(law: ControlLaw, duration_s: float, planned_s: float) -> bool:
     """True when the control needs another time than planned.  Raises SelfCheckError when F is to blame."""
-    tolerance_s = _TIME_TOLERANCE * planned_s
+    tolerance_s = TIME_SHARE * planned_s
     if law.keeps_time:
         if abs(duration_s - planned_s) > tolerance_s:
             raise SelfCheckError(f"a cut planned to take {planned_s:.3f} s takes {duration_s:.3f} s")
@@ -187,12 +185,11 @@ def _check_speed(result: InterpretedProgram, region: Region, plan: CutPlan) -> N
 def _check_path(result: InterpretedProgram, moves: ReadBack, plan: CutPlan, expansion: Expansion) -> Floats:
     """Distance along the path at every knot; never off it, before its start or past its end."""
     state = plan.chain.before
-    unit = MM_PER_INCH if state.is_inch else 1.0
-    increment = 10.0**-result.settings.output.decimals * unit / (10.0 if state.is_inch else 1.0)
+    step_mm = result.settings.output.step_mm(is_inch=state.is_inch)
     along, away = moves.along(plan.path, expansion.distance_mm)
     # Half an increment in each of up to three axes, and in a loop half of what its passes add up to.
     drift = max((loop.drift_steps for loop in expansion.loops or ()), default=0.0)
-    tolerance = math.sqrt(3.0) * 0.5 * (1.0 + drift) * increment + 1e-6
+    tolerance = math.sqrt(3.0) * 0.5 * (1.0 + drift) * step_mm + 1e-6
     if away.max() > tolerance + result.settings.vibration.chord_mm:
         raise SelfCheckError(f"a point lies {away.max():.4f} mm off the path")
     astray = float(np.abs(along - expansion.distance_mm).max())

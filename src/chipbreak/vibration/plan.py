@@ -7,9 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, cast
 
-import numpy as np
-from numpy.typing import NDArray
-
+from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.sourced_value import SourcedValue, shown
 from chipbreak.kinematics.speed_solver import (
     NEVER_BREAKS,
@@ -25,7 +23,7 @@ from chipbreak.model.modal import LOOPED, UNREAD, State
 from chipbreak.model.words import JUMPED
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
-from chipbreak.units import MM_PER_INCH, MS_PER_S, S_PER_MIN, spindle_speed_rpm
+from chipbreak.units import MS_PER_S, S_PER_MIN, spindle_speed_rpm, typed_surface_speed
 from chipbreak.vibration.chain import Chain, legs_of
 from chipbreak.vibration.expander import Expander, StrokeAsked
 from chipbreak.vibration.expanders import expander_named
@@ -34,7 +32,6 @@ from chipbreak.vibration.request import OUT_OF_RANGE, solver_inputs
 _MOST_RPM = 1e7
 MOST_MOVES = 10_000_000
 _MOST_GAPS = 4_000_000  # between a knot of a vibration and the passes before it, for every such pass
-_FEET_PER_M = 1000.0 / 304.8
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,8 +48,8 @@ class CutPlan:
     given: Mapping[str, SourcedValue]
     wave: WaveformParameters
     edges: int
-    time_s: NDArray[np.float64]
-    distance_mm: NDArray[np.float64]
+    time_s: Floats
+    distance_mm: Floats
     reasons: tuple[str, ...]
     end_dwell_s: float = 0.0
 
@@ -112,8 +109,7 @@ def plan_cut(chain: Chain, settings: Settings) -> CutPlan:
         whole = f"{wave.forward_ticks} of {wave.ticks} base periods"
         reasons.append(f"forward share {alpha:g} -> {wave.alpha_share:g}, {whole}")
     if asked.speed is None and state.speed is not None and state.speed.value != solution.speed_rpm:
-        mode = " (G96)" if state.modes.speed_mode == "surface" else ""
-        reasons.append(f"S {state.speed.value:g}{mode} -> {solution.speed_rpm:g} rpm, which N and f fix")
+        reasons.append(f"S {_typed_speed(state)} -> {solution.speed_rpm:g} rpm, which N and f fix")
     end_s = settings.vibration.end_revolutions * S_PER_MIN / solution.speed_rpm
     return CutPlan(
         chain,
@@ -235,8 +231,7 @@ def _active_speed(
         return speed
     diameter_mm = 2.0 * abs(next(chain.moves).start.x)
     limit = _limit_rpm(state, settings)
-    surface_m_min = speed.value / (_FEET_PER_M if state.is_inch else 1.0)
-    rpm = spindle_speed_rpm(surface_m_min, diameter_mm) if diameter_mm > 0.0 else math.inf
+    rpm = spindle_speed_rpm(speed.value, diameter_mm) if diameter_mm > 0.0 else math.inf
     if math.isnan(rpm) or (math.isinf(rpm) and limit is None):
         message = "constant surface speed (G96) has no finite speed where this cut starts"
         raise RefusalError("VIB054", message, "give G97 S, or limit the spindle (G50 S, G92 S, G96 D)")
@@ -245,8 +240,17 @@ def _active_speed(
     if limit is not None and rpm > limit:
         rpm = math.floor(limit / step) * step
     rpm = round(rpm, 9)  # 25862 * 0.1 is not 2586.2 in binary
-    reasons.append(f"G96 S{speed.value:g} -> G97 at the start diameter {diameter_mm:g} mm: {rpm:.0f} rpm")
+    typed = typed_surface_speed(speed.value, is_inch=state.is_inch)
+    reasons.append(f"G96 S{typed:g} -> G97 at the start diameter {diameter_mm:g} mm: {rpm:.0f} rpm")
     return SourcedValue(rpm, f"G96 at diameter {diameter_mm:g} mm, {speed.origin}")
+
+
+def _typed_speed(state: State) -> str:
+    """The S in force as the program counts it."""
+    assert state.speed is not None
+    if state.modes.speed_mode == "rpm":
+        return f"{state.speed.value:g}"
+    return f"{typed_surface_speed(state.speed.value, is_inch=state.is_inch):g} (G96)"
 
 
 def _limit_rpm(state: State, settings: Settings) -> float | None:
@@ -273,7 +277,7 @@ def _rules(settings: Settings, state: State, alpha: float, edges: int) -> Solver
 
 def _feed_mm_rev(state: State, speed_rpm: float) -> float:
     assert state.feed is not None
-    feed_mm = state.feed.value * (MM_PER_INCH if state.is_inch else 1.0)
+    feed_mm = state.feed.value
     return feed_mm if state.modes.feed_mode == "rev" else feed_mm / speed_rpm
 
 

@@ -11,8 +11,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.toolpath import Path
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
@@ -20,9 +20,8 @@ from chipbreak.model.modal import State
 from chipbreak.model.words import is_diameter, plain_value
 from chipbreak.settings.axis_words import AXES
 from chipbreak.syntax.columns import read_columns, uniform_run
-from chipbreak.units import MM_PER_INCH, S_PER_MIN
+from chipbreak.units import S_PER_MIN
 
-Floats = NDArray[np.float64]
 _SHORT_RUN = 16
 
 
@@ -81,22 +80,22 @@ class _Moves:
         self.strangers = 0
         self.count = 0
 
-    def add(self, state: State, ends: Floats, words: Floats) -> None:
-        """Moves between ``ends``, (n + 1, 3), with their F words, (n,)."""
+    def add(self, state: State, ends: Floats, feed: Floats) -> None:
+        """Moves between ``ends``, (n + 1, 3), with their feeds as in a state, (n,)."""
         moved = np.diff(ends, axis=0)
         lengths = np.sqrt(np.einsum("ij,ij->i", moved, moved))
         for column, values in zip(
-            self.columns, (ends[1:], lengths, _feeds(state, words, lengths)), strict=True
+            self.columns, (ends[1:], lengths, _feeds(state, feed, lengths)), strict=True
         ):
             column.append(values)
-        self.count += len(words)
+        self.count += len(feed)
 
     def add_effect(self, effect: BlockEffect, interpreted: InterpretedProgram) -> None:
         """What one block does."""
         if effect.move is not None and effect.move.is_cut:
             ends = _clean(np.array([effect.move.start, effect.move.end]))
-            words = np.array([effect.after.feed.value if effect.after.feed else np.nan])
-            self.add(effect.after, ends, words)
+            feed = np.array([effect.after.feed.value if effect.after.feed else np.nan])
+            self.add(effect.after, ends, feed)
         elif effect.move is not None:
             self.strangers += 1
         elif "dwell" in effect.non_modal and self.count:  # before the first move it is no part of the cut
@@ -122,10 +121,9 @@ def _dwell_of(interpreted: InterpretedProgram, effect: BlockEffect) -> float:
 def _table_moves(
     interpreted: InterpretedProgram, state: State, letters: str, numbers: Floats
 ) -> tuple[Floats, Floats]:
-    """Start and ends of the moves of a table, (n + 1, 3), and their F words, (n,)."""
+    """Start and ends of the moves of a table, (n + 1, 3), and their feeds as in a state, (n,)."""
     settings = interpreted.settings
     words = interpreted.settings.axis_words
-    unit = MM_PER_INCH if state.is_inch else 1.0
     start = _clean(np.array([state.position]))
     points = np.tile(start, (len(numbers), 1))
     incremental = state.modes.distance == "incremental"
@@ -133,14 +131,15 @@ def _table_moves(
         name = words.axes.get(letter, "")
         if name not in words.signs:
             continue
-        values = numbers[:, column] * (unit * words.signs[name])
+        values = numbers[:, column] * (state.mm_per_unit * words.signs[name])
         if name == "X" and is_diameter(state, settings.control):
             values = values / 2.0
         axis = AXES.index(name)
         is_distance = incremental or letter in words.distances
         points[:, axis] = start[0, axis] + np.cumsum(values) if is_distance else values
     if "F" in letters:
-        feeds = numbers[:, letters.index("F")]
+        is_length = state.modes.feed_mode != "inverse"
+        feeds = numbers[:, letters.index("F")] * (state.mm_per_unit if is_length else 1.0)
     else:
         feeds = np.full(len(numbers), state.feed.value if state.feed else np.nan)
     return np.concatenate((start, points)), feeds
@@ -151,13 +150,10 @@ def _clean(points: Floats) -> Floats:
     return np.nan_to_num(points, nan=0.0)
 
 
-def _feeds(state: State, words: Floats, lengths_mm: Floats) -> Floats:
-    """The feeds [mm/s] that F words say, (n,)."""
+def _feeds(state: State, feed: Floats, lengths_mm: Floats) -> Floats:
+    """The feeds [mm/s], (n,), of feeds as in a state."""
     mode = state.modes.feed_mode
-    if mode == "inverse":
-        feeds = lengths_mm * words / S_PER_MIN
-    else:
-        feeds = words * (MM_PER_INCH if state.is_inch else 1.0) / S_PER_MIN
+    feeds = (lengths_mm * feed if mode == "inverse" else feed) / S_PER_MIN
     if mode == "rev":
         feeds = feeds * (state.speed.value if state.speed else np.nan)
     return feeds
