@@ -16,9 +16,9 @@ from chipbreak.editing.edits import Edit, MoveTable, OverlapError
 from chipbreak.editing.promise import KEPT
 from chipbreak.editing.render import _ROWS_AT_ONCE, print_moves, render
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
+from chipbreak.self_check import verify
 from chipbreak.syntax.parse import parse
 from chipbreak.text.source import read
-from chipbreak.verify import verify
 from chipbreak.vibration.cuts import edits_of_cuts
 from chipbreak.vibration.request import requests_of
 

@@ -9,7 +9,6 @@ import pytest
 
 import chipbreak
 from chipbreak.options import Asked, settings_of
-from chipbreak.report import explain_text
 from chipbreak.settings.sections import SECTIONS
 
 README = Path(__file__).parents[1] / "README.md"
@@ -46,7 +45,7 @@ def test_the_explanation() -> None:
     program = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nM30\n"
     settings = chipbreak.load("generic-lathe")
     result = chipbreak.rewrite(program, settings, "part.nc")
-    said = [line.strip() for line in explain_text(result, settings)]
+    said = [line.strip() for line in chipbreak.explain(result, settings).lines()]
     assert said[said.index(wanted[0]) :][: len(wanted)] == wanted
 
 

@@ -9,6 +9,7 @@ import os
 import shutil
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -31,6 +32,10 @@ from chipbreak.options import (
 )
 from chipbreak.streams import read_input, replace_file, write_json, write_stdout
 from chipbreak.tool_commands import inspect, tools
+
+if TYPE_CHECKING:
+    from chipbreak.pipeline import Result
+    from chipbreak.settings import Settings
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -100,15 +105,20 @@ def check(asked: Asked, sources: tuple[str, ...]) -> None:
 @asking(*READING)
 def explain(asked: Asked, source: str) -> None:
     """Show each vibrated cut, operation and check, with its reasons."""
-    from chipbreak.report import explain_json, explain_text
-
     settings = settings_of(asked, source)
-    result = run_filter(read_input(source), settings, source, asked)
+    _print_report(run_filter(read_input(source), settings, source, asked), settings, asked)
+
+
+def _print_report(result: Result, settings: Settings, asked: Asked) -> None:
+    """The report of a run to stdout; as text, its diagnostics to stderr."""
+    from chipbreak.report.build import report_of
+
+    report = report_of(result, settings)
     if asked.as_json:
-        write_json(explain_json(result, settings), indent=2)
+        write_json(report.as_dict(), indent=2)
         return
     asked.reporter.show(result.diagnostics)
-    for line in explain_text(result, settings):
+    for line in report.lines():
         click.echo(line)
 
 
@@ -121,17 +131,11 @@ def verify(asked: Asked, source: str) -> None:
     Exit 0: it does what was promised; 1: a cut does not break its chips; 3 or 4: it is not as it was
     written.
     """
-    from chipbreak.report import explain_json, explain_text
     from chipbreak.text.diagnostics import has_errors
 
     settings = settings_of(asked, source)
     result = verify_program(read_input(source), settings, source, asked)
-    if asked.as_json:
-        write_json(explain_json(result, settings), indent=2)
-    else:
-        asked.reporter.show(result.diagnostics)
-        for line in explain_text(result, settings):
-            click.echo(line)
+    _print_report(result, settings, asked)
     broken = not asked.allow_unbroken and any(not cut.verdict.breaks for cut in result.cuts)
     sys.exit(DIFFERENT if broken or has_errors(result.diagnostics) else DONE)
 

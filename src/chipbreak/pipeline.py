@@ -17,13 +17,13 @@ from chipbreak.operations.main_program import main_program
 from chipbreak.operations.operations import Operation, operations_of
 from chipbreak.passes import Pass, passes_of
 from chipbreak.passes.base import Context, Planned, RunOptions
+from chipbreak.self_check import Kept, verify
 from chipbreak.settings import Settings, SettingsError
 from chipbreak.syntax.parse import UNREADABLE, parse
 from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, RefusalError, has_errors
 from chipbreak.text.place_order import in_place_order
 from chipbreak.text.source import Source, read
 from chipbreak.tools.program import tool_table_for_checks
-from chipbreak.verify import Kept, verify
 
 if TYPE_CHECKING:
     from chipbreak.vibration.measure import CutReport
@@ -43,6 +43,11 @@ class Result(NamedTuple):
     reports: tuple[object, ...]
     operations: tuple[Operation, ...]
     edits: tuple[Edit, ...]
+
+    def __repr__(self) -> str:
+        state = "changed" if self.changed else "not changed"
+        counts = f"{len(self.edits)} edits, {len(self.diagnostics)} diagnostics"
+        return f"<Result of {self.source.name!r}: {state}, {len(self.data)} bytes, {counts}>"
 
     @property
     def cuts(self) -> tuple[CutReport, ...]:

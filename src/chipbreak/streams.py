@@ -11,6 +11,7 @@ from typing import Any
 
 import click
 
+from chipbreak.report.schema import SCHEMA
 from chipbreak.text.diagnostics import Diagnostic
 
 _COLOURS = {"error": "red", "warning": "yellow", "note": "cyan"}
@@ -38,10 +39,11 @@ class Reporter:
 
 
 def write_json(value: Any, *, indent: int | None = None, err: bool = False) -> None:
-    """A value as JSON to stdout, or to stderr."""
+    """A value as JSON to stdout, or to stderr; an object says the version of its keys."""
     import json  # noqa: PLC0415 (most runs print none)
 
-    click.echo(json.dumps(value, indent=indent), err=err)
+    versioned = {"schema": SCHEMA, **value} if isinstance(value, dict) else value
+    click.echo(json.dumps(versioned, indent=indent), err=err)
 
 
 def read_input(source: str) -> bytes:

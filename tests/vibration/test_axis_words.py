@@ -20,7 +20,6 @@ from test_expansion import Shape, shapes
 
 import chipbreak
 from chipbreak.model.interpreted_program import interpret
-from chipbreak.report import explain_json, explain_text
 from chipbreak.settings import SettingsError
 from chipbreak.syntax.parse import parse
 from chipbreak.text.source import read
@@ -197,8 +196,9 @@ def explained(*sets: str) -> tuple[str, dict[str, object]]:
     settings = chipbreak.load("generic-lathe", sets)
     program = b"G97 S3000 M3\nG0 X20. Z2.\nG1 X22. Z-3. F0.05 N1.5\nM30\n"
     result = chipbreak.rewrite(program, settings)
-    data = json.loads(json.dumps(explain_json(result, settings)))
-    return "\n".join(explain_text(result, settings)), data["cuts"][0]["moved"]
+    report = chipbreak.explain(result, settings)
+    data = json.loads(json.dumps(report.as_dict()))
+    return str(report), data["cuts"][0]["moved"]
 
 
 @pytest.mark.parametrize(

@@ -214,16 +214,14 @@ def test_on_linuxcnc_a_pass_takes_whole_servo_periods() -> None:
 
 
 def test_explain_says_what_repeats() -> None:
-    from chipbreak.report import explain_json, explain_text
-
     result, _ = cuts_of(TURNING, "fanuc-lathe")
-    text = "\n".join(explain_text(result, FANUC))
-    assert "loop     3 vibrations 497 times; 21 blocks of motion\n" in text
-    (cut,) = explain_json(result, FANUC)["cuts"]
-    assert cut["loops"] == [{"vibrations": 3, "passes": 497, "drift_steps": 0.0}]
+    report = chipbreak.explain(result, FANUC)
+    assert "loop     3 vibrations 497 times; 21 blocks of motion" in str(report).split("\n    ")[-1]
+    (cut,) = report.as_dict()["cuts"]
+    assert cut["loops"] == [{"vibrations": 3, "passes": 497, "drift_steps": 0.0, "blocks": 6}]
     assert cut["moves"] == 2997
     arc, _ = cuts_of(TURNING.replace("G1 Z-48.", "G3 X40. Z-8. R10."), "fanuc-lathe")
-    assert "loop     none" in "\n".join(explain_text(arc, FANUC))
+    assert "loop     none" in str(chipbreak.explain(arc, FANUC))
 
 
 # --- reading back -----------------------------------------------------------------------------------------

@@ -25,6 +25,9 @@ class MoveTable:
     decimals: tuple[int, ...]
     behind: str = ""
 
+    def __repr__(self) -> str:
+        return f"<MoveTable {' '.join(self.letters)}: {len(self)} rows>"
+
     def __len__(self) -> int:
         return len(self.columns[0])
 
@@ -47,6 +50,9 @@ class Edit(NamedTuple):
     reason: str
     promise: Promise
     pass_name: str = ""
+
+    def __repr__(self) -> str:
+        return f"<Edit of {self.pass_name or 'no pass yet'}, lines {self.first} to {self.last}: {self.title}>"
 
 
 class OverlapError(SelfCheckError):

@@ -262,6 +262,9 @@ class Settings:
     dialect: Dialect
     origins: Mapping[str, str]
 
+    def __repr__(self) -> str:
+        return f"<Settings {self.name!r}: {self.dialect.title}>"
+
     def origin(self, key: str) -> str:
         """Where the value of ``section.key`` came from, for messages."""
         return self.origins.get(key, "default")

@@ -35,6 +35,9 @@ class Source(NamedTuple):
     body: range
     numbers: NDArray[np.int64] | None = None
 
+    def __repr__(self) -> str:
+        return f"<Source {self.name!r}: {self.line_count} lines>"
+
     @property
     def line_count(self) -> int:
         """How many lines there are; a last line without an end counts."""

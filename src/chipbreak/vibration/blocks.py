@@ -50,6 +50,9 @@ class Expansion:
     dwell_s: Floats
     loops: Sequence[Loop] | None = None
 
+    def __repr__(self) -> str:
+        return f"<Expansion: {len(self.distance_mm)} moves>"
+
 
 def moves_of(cut: CutPlan, settings: Settings, names: LoopNames | None = None) -> Expansion:
     """Turn the knots of a cut into blocks; with ``names`` its steady parts into loops.

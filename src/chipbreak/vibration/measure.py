@@ -58,6 +58,10 @@ class CutReport:
     servo_share: float | None
     clearances: tuple[Clearance, ...]
 
+    def __repr__(self) -> str:
+        chips = "chips break" if self.verdict.breaks else "chips do not break"
+        return f"<CutReport of {self.plan!r}: {self.move_count} moves, {chips}>"
+
     @property
     def wave(self) -> WaveformParameters:
         """The waveform as it was planned."""

@@ -53,6 +53,10 @@ class CutPlan:
     reasons: tuple[str, ...]
     end_dwell_s: float = 0.0
 
+    def __repr__(self) -> str:
+        lines = f"lines {self.chain.first} to {self.chain.last}"
+        return f"<CutPlan of {lines}: N {self.solution.per_rev:.4g} at S{self.solution.speed_rpm:g}>"
+
     @property
     def expander(self) -> Expander:
         """How a cut of this wave becomes blocks."""

@@ -1,0 +1,112 @@
+"""What other programs call: bytes and settings in, values out.  :mod:`chipbreak` offers all of it."""
+
+from __future__ import annotations
+
+import os
+
+from chipbreak.editing.diff import Hunk, compare, items_of
+from chipbreak.editing.restore import restore as put_back
+from chipbreak.macros import check_axes, macro_files
+from chipbreak.macros.parameters import MacroSettings
+from chipbreak.model.interpreted_program import interpret
+from chipbreak.pipeline import Result, rewrite, verify_filtered
+from chipbreak.report.build import report_of
+from chipbreak.report.model import Report
+from chipbreak.settings import Settings, SettingsError
+from chipbreak.syntax.parse import parse
+from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, RefusalError
+from chipbreak.text.source import read
+from chipbreak.tools import files
+from chipbreak.tools.data import ToolData
+from chipbreak.tools.merge import ToolTable
+from chipbreak.tools.program import tool_table as table_of
+
+
+def check(
+    data: bytes, settings: Settings, name: str = "<stdin>", *, allow_unbroken: bool = False
+) -> tuple[Diagnostic, ...]:
+    """All that is to be said of a program, in the order of its lines; nothing is written.
+
+    A program with an error in it does not raise: its errors are among what is given.  Raises SelfCheckError,
+    SettingsError and ToolFileError as :func:`rewrite` does.
+    """
+    try:
+        return rewrite(data, settings, name, allow_unbroken=allow_unbroken).diagnostics
+    except ProgramRejectedError as error:
+        return error.diagnostics
+
+
+def verify(data: bytes, settings: Settings, name: str = "<stdin>") -> Result:
+    """Judge a filtered program as it stands, instead of writing a new one.
+
+    Cuts that do not break their chips do not raise: see ``verdict.breaks`` of the result's ``cuts``.  Raises
+    what :func:`rewrite` raises; SelfCheckError also for a program that another profile or version has
+    written, whose changes are not those that would be made now.
+    """
+    return verify_filtered(data, settings, name)
+
+
+def restore(data: bytes, name: str = "<stdin>") -> bytes:
+    """The original bytes from a filtered program; other programs come back as they are.
+
+    Raises ProgramRejectedError for a filtered part that somebody has edited.
+    """
+    return put_back(read(data, name)).data
+
+
+def explain(result: Result, settings: Settings) -> Report:
+    """What a run did and why: each vibrated cut, operation and check, lengths in mm, times in s.
+
+    ``str()`` of the report is the text that ``chipbreak explain`` prints, ``as_dict()`` its JSON.
+    """
+    return report_of(result, settings)
+
+
+def diff(
+    a: bytes,
+    b: bytes,
+    settings: Settings | None = None,
+    *,
+    ignore_comments: bool = False,
+    tolerance: float = 0.0,
+) -> list[Hunk]:
+    """Two programs compared by what their blocks say, as alternating equal and changed stretches.
+
+    With ``settings`` numbers are read as that control reads them; without, X50 and X50. are different.
+    Lengths and feeds that differ by at most ``tolerance``, in units of the programs, are the same.  Raises
+    ProgramRejectedError for a filtered part that somebody has edited.
+    """
+    sides = [
+        items_of(data, name, settings, ignore_comments=ignore_comments) for data, name in ((a, "a"), (b, "b"))
+    ]
+    return compare(*sides, tolerance=tolerance)
+
+
+def read_tools(path: str | os.PathLike[str], *, mm_per_unit: float = 1.0) -> list[ToolData]:
+    """The tools of a file of a CAM system or of your own, by the end of its name; lengths in mm.
+
+    ``mm_per_unit`` is that of a LinuxCNC tool table, which does not say its unit.  Raises ToolFileError.
+    """
+    name = os.fspath(path)
+    return files.read_tools(name, files.read_bytes(name), (mm_per_unit, f"{mm_per_unit:g} mm a unit"))
+
+
+def tool_table(data: bytes, settings: Settings, name: str = "<stdin>") -> ToolTable:
+    """All that is known about the tools of a program: from the files of ``[tools]``, then from its comments.
+
+    Raises ProgramRejectedError for a filtered part that somebody has edited, ToolFileError for a file that
+    cannot be used.
+    """
+    return table_of(interpret(parse(put_back(read(data, name)), settings.dialect), settings))
+
+
+def macro_programs(settings: Settings) -> dict[str, bytes]:
+    """The programs that the tool checks call, by file name.
+
+    Raises SettingsError for a control without macros, and for settings that lack what nobody may guess.
+    """
+    try:
+        check_axes(settings.axis_words)
+        return macro_files(settings.dialect.name, MacroSettings.of(settings))
+    except RefusalError as error:
+        raise SettingsError.of(error, settings.name) from None

@@ -1,0 +1,167 @@
+"""A report as lines of text.  What is said of a cut is a tuple of small rules, each a line or none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+from chipbreak.units import MS_PER_S, S_PER_MIN
+
+if TYPE_CHECKING:
+    from chipbreak.report.model import ExplainedCheck, ExplainedCut, ExplainedLoop, ExplainedOperation, Report
+
+# Chips of the ramps are said where they are thicker than the others by more than rounding makes them.
+_MUCH_THICKER = 1.01
+_LEAST_DRIFT_STEPS = 0.001
+_MEMBERS = {"tool": "the tool (tool post)", "work": "the work (spindle carrier)"}
+
+
+def report_lines(report: Report) -> Iterator[str]:
+    """Every vibrated cut, operation and check, with the reasons."""
+    yield f"{report.file}, profile {report.profile}"
+    yield ""
+    yield f"Vibrated cuts: {len(report.cuts) or 'none'}"
+    for cut in report.cuts:
+        yield from _cut(cut)
+    yield ""
+    yield f"Operations: {len(report.operations) or 'none'}"
+    for number, operation in enumerate(report.operations, 1):
+        yield f"  {number}. {_operation(operation)}"
+    yield ""
+    yield f"Tool checks: {len(report.checks) or 'none'}"
+    for check in report.checks:
+        yield f"  {_check(check)}"
+
+
+def _operation(operation: ExplainedOperation) -> str:
+    tool = f"T{operation.tool}" if operation.tool is not None else "no tool"
+    label = f" {operation.label!r}" if operation.label else ""
+    lines = f"lines {operation.first_line} to {operation.last_line}"
+    return f"{tool}, {operation.kind}{label}, {lines}: {operation.reason}"
+
+
+def _check(check: ExplainedCheck) -> str:
+    where = "at the end" if check.is_at_end else f"before line {check.line}"
+    return f"{where}: {check.title}: {check.reason}"
+
+
+def _cut(cut: ExplainedCut) -> Iterator[str]:
+    one_line = cut.first_line == cut.last_line
+    lines = f"line {cut.first_line}" if one_line else f"lines {cut.first_line} to {cut.last_line}"
+    yield f"  {lines}: {cut.block}"
+    for word, rule in _RULES:
+        yield from (f"    {word or cut.motion.name:9}{text}" for text in rule(cut))
+
+
+def _asked(cut: ExplainedCut) -> Iterator[str]:
+    yield ", ".join(f"{'f' if k == 'F' else k} {v.value:g} ({v.origin})" for k, v in cut.given.items())
+
+
+def _because(cut: ExplainedCut) -> Iterator[str]:
+    yield from cut.reasons
+
+
+def _runs(cut: ExplainedCut) -> Iterator[str]:
+    period_ms = cut.period_s * MS_PER_S
+    yield f"S {cut.speed_rpm:g} rpm, N {cut.per_rev:.4g}, f {cut.frequency_hz:.5g} Hz ({period_ms:g} ms)"
+
+
+def _motion(cut: ExplainedCut) -> Iterator[str]:
+    yield cut.motion.size
+
+
+def _reaches(cut: ExplainedCut) -> Iterator[str]:
+    per_rev = cut.verdict.per_rev
+    if per_rev > 0.0:
+        reached_hz = per_rev * cut.speed_rpm / S_PER_MIN
+        yield f"N {per_rev:.4g}, {reached_hz:.5g} Hz (planner model {cut.control})"
+    elif cut.motion.without_count:
+        yield cut.motion.without_count
+
+
+def _verdict(cut: ExplainedCut) -> Iterator[str]:
+    verdict = cut.verdict
+    chips = "chips break" if verdict.breaks else "CHIPS DO NOT BREAK"
+    longest = _chip(verdict.longest_chip_rev, verdict.longest_chip_mm)
+    first = _chip(verdict.first_chip_rev, verdict.first_chip_mm)
+    yield (
+        f"{chips}, margin {verdict.margin:.2f}, {verdict.chips_per_rev:.3g} per revolution,"
+        f" longest {longest}, first {first}"
+    )
+
+
+def _chip(revolutions: float, length_mm: float | None) -> str:
+    return f"{revolutions:.2f} rev" + ("" if length_mm is None else f" ({length_mm:.0f} mm)")
+
+
+def _load(cut: ExplainedCut) -> Iterator[str]:
+    verdict = cut.verdict
+    ramps = ""
+    if verdict.ramp_peak_thickness > _MUCH_THICKER * verdict.peak_thickness:
+        ramps = f" ({verdict.ramp_peak_thickness:.2f} while the stroke grows or shrinks)"
+    yield (
+        f"{verdict.cut_share:.0%} of the time in the cut, peak chip {verdict.peak_thickness:.2f}"
+        f" x feed{ramps}, theoretical roughness x {verdict.roughness_factor:.1f}"
+    )
+
+
+def _band(cut: ExplainedCut) -> Iterator[str]:
+    if cut.verdict.speed_band_rpm:
+        low, high = cut.verdict.speed_band_rpm
+        yield f"breaks from {low:.0f} to {high:.0f} rpm at this frequency"
+
+
+def _machine(cut: ExplainedCut) -> Iterator[str]:
+    needs = cut.motion.need
+    if cut.servo_share is not None:
+        needs += f", the servo leaves {cut.servo_share:.0%} of the stroke"
+    if cut.flank_clearance:
+        used = ", ".join(f"{c.deg:.2f} at {c.diameter_mm:.4g} mm" for c in cut.flank_clearance)
+        needs += f"; degrees of flank clearance that the forward stroke uses: {used}"
+    yield needs
+
+
+def _moved(cut: ExplainedCut) -> Iterator[str]:
+    if cut.moved:
+        moved = cut.moved.items()
+        yield ", ".join(f"{axis} ({one.letter} words) by {_MEMBERS[one.by]}" for axis, one in moved)
+
+
+def _output(cut: ExplainedCut) -> Iterator[str]:
+    ends = f", stands {cut.end_stand_s * MS_PER_S:.0f} ms at its end" if cut.end_stand_s else ""
+    peak_mm_min = cut.verdict.peak_speed_mm_s * S_PER_MIN
+    yield f"{cut.moves} moves, {cut.duration_s:.2f} s, axis up to {peak_mm_min:.0f} mm/min{ends}"
+
+
+def _loop(cut: ExplainedCut) -> Iterator[str]:
+    """What repeats, and how many blocks that leaves."""
+    if cut.output_form != "loop":
+        return
+    if not cut.loops:
+        yield "none: no straight part of full stroke repeats often enough"
+        return
+    drift = max(loop.drift_steps for loop in cut.loops)
+    is_off = drift > _LEAST_DRIFT_STEPS
+    off = f", points up to {0.5 + drift / 2.0:.2f} steps from the exact motion" if is_off else ""
+    yield f"{', '.join(map(_repeats, cut.loops))}; {cut.written_moves} blocks of motion{off}"
+
+
+def _repeats(loop: ExplainedLoop) -> str:
+    return f"{loop.vibrations} vibration{'s' * (loop.vibrations > 1)} {loop.passes} times"
+
+
+# A rule without a word is under the name of the cut's motion.
+_RULES: tuple[tuple[str, Callable[[ExplainedCut], Iterator[str]]], ...] = (
+    ("asked", _asked),
+    ("because", _because),
+    ("runs", _runs),
+    ("", _motion),
+    ("reaches", _reaches),
+    ("verdict", _verdict),
+    ("load", _load),
+    ("band", _band),
+    ("machine", _machine),
+    ("moved", _moved),
+    ("output", _output),
+    ("loop", _loop),
+)

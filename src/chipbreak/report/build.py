@@ -1,0 +1,123 @@
+"""From the result of a run to its report: the only place that looks into both."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from chipbreak.operations.operations import Operation
+from chipbreak.passes import CHECK_TOOLS
+from chipbreak.pipeline import Result
+from chipbreak.report.model import (
+    ExplainedCheck,
+    ExplainedCut,
+    ExplainedLoop,
+    ExplainedOperation,
+    FlankClearance,
+    MovedAxis,
+    Report,
+    ToldMotion,
+)
+from chipbreak.settings import Settings
+from chipbreak.text.frozen_table import FrozenTable
+from chipbreak.text.source import Source
+
+if TYPE_CHECKING:
+    from chipbreak.vibration.measure import CutReport
+
+
+def report_of(result: Result, settings: Settings) -> Report:
+    """Every vibrated cut, operation and check of a run, with the reasons."""
+    source = result.source
+    checks = [edit for edit in result.edits if edit.pass_name == CHECK_TOOLS]
+    return Report(
+        file=source.name,
+        profile=settings.name,
+        changed=result.changed,
+        cuts=tuple(_cut(cut, source, settings) for cut in result.cuts),
+        operations=tuple(_operation(operation, source) for operation in result.operations),
+        checks=tuple(
+            ExplainedCheck(
+                line=_line_number(source, edit.first),
+                title=edit.title,
+                reason=edit.reason,
+                is_at_end=edit.first == source.line_count,
+            )
+            for edit in checks
+        ),
+        diagnostics=result.diagnostics,
+    )
+
+
+def _cut(cut: CutReport, source: Source, settings: Settings) -> ExplainedCut:
+    plan = cut.plan
+    wave = plan.wave
+    solution = plan.solution
+    loops = cut.expansion.loops
+    return ExplainedCut(
+        first_line=source.place(plan.chain.first).line,
+        last_line=source.place(plan.chain.last - 1).line,
+        given=FrozenTable(plan.given),
+        reasons=tuple(plan.reasons),
+        speed_rpm=solution.speed_rpm,
+        per_rev=solution.per_rev,
+        frequency_hz=solution.frequency_hz,
+        feed_mm_rev=wave.feed_mm_rev,
+        stroke_mm=wave.stroke_mm,
+        waveform=wave.waveform,
+        alpha_share=wave.alpha_share,
+        stand_s=cut.each_dwell_s,
+        end_stand_s=plan.end_dwell_s,
+        moves=cut.move_count,
+        loops=tuple(
+            ExplainedLoop(loop.vibrations, loop.passes, loop.drift_steps, loop.count) for loop in loops or ()
+        ),
+        duration_s=cut.duration_s,
+        control=cut.control,
+        acceleration_mm_s2=cut.acceleration_mm_s2,
+        servo_share=cut.servo_share,
+        flank_clearance=tuple(FlankClearance(c.diameter_mm, c.degrees) for c in cut.clearances),
+        moved=_moved(plan.chain.axes, settings),
+        verdict=cut.verdict,
+        block=plan.chain.requests[0].effect.block.text.strip(),
+        period_s=solution.period.period_s,
+        advance_mm=wave.speed_mm_s * wave.period_s,
+        output_form="expanded" if loops is None else "loop",
+        motion=_motion(cut),
+    )
+
+
+def _motion(cut: CutReport) -> ToldMotion:
+    expander = cut.plan.expander
+    name, size = expander.told(cut.wave, cut.each_dwell_s)
+    return ToldMotion(
+        name=name,
+        size=size,
+        need=expander.told_need(cut.acceleration_mm_s2),
+        without_count=expander.told_without_count(),
+    )
+
+
+def _moved(axes: str, settings: Settings) -> FrozenTable[str, MovedAxis]:
+    """What moves the axes of a cut, where the profile says it."""
+    is_said = any(key.startswith("axes.") and key.endswith((".letter", ".sign")) for key in settings.origins)
+    words = settings.axis_words
+    members = {1: "tool", -1: "work"}
+    moved = {axis: MovedAxis(words.letters[axis], members[words.signs[axis]]) for axis in axes}
+    return FrozenTable(moved if is_said else {})
+
+
+def _operation(operation: Operation, source: Source) -> ExplainedOperation:
+    return ExplainedOperation(
+        tool=operation.tool,
+        kind=operation.kind.value,
+        label=operation.label,
+        reason=operation.reason,
+        first_line=_line_number(source, operation.first_line),
+        last_line=_line_number(source, operation.last_line - 1),
+    )
+
+
+def _line_number(source: Source, line: int) -> int:
+    """The line in the user's file; one behind the last where a change stands at the end of the program."""
+    count = source.line_count
+    return source.place(line).line if line < count else source.place(count - 1).line + 1

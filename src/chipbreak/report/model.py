@@ -1,0 +1,182 @@
+"""The facts of a run as frozen values: text, JSON and other programs read the same ones.
+
+Lengths are in mm, times in s, speeds in rpm and mm/s, feeds in mm per revolution; lines count from 1 in the
+user's file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any
+
+from chipbreak.kinematics.chip_model import Verdict
+from chipbreak.kinematics.sourced_value import SourcedValue
+from chipbreak.report.as_text import report_lines
+from chipbreak.report.schema import SCHEMA
+from chipbreak.text.diagnostics import Diagnostic
+
+
+@dataclass(frozen=True)
+class FlankClearance:
+    """Flank clearance that the forward stroke uses up [degrees] at a diameter [mm]."""
+
+    diameter_mm: float
+    deg: float
+
+
+@dataclass(frozen=True)
+class MovedAxis:
+    """The letter whose words move an axis, and what they move: ``tool`` or ``work``."""
+
+    letter: str
+    by: str
+
+
+@dataclass(frozen=True)
+class ExplainedLoop:
+    """``vibrations`` vibrations in ``blocks`` blocks, run through ``passes`` times.
+
+    ``drift_steps`` is what all passes together lack to the exact advance, in steps of the output.
+    """
+
+    vibrations: int
+    passes: int
+    drift_steps: float
+    blocks: int
+
+
+@dataclass(frozen=True)
+class ToldMotion:
+    """What is said of the motion of a cut, in words of its kind.
+
+    ``name`` is ``stroke`` or ``dwell``, ``size`` how large it is, ``need`` what it asks of the machine, and
+    ``without_count`` what is said where no N was reached; empty where that is no news.
+    """
+
+    name: str
+    size: str
+    need: str
+    without_count: str
+
+
+@dataclass(frozen=True)
+class ExplainedCut:
+    """One vibrated cut: what was asked for, what it became and why, and what that does.
+
+    ``block``      its first block as it stands in the program
+    ``given``      N, F (Hz), Q and so on -> the value, and who gave it
+    ``reasons``    why that was changed
+    ``speed_rpm``, ``per_rev``, ``frequency_hz``, ``period_s``  spindle speed, vibrations per revolution, and
+                   frequency, as commanded
+    ``stroke_mm``  of one vibration;  ``advance_mm``  what the tool feeds in one;  ``motion``  that in words
+    ``alpha_share``  share of a vibration in which the tool moves forward
+    ``stand_s``    how long the tool stands in each vibration of a dwell, 0 for others;  ``end_stand_s``  at
+                   the end of the cut
+    ``moves``      blocks of motion that the control runs
+    ``output_form``  ``expanded`` or ``loop``;  ``loops``  what repeats
+    ``control``    the law by which the control times the moves
+    ``acceleration_mm_s2``  the least that an axis must have
+    ``servo_share``  what the position loop leaves of the stroke, None where no gain is known
+    ``moved``      axis -> what moves it, where the profile says so
+    """
+
+    first_line: int
+    last_line: int
+    given: Mapping[str, SourcedValue]
+    reasons: tuple[str, ...]
+    speed_rpm: float
+    per_rev: float
+    frequency_hz: float
+    feed_mm_rev: float
+    stroke_mm: float
+    waveform: str
+    alpha_share: float
+    stand_s: float
+    end_stand_s: float
+    moves: int
+    loops: tuple[ExplainedLoop, ...]
+    duration_s: float
+    control: str
+    acceleration_mm_s2: float
+    servo_share: float | None
+    flank_clearance: tuple[FlankClearance, ...]
+    moved: Mapping[str, MovedAxis]
+    verdict: Verdict
+    block: str
+    period_s: float
+    advance_mm: float
+    output_form: str
+    motion: ToldMotion
+
+    @property
+    def written_moves(self) -> int:
+        """Blocks of motion that stand in the program: what repeats stands there once."""
+        return self.moves - sum(loop.blocks * (loop.passes - 1) for loop in self.loops)
+
+
+@dataclass(frozen=True)
+class ExplainedOperation:
+    """What one tool does from ``first_line`` to ``last_line``: its ``kind``, and the ``reason`` for that."""
+
+    tool: int | None
+    kind: str
+    label: str
+    reason: str
+    first_line: int
+    last_line: int
+
+
+@dataclass(frozen=True)
+class ExplainedCheck:
+    """A tool check that is inserted before ``line``, or behind the last one where ``is_at_end``."""
+
+    line: int
+    title: str
+    reason: str
+    is_at_end: bool
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that is said of a run.  ``str()`` of it is what ``chipbreak explain`` prints."""
+
+    file: str
+    profile: str
+    changed: bool
+    cuts: tuple[ExplainedCut, ...]
+    operations: tuple[ExplainedOperation, ...]
+    checks: tuple[ExplainedCheck, ...]
+    diagnostics: tuple[Diagnostic, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The facts as plain values, in a stable order, ready for JSON; ``schema`` is their version."""
+        return {"schema": SCHEMA, **_fields(self)}
+
+    def lines(self) -> Iterator[str]:
+        """The facts as lines of text."""
+        return report_lines(self)
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+    def __repr__(self) -> str:
+        counts = f"{len(self.cuts)} cuts, {len(self.operations)} operations, {len(self.checks)} checks"
+        return f"<Report of {self.file!r}: {counts}>"
+
+
+def _fields(value: Any) -> dict[str, Any]:
+    return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
+
+
+def _plain(value: Any) -> Any:
+    """A value in the words of JSON."""
+    if isinstance(value, Diagnostic):
+        return value.as_json()
+    if isinstance(value, SourcedValue):
+        return value._asdict()
+    if isinstance(value, Mapping):
+        return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, tuple):
+        return [_plain(inner) for inner in value]
+    return _fields(value) if is_dataclass(value) else value
