@@ -60,23 +60,29 @@ def main() -> int:
     print(busy(found), end="\n" if busy(found) else "")
     if options.quick:
         print(f"quick: the programs are {smaller} times smaller than the targets are meant for")
-    tables: list[Table] = []
-    broken = False
-    for name in options.only or CASES:
-        with tempfile.TemporaryDirectory(prefix="chipbreak-bench-") as folder:
-            try:
-                tables.append(CASES[name](Context(Path(folder), rounds, smaller, options.large)))
-            except BenchmarkError as error:
-                print(f"\n{name}: *** COULD NOT BE MEASURED: {error}", file=sys.stderr)
-                broken = True
-                continue
-        print(f"\n{tables[-1].text()}", flush=True)
+    names = options.only or list(CASES)
+    measured = [_measured(name, rounds, smaller, large=options.large) for name in names]
+    tables = [table for table in measured if table is not None]
     if options.json is not None:
         write_json(options.json, tables, {**found, "rounds": rounds, "quick": options.quick})
-    missed = sum(row.goal is not None and not row.goal.met for table in tables for row in table.rows)
-    met = sum(row.goal is not None and row.goal.met for table in tables for row in table.rows)
-    print(f"\n{met} targets met, {missed} missed")
-    return 2 if broken else int(missed > 0 and not options.quick)
+    goals_met = [row.goal.met for table in tables for row in table.rows if row.goal is not None]
+    missed = goals_met.count(False)
+    print(f"\n{goals_met.count(True)} targets met, {missed} missed")
+    if len(tables) < len(names):
+        return 2
+    return int(missed > 0 and not options.quick)
+
+
+def _measured(name: str, rounds: int, smaller: int, *, large: bool) -> Table | None:
+    """Run one case and print what it found; None when it could not be run."""
+    with tempfile.TemporaryDirectory(prefix="chipbreak-bench-") as folder:
+        try:
+            table = CASES[name](Context(Path(folder), rounds, smaller, large))
+        except BenchmarkError as error:
+            print(f"\n{name}: *** COULD NOT BE MEASURED: {error}", file=sys.stderr)
+            return None
+    print(f"\n{table.text()}", flush=True)
+    return table
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,21 +115,20 @@ def _modal(state: State, letter: str, value: float) -> State:
         return replace(state, feed=value)
     if letter == "S":
         return replace(state, speed=value)
-    if letter == "M" and value in (3, 4, 5):
-        return replace(state, spindle=int(value))
-    if letter != "G":
-        return state
-    if value in (0, 1, 2, 3):
-        return replace(state, motion=int(value))
-    if value in _FEED_MODES:
-        return replace(state, feed_mode=_FEED_MODES[int(value)])
-    if value in (96, 97):
-        return replace(state, speed_mode=int(value))
-    if value in (90, 91):
-        return replace(state, incremental=value == 91)
-    if value in (20, 21):
-        return replace(state, unit=25.4 if value == 20 else 1.0)
-    return replace(state, plane=int(value)) if value in (17, 18, 19) else state
+    return replace(state, **_SETS.get((letter, value), {}))
+
+
+# What G and M codes set.
+_SETS: dict[tuple[str, float], dict[str, Any]] = {
+    **{("M", code): {"spindle": code} for code in (3, 4, 5)},
+    **{("G", code): {"motion": code} for code in (0, 1, 2, 3)},
+    **{("G", code): {"feed_mode": mode} for code, mode in _FEED_MODES.items()},
+    **{("G", code): {"speed_mode": code} for code in (96, 97)},
+    **{("G", code): {"incremental": code == 91} for code in (90, 91)},
+    **{("G", code): {"plane": code} for code in (17, 18, 19)},
+    ("G", 20): {"unit": 25.4},
+    ("G", 21): {"unit": 1.0},
+}
 
 
 def _span(state: State, length_mm: float) -> float:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import difflib
 import re
+from collections import Counter
+from collections.abc import Sequence
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -11,6 +14,7 @@ from hypothesis import strategies as st
 
 import chipbreak
 from chipbreak.editing.diff import compare, differs, items_of
+from chipbreak.editing.diff_items import Item
 from chipbreak.editing.diff_output import as_json, page, side_by_side, unified
 
 CUT = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5\nG1 X30.\nM30\n"
@@ -241,6 +245,10 @@ _BLOCKS = st.lists(
 )
 
 
+def keys(items: Sequence[Item]) -> list[object]:
+    return [item.key for item in items]
+
+
 @given(_BLOCKS, _BLOCKS)
 def test_the_changes_lead_from_one_to_the_other(a: list[bytes], b: list[bytes]) -> None:
     one, other = (items_of(b"\n".join(lines), "x") for lines in (a, b))
@@ -248,12 +256,9 @@ def test_the_changes_lead_from_one_to_the_other(a: list[bytes], b: list[bytes]) 
     assert [item for hunk in hunks for item in hunk.a_items] == one
     assert [item for hunk in hunks for item in hunk.b_items] == other
     for hunk in hunks:
-        if hunk.tag == "equal":
-            assert [i.key for i in hunk.a_items] == [i.key for i in hunk.b_items]
-    assert [h.tag for h in hunks] == [
-        h.tag for i, h in enumerate(hunks) if not i or hunks[i - 1].tag != h.tag
-    ]
-    assert differs(hunks) == ([i.key for i in one] != [i.key for i in other])
+        assert hunk.tag != "equal" or keys(hunk.a_items) == keys(hunk.b_items)
+    assert all(hunk.tag != behind.tag for hunk, behind in pairwise(hunks))
+    assert differs(hunks) == (keys(one) != keys(other))
     assert bool(as_json(hunks)) == differs(hunks)
 
 
@@ -263,30 +268,28 @@ def test_the_unified_text_is_a_patch(a: list[bytes], b: list[bytes]) -> None:
     one, other = (items_of(b"\n".join(lines), "x") for lines in (a, b))
     lines = list(unified(compare(one, other), "a", "b"))
     if not lines:
-        assert [i.key for i in one] == [i.key for i in other]
+        assert keys(one) == keys(other)
         return
     assert lines[:2] == ["--- a", "+++ b"]
     olds = {item.line: item.text for item in one}
     news = {item.line: item.text for item in other}
-    removed = added = 0
-    at = 2
-    while at < len(lines):
-        head = re.fullmatch(r"@@ -([0-9]+),([0-9]+) \+([0-9]+),([0-9]+) @@", lines[at])
-        assert head is not None, lines[at]
-        old_first, old_count, new_first, new_count = map(int, head.groups())
-        body = []
-        at += 1
-        while at < len(lines) and not lines[at].startswith("@@"):
-            body.append(lines[at])
-            at += 1
-        old = [line[1:] for line in body if line[0] in "- "]
-        new = [line[1:] for line in body if line[0] in "+ "]
-        assert (len(old), len(new)) == (old_count, new_count)
-        assert not old or olds[old_first] == old[0]
-        assert not new or news[new_first] == new[0]
-        removed += sum(line[0] == "-" for line in body)
-        added += sum(line[0] == "+" for line in body)
-    assert len(one) - removed == len(other) - added
+    heads = [at for at, line in enumerate(lines) if line.startswith("@@")]
+    assert heads[0] == 2
+    for first, stop in pairwise([*heads, len(lines)]):
+        hunk_is_right(lines[first], lines[first + 1 : stop], olds, news)
+    first_letters = Counter(line[0] for line in lines[2:])
+    assert len(one) - first_letters["-"] == len(other) - first_letters["+"]
+
+
+def hunk_is_right(head: str, body: list[str], olds: dict[int, str], news: dict[int, str]) -> None:
+    match = re.fullmatch(r"@@ -([0-9]+),([0-9]+) \+([0-9]+),([0-9]+) @@", head)
+    assert match is not None, head
+    old_first, old_count, new_first, new_count = map(int, match.groups())
+    old = [line[1:] for line in body if line[0] in "- "]
+    new = [line[1:] for line in body if line[0] in "+ "]
+    assert (len(old), len(new)) == (old_count, new_count)
+    assert not old or olds[old_first] == old[0]
+    assert not new or news[new_first] == new[0]
 
 
 @given(_BLOCKS, st.integers(0, 24), _BLOCKS)

@@ -24,6 +24,7 @@ from chipbreak.operations.operations import Operation, operations_of
 from chipbreak.passes.base import Context
 from chipbreak.passes.check_tools import CheckTools
 from chipbreak.settings import Settings
+from chipbreak.syntax.nodes import Word
 from chipbreak.syntax.parse import parse
 from chipbreak.text.diagnostics import Diagnostic
 from chipbreak.text.source import read
@@ -128,21 +129,36 @@ def restored(data: bytes) -> bytes:
 def same_states(paired: list[tuple[BlockEffect, BlockEffect | None]]) -> None:
     """At every block the control is in the state of the original, and cuts start where they did."""
     for new, old in paired:
-        if old is None:
-            continue
-        assert new.block.text == old.block.text
-        one, other = old.before, new.before
-        where = old.block.text
-        assert one.modes == other.modes, where
-        for name in ("spindle", "coolant", "tool", "ended"):
-            assert getattr(one, name) == getattr(other, name), (name, where)
-        for name in ("speed", "feed", "speed_limit"):
-            a, b = getattr(one, name), getattr(other, name)
-            assert (a and a.text) == (b and b.text), (name, where)
-        if old.move is not None and old.move.kind != "rapid":
-            for now, was in zip(new.before.position, one.position, strict=True):
-                assert math.isnan(was) or _equal(now, was), f"begins elsewhere: {where}"
-            assert new.move is not None and new.move.kind == old.move.kind, where
+        if old is not None:
+            _same_state(new, old)
+            _same_start(new, old)
+
+
+def _same_state(new: BlockEffect, old: BlockEffect) -> None:
+    where = old.block.text
+    assert new.block.text == where
+    one, other = old.before, new.before
+    assert one.modes == other.modes, where
+    for name in ("spindle", "coolant", "tool", "ended"):
+        assert getattr(one, name) == getattr(other, name), (name, where)
+    for name in ("speed", "feed", "speed_limit"):
+        a, b = (getattr(state, name) for state in (one, other))
+        assert (a and a.text) == (b and b.text), (name, where)
+
+
+def _same_start(new: BlockEffect, old: BlockEffect) -> None:
+    """A cut starts where it did."""
+    where = old.block.text
+    if old.move is None or old.move.kind == "rapid":
+        return
+    for now, was in zip(new.before.position, old.before.position, strict=True):
+        assert math.isnan(was) or _equal(now, was), f"begins elsewhere: {where}"
+    assert new.move is not None and new.move.kind == old.move.kind, where
+
+
+# Where the axes are before and after a block.
+Way = tuple[dict[str, float], dict[str, float]]
+_HOME = {"X": -400.0, "Y": 300.0, "Z": TOP}
 
 
 @dataclass
@@ -157,37 +173,53 @@ class Machine:
     at: dict[str, float] = field(default_factory=lambda: {"X": -311.0, "Y": 287.0, "Z": TOP})
     offset_is_in_force: bool = False
 
-    def run(
-        self, effect: BlockEffect, *, in_call: bool, ends_offset: bool = False
-    ) -> tuple[dict[str, float], dict[str, float]]:
+    def run(self, effect: BlockEffect, *, in_call: bool, ends_offset: bool = False) -> Way:
         """Start and end of what a block does."""
         start = dict(self.at)
-        dialect = self.settings.dialect
-        codes = codes_of(effect.block, "length_offset", dialect)
-        goes_home = "home" in effect.non_modal and any(w.address == "Z" for w in effect.block.words)
-        if (goes_home and self.home_ends_offset) or ends_offset:
-            self.offset_is_in_force = False
-        if codes:
-            self.offset_is_in_force = dialect.g_codes[codes[-1]].value == "on"
-        if any(w.address == "M" and w.number == 6.0 for w in effect.block.words):
+        self._switch_offset(effect, ends_offset=ends_offset)
+        words = [word for word in effect.block.words if word.address in AXES]
+        if effect.block.has("M", 6):
             self.at = {"X": -311.0, "Y": 287.0, "Z": TOP}
         elif in_call:
             self.at = {"X": 777.0, "Y": -222.0, "Z": TOP}  # over the laser
-        elif "home" in effect.non_modal or "machine" in effect.non_modal:
-            named = [w.address for w in effect.block.words if w.address in AXES]
-            for axis in named:
-                self.at[axis] = {"X": -400.0, "Y": 300.0, "Z": TOP}[axis]
+        elif _goes_by_machine(effect):
+            self.at.update({word.address: _HOME[word.address] for word in words})
         elif effect.move is not None:
-            for word in effect.block.words:
-                if word.address in AXES:
-                    value = plain_value(word) * (25.4 if effect.after.is_inch else 1.0)
-                    if word.address == "X" and is_diameter(effect.after, self.settings.control):
-                        value /= 2.0
-                    incremental = effect.after.modes.distance == "incremental"
-                    value += self.at[word.address] if incremental else 0.0
-                    is_hole = effect.move.kind == "other" and word.address == "Z"
-                    self.at[word.address] = self.at["Z"] if is_hole else value
+            is_hole = effect.move.kind == "other"  # the control itself comes back up
+            self.at.update(
+                {w.address: self._end(w, effect) for w in words if not (is_hole and w.address == "Z")}
+            )
         return start, dict(self.at)
+
+    def _switch_offset(self, effect: BlockEffect, *, ends_offset: bool) -> None:
+        dialect = self.settings.dialect
+        goes_home = "home" in effect.non_modal and any(w.address == "Z" for w in effect.block.words)
+        if (goes_home and self.home_ends_offset) or ends_offset:
+            self.offset_is_in_force = False
+        codes = codes_of(effect.block, "length_offset", dialect)
+        if codes:
+            self.offset_is_in_force = dialect.g_codes[codes[-1]].value == "on"
+
+    def _end(self, word: Word, effect: BlockEffect) -> float:
+        """Where an axis word takes its axis."""
+        value = plain_value(word) * (25.4 if effect.after.is_inch else 1.0)
+        if word.address == "X" and is_diameter(effect.after, self.settings.control):
+            value /= 2.0
+        is_distance = effect.after.modes.distance == "incremental"
+        return value + self.at[word.address] if is_distance else value
+
+
+def _calls(effect: BlockEffect) -> bool:
+    return "macro-call" in effect.non_modal or any(c.keyword == "O-CALL" for c in effect.block.controls)
+
+
+def _positions(effect: BlockEffect) -> bool:
+    is_rapid = effect.move is not None and effect.move.kind == "rapid" and not effect.non_modal
+    return is_rapid or _goes_by_machine(effect)
+
+
+def _goes_by_machine(effect: BlockEffect) -> bool:
+    return bool({"home", "machine"} & set(effect.non_modal))
 
 
 def same_cuts(
@@ -197,36 +229,51 @@ def same_cuts(
     one, other = Machine(rules, home_ends), Machine(rules, home_ends)
     for new, old in paired:
         text = new.block.text
-        is_call = "macro-call" in new.non_modal or any(c.keyword == "O-CALL" for c in new.block.controls)
+        is_call = _calls(new)
         if old is None:
-            start, end = other.run(new, in_call=is_call, ends_offset=is_call and calls_end)
-            goes_down = end["Z"] < min(TOP, start["Z"])
-            if goes_down:
-                for axis in "XY":
-                    assert start[axis] == end[axis] and _equal(end[axis], one.at[axis]), text
-                assert other.offset_is_in_force == one.offset_is_in_force, text
-            assert end["Z"] >= min(TOP, one.at["Z"]) or _equal(end["Z"], one.at["Z"]), text
-            assert start["X"] == end["X"] or end["Z"] == TOP, text
+            new_way = other.run(new, in_call=is_call, ends_offset=is_call and calls_end)
+            _comes_down_nowhere_else(new_way, one, other, text)
             continue
         if old.after.ended:
             break  # what follows is another program
-        before, after = one.run(old, in_call=is_call)
-        start, end = other.run(new, in_call=is_call)
+        old_way = one.run(old, in_call=is_call)
+        new_way = other.run(new, in_call=is_call)
         if old.move is None and not old.non_modal - {"data-setting", "shift", "dwell", "exact-stop"}:
             continue
-        is_rapid = old.move is not None and old.move.kind == "rapid" and not old.non_modal
-        if is_rapid or "home" in old.non_modal or "machine" in old.non_modal:
-            slanting = any(not _equal(start[a], before[a]) for a in "XY" if start["Z"] != end["Z"])
-            assert not slanting, f"comes down elsewhere: {text}"
-            assert start["Z"] >= min(TOP, before["Z"]) or _equal(start["Z"], before["Z"]), text
-            named = old.move.axes if old.move else ""
-            assert all(_equal(end[a], after[a]) for a in named), text
+        if _positions(old):
+            _positions_alike(old_way, new_way, old)
         else:
-            for axis in AXES:
-                assert _equal(start[axis], before[axis]), f"cuts from elsewhere ({axis}): {text}"
-                assert _equal(end[axis], after[axis]), f"cuts to elsewhere ({axis}): {text}"
-        if start["Z"] != end["Z"] and "home" not in old.non_modal and "machine" not in old.non_modal:
+            _cuts_alike(old_way, new_way, text)
+        if new_way[0]["Z"] != new_way[1]["Z"] and not _goes_by_machine(old):
             assert one.offset_is_in_force == other.offset_is_in_force, f"length offset differs: {text}"
+
+
+def _comes_down_nowhere_else(way: Way, one: Machine, other: Machine, text: str) -> None:
+    """What was inserted goes down only where the original is, and never below it."""
+    start, end = way
+    if end["Z"] < min(TOP, start["Z"]):
+        for axis in "XY":
+            assert start[axis] == end[axis] and _equal(end[axis], one.at[axis]), text
+        assert other.offset_is_in_force == one.offset_is_in_force, text
+    assert end["Z"] >= min(TOP, one.at["Z"]) or _equal(end["Z"], one.at["Z"]), text
+    assert start["X"] == end["X"] or end["Z"] == TOP, text
+
+
+def _positions_alike(old_way: Way, new_way: Way, old: BlockEffect) -> None:
+    """A rapid comes down straight, and ends where it did."""
+    text = old.block.text
+    before, after = old_way
+    start, end = new_way
+    slanting = any(not _equal(start[a], before[a]) for a in "XY" if start["Z"] != end["Z"])
+    assert not slanting, f"comes down elsewhere: {text}"
+    assert start["Z"] >= min(TOP, before["Z"]) or _equal(start["Z"], before["Z"]), text
+    assert all(_equal(end[a], after[a]) for a in (old.move.axes if old.move else "")), text
+
+
+def _cuts_alike(old_way: Way, new_way: Way, text: str) -> None:
+    for axis in AXES:
+        assert _equal(new_way[0][axis], old_way[0][axis]), f"cuts from elsewhere ({axis}): {text}"
+        assert _equal(new_way[1][axis], old_way[1][axis]), f"cuts to elsewhere ({axis}): {text}"
 
 
 def _equal(a: float, b: float) -> bool:

@@ -57,19 +57,22 @@ class _Machine:
         elif name.startswith(("MIST", "FLOOD")):
             self.in_force[name.partition("_")[0]] = (name,)
         elif name in _OFFSETS:
-            numbers = arguments[1:4] if name == "SET_G5X_OFFSET" else arguments[:3]
-            old = self.offsets.get(name, (0.0, 0.0, 0.0))
-            new = [float(number) * self.scale for number in numbers]
-            self.offsets[name] = new
-            if name in _FOLLOWED:
-                x, y, z = (self.numbers[axis] + old[axis] - new[axis] for axis in range(3))
-                self.numbers = x, y, z
-            self.in_force[name] = (arguments[0], *(_text(mm) for mm in self.offsets[name]))
+            self._offset(name, arguments)
         else:
             if name == "USE_LENGTH_UNITS":
                 self.scale = rs274.MM_PER_INCH if arguments[0] == "CANON_UNITS_INCHES" else 1.0
             scale = self.scale if name in _LENGTHS else 1.0
             self.in_force[name] = tuple(_text(argument, scale) for argument in arguments)
+
+    def _offset(self, name: str, arguments: Sequence[str]) -> None:
+        numbers = arguments[1:4] if name == "SET_G5X_OFFSET" else arguments[:3]
+        old = self.offsets.get(name, (0.0, 0.0, 0.0))
+        new = [float(number) * self.scale for number in numbers]
+        self.offsets[name] = new
+        if name in _FOLLOWED:
+            x, y, z = (self.numbers[axis] + old[axis] - new[axis] for axis in range(3))
+            self.numbers = x, y, z
+        self.in_force[name] = (arguments[0], *(_text(mm) for mm in new))
 
     def move(self, name: str, arguments: Sequence[str]) -> None:
         numbers = [float(argument) * self.scale for argument in arguments[:3]]
@@ -130,16 +133,20 @@ def difference(before: Iterable[str], after: Iterable[str]) -> str:
     return ""
 
 
+def _rapid_otherwise(was: Action, now: Action) -> str:
+    moved = [axis for axis in range(3) if abs(now.end[axis] - now.start[axis]) > _SAME_MM]
+    off = [axis for axis in range(2) if abs(was.start[axis] - now.start[axis]) > _SAME_MM]
+    if any(abs(was.end[axis] - now.end[axis]) > _SAME_MM for axis in moved):
+        return "a rapid to elsewhere"
+    return "down or up at another place" if 2 in moved and off and abs(now.end[2]) > _SAME_MM else ""
+
+
 def _moves_otherwise(was: Action, now: Action) -> str:
     if was.name in _OTHERS:
         is_same = was.name != "DWELL" or was.arguments == now.arguments
         return "" if is_same else "another dwell"
     if was.name == "STRAIGHT_TRAVERSE":
-        moved = [axis for axis in range(3) if abs(now.end[axis] - now.start[axis]) > _SAME_MM]
-        off = [axis for axis in range(2) if abs(was.start[axis] - now.start[axis]) > _SAME_MM]
-        if any(abs(was.end[axis] - now.end[axis]) > _SAME_MM for axis in moved):
-            return "a rapid to elsewhere"
-        return "down or up at another place" if 2 in moved and off and abs(now.end[2]) > _SAME_MM else ""
+        return _rapid_otherwise(was, now)
     if dist(was.start, was.end) < _SAME_MM and dist(now.start, now.end) < _SAME_MM:
         return ""  # a bare G1
     is_same = dist(was.start, now.start) < _SAME_MM and dist(was.end, now.end) < _SAME_MM

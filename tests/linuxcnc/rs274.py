@@ -13,7 +13,7 @@ import re
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from math import dist
 from pathlib import Path
@@ -220,25 +220,23 @@ class _Machine:
         return Motion(kind, x, y, z, feed, per_rev, self.speed, self.surface, self.path_mode, time_s)
 
     def set(self, name: str, arguments: Sequence[str]) -> None:
-        match name:
-            case "USE_LENGTH_UNITS":
-                self.scale = MM_PER_INCH if arguments[0] == "CANON_UNITS_INCHES" else 1.0
-            case "SET_FEED_RATE":
-                self.feed = float(arguments[0]) * self.scale
-            case "SET_FEED_MODE":
-                self.per_rev = arguments[1] == "1"
-            case "START_SPEED_FEED_SYNC":
-                self.pitch = float(arguments[0]) * self.scale
-            case "STOP_SPEED_FEED_SYNCH":
-                self.pitch = 0.0
-            case "SET_SPINDLE_SPEED":
-                self.speed = float(arguments[1])
-            case "SET_SPINDLE_MODE":
-                self.surface = float(arguments[1]) > 0
-            case "SELECT_PLANE":
-                self.axes = _PLANE[arguments[0]]
-            case "SET_MOTION_CONTROL_MODE":
-                self.path_mode = _PATH_MODES[arguments[0]]
+        if name in _SETS:
+            field, value = _SETS[name]
+            setattr(self, field, value(self, arguments))
+
+
+# What a call sets, and to what.
+_SETS: dict[str, tuple[str, Callable[[_Machine, Sequence[str]], object]]] = {
+    "USE_LENGTH_UNITS": ("scale", lambda _, said: MM_PER_INCH if said[0] == "CANON_UNITS_INCHES" else 1.0),
+    "SET_FEED_RATE": ("feed", lambda machine, said: float(said[0]) * machine.scale),
+    "SET_FEED_MODE": ("per_rev", lambda _, said: said[1] == "1"),
+    "START_SPEED_FEED_SYNC": ("pitch", lambda machine, said: float(said[0]) * machine.scale),
+    "STOP_SPEED_FEED_SYNCH": ("pitch", lambda _machine, _said: 0.0),
+    "SET_SPINDLE_SPEED": ("speed", lambda _, said: float(said[1])),
+    "SET_SPINDLE_MODE": ("surface", lambda _, said: float(said[1]) > 0),
+    "SELECT_PLANE": ("axes", lambda _, said: _PLANE[said[0]]),
+    "SET_MOTION_CONTROL_MODE": ("path_mode", lambda _, said: _PATH_MODES[said[0]]),
+}
 
 
 def motion(canon: Iterable[str]) -> list[Motion]:

@@ -220,7 +220,11 @@ def test_every_point_lies_where_the_original_goes(drawn: Drawn) -> None:
         return
     assert restore(read(result.data)).data == data
     assert chipbreak.rewrite(result.data, settings, allow_unbroken=True).data == result.data
+    lies_on_the_path(drawn, settings, result)
 
+
+def lies_on_the_path(drawn: Drawn, settings: chipbreak.Settings, result: chipbreak.Result) -> None:
+    """Every point of the cut as the interpreter runs it, and the time that it takes."""
     was, now = judged(drawn.without_wish(), lathe=drawn.lathe), judged(result.data, lathe=drawn.lathe)
     start, legs = cut_of(was, drawn.plane)
     start_now, moves = cut_of(now, drawn.plane)

@@ -29,14 +29,8 @@ class BlockRunner:
         """Run the words of a block, in the order in which controls act on them."""
         codes = [value for address, value in words if address == "G"]
         non_modal = [code for code in codes if code in _ONCE]
-        for code in codes:
-            if code in GROUP_OF:
-                self.modes.codes[GROUP_OF[code]] = code
-            elif code not in _ONCE:
-                raise fault(UNSUPPORTED, f"G{code:g} is not known here: {block.text}")
-        for address, value in words:
-            if address not in "GMXYZ":
-                self.modes.words[address] = value
+        self._set_modes(block, codes)
+        self.modes.words.update((address, value) for address, value in words if address not in "GMXYZ")
         self._length_offset(codes)
         m_codes = [round(value) for address, value in words if address == "M"]
         for code in m_codes:
@@ -47,6 +41,13 @@ class BlockRunner:
                 raise ProgramEnd
             if code in STOPS_READING:
                 self.machine.catch_up()
+
+    def _set_modes(self, block: Block, codes: Sequence[float]) -> None:
+        for code in codes:
+            if code in GROUP_OF:
+                self.modes.codes[GROUP_OF[code]] = code
+            elif code not in _ONCE:
+                raise fault(UNSUPPORTED, f"G{code:g} is not known here: {block.text}")
 
     def _before(self, code: int, words: Words, block: Block) -> None:
         """M codes that act before the move."""
@@ -75,17 +76,11 @@ class BlockRunner:
         scale = MM_PER_INCH if self.modes.is_inch else 1.0
         axes = {address: value * scale for address, value in words if address in AXES}
         if 53 in non_modal:
-            if axes and not self.modes.is_absolute:
-                raise fault(MOTION, f"G53 under G91 moves nothing: {block.text}")
-            self.machine.move(self._with(axes, self.machine.planned))
-            self.machine.catch_up()
+            self._move_by_machine(block, axes)
             return
         if 4 in non_modal or 10 in non_modal or not axes:
             return
-        in_the_way = [f"G{code:g}" for group, plain in _BENDING.items()
-                      if (code := self.modes.codes[group]) != plain]  # fmt: skip
-        if in_the_way:
-            raise fault(MOTION, f"a move under {' '.join(in_the_way)}: {block.text}")
+        self._check_straight(block)
         target = self._target(axes)
         if 28 in non_modal:
             self.machine.move(target)
@@ -98,6 +93,20 @@ class BlockRunner:
             self.machine.move(target)
         else:
             raise fault(UNSUPPORTED, f"only straight moves are known here: {block.text}")
+
+    def _move_by_machine(self, block: Block, axes: dict[str, float]) -> None:
+        """G53: machine coordinates, and nothing is read ahead."""
+        if axes and not self.modes.is_absolute:
+            raise fault(MOTION, f"G53 under G91 moves nothing: {block.text}")
+        self.machine.move(self._with(axes, self.machine.planned))
+        self.machine.catch_up()
+
+    def _check_straight(self, block: Block) -> None:
+        """Refuse a move while a code is in force that turns or bends it."""
+        modes = self.modes.codes
+        in_the_way = [f"G{modes[group]:g}" for group, plain in _BENDING.items() if modes[group] != plain]
+        if in_the_way:
+            raise fault(MOTION, f"a move under {' '.join(in_the_way)}: {block.text}")
 
     def _feed(self, scale: float, block: Block) -> float:
         if self.modes.codes[5] != 94 or not self.modes.words.get("F", 0.0) > 0.0:

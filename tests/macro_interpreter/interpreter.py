@@ -97,25 +97,33 @@ class Interpreter:
     def _block(self, program: MacroProgram, at: int, block: Block, depth: int) -> int | None:
         """Run one block; the index of the next, None to return from the program."""
         for control in block.controls:
-            match control.keyword:
-                case "IF":
-                    if not self._is_true(block, control):
-                        return at + 1
-                case "THEN" | "DO":
-                    pass
-                case "GOTO":
-                    return self._jump(program, block, control)
-                case "WHILE":
-                    if not self._is_true(block, control):
-                        if at not in program.partners:
-                            raise fault(NO_LOOP, f"O{program.number:04}: WHILE without DO: {block.text}")
-                        return program.partners[at] + 1
-                case "END":
-                    return program.partners[at]
-                case _:
-                    raise fault(ARGUMENT, f"O{program.number:04}: not of this control: {block.text}")
+            goes_on, following = self._control(program, at, block, control)
+            if not goes_on:
+                return following
         self._assign(block)
         return self._words(block, at, depth)
+
+    def _control(
+        self, program: MacroProgram, at: int, block: Block, control: Control
+    ) -> tuple[bool, int | None]:
+        """Whether the block goes on behind a control word, and which block follows where it does not."""
+        match control.keyword:
+            case "IF":
+                return self._is_true(block, control), at + 1
+            case "THEN" | "DO":
+                return True, None
+            case "GOTO":
+                return False, self._jump(program, block, control)
+            case "WHILE":
+                if self._is_true(block, control):
+                    return True, None
+                if at not in program.partners:
+                    raise fault(NO_LOOP, f"O{program.number:04}: WHILE without DO: {block.text}")
+                return False, program.partners[at] + 1
+            case "END":
+                return False, program.partners[at]
+            case _:
+                raise fault(ARGUMENT, f"O{program.number:04}: not of this control: {block.text}")
 
     def _words(self, block: Block, at: int, depth: int) -> int | None:
         """Calls, returns, and the codes of a block."""
@@ -125,9 +133,7 @@ class Interpreter:
             self._call(block, words, depth)
             return at + 1
         if ("M", 98.0) in codes:
-            times = [value for word, value in words if word.address == "L" and value is not None]
-            for _ in range(round(times[-1]) if times else 1):
-                self._run(self.library.get(self._program_number(block, words)), depth + 1)
+            self._call_subprogram(block, words, depth)
             return at + 1
         if ("M", 99.0) in codes:
             if len(words) > 1:
@@ -137,6 +143,12 @@ class Interpreter:
         if present:
             self.blocks.run(block, present)
         return at + 1
+
+    def _call_subprogram(self, block: Block, words: list[tuple[Word, Value]], depth: int) -> None:
+        """``M98 P.. L..``: L times."""
+        times = [value for word, value in words if word.address == "L" and value is not None]
+        for _ in range(round(times[-1]) if times else 1):
+            self._run(self.library.get(self._program_number(block, words)), depth + 1)
 
     def _call(self, block: Block, words: list[tuple[Word, Value]], depth: int) -> None:
         """``G65 P.. A..``: a new level of local variables."""

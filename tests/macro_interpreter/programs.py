@@ -77,23 +77,28 @@ def _labels(blocks: list[Block]) -> dict[int, int]:
     return labels
 
 
+def _check_label(number: int, label: str, opened: list[str]) -> None:
+    """Refuse a DO that there is not, or that is open already."""
+    if label not in ("1", "2", "3"):
+        raise fault(NO_LOOP, f"O{number:04}: DO{label}; there are DO1, DO2 and DO3")
+    if label in opened:
+        raise fault(NO_LOOP, f"O{number:04}: DO{label} inside DO{label}")
+
+
 def _loops(number: int, blocks: list[Block]) -> dict[int, int]:
     """DO to END and back; loops may lie in each other, not across."""
     partners: dict[int, int] = {}
     opened: list[tuple[str, int]] = []
-    for index, block in enumerate(blocks):
-        for control in block.controls:
-            if control.keyword == "DO":
-                if control.label not in ("1", "2", "3"):
-                    raise fault(NO_LOOP, f"O{number:04}: DO{control.label}; there are DO1, DO2 and DO3")
-                if control.label in [label for label, _ in opened]:
-                    raise fault(NO_LOOP, f"O{number:04}: DO{control.label} inside DO{control.label}")
-                opened.append((control.label, index))
-            elif control.keyword == "END":
-                if not opened or opened[-1][0] != control.label:
-                    raise fault(NO_LOOP, f"O{number:04}: END{control.label} without its DO")
-                partners[index] = opened.pop()[1]
-                partners[partners[index]] = index
+    controls = [(index, control) for index, block in enumerate(blocks) for control in block.controls]
+    for index, control in controls:
+        if control.keyword == "DO":
+            _check_label(number, control.label, [label for label, _ in opened])
+            opened.append((control.label, index))
+        elif control.keyword == "END":
+            if not opened or opened[-1][0] != control.label:
+                raise fault(NO_LOOP, f"O{number:04}: END{control.label} without its DO")
+            partners[index] = opened.pop()[1]
+            partners[partners[index]] = index
     if opened:
         raise fault(NO_LOOP, f"O{number:04}: DO{opened[-1][0]} without its END")
     return partners

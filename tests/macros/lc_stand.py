@@ -62,12 +62,21 @@ def verdicts(cases: Sequence[Case], expected: Mapping[str, Verdict]) -> dict[str
     found: dict[str, Verdict] = {}
     for settings in {case.settings for case in cases}:
         group = [case for case in cases if case.settings == settings]
-        for speed_up in laser.SPEEDS:
-            runs = _run(group, replace(LC_SETTINGS, runout_mm=settings.runout_mm), speed_up)
-            found |= {case.name: _verdict(case, run) for case, run in zip(group, runs, strict=True)}
-            group = [case for case in group if found[case.name] != expected[case.name]]
-            if not group:
-                break
+        found |= _verdicts_of(group, replace(LC_SETTINGS, runout_mm=settings.runout_mm), expected)
+    return found
+
+
+def _verdicts_of(
+    group: Sequence[Case], settings: MacroSettings, expected: Mapping[str, Verdict]
+) -> dict[str, Verdict]:
+    """The verdicts of cases with the same settings."""
+    found: dict[str, Verdict] = {}
+    for speed_up in laser.SPEEDS:
+        runs = _run(group, settings, speed_up)
+        found |= {case.name: _verdict(case, run) for case, run in zip(group, runs, strict=True)}
+        group = [case for case in group if found[case.name] != expected[case.name]]
+        if not group:
+            break
     return found
 
 

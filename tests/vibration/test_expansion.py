@@ -193,6 +193,19 @@ KINDS = {
 BULGES = {"arc out": (1,), "arc in": (-1,), "line and arc": (0, 1, 0)}
 
 
+Words = tuple[Decimal, Decimal]
+
+
+def block_of(one: Words, other: Words, bulge: int, radius: Decimal, style: str) -> str:
+    """A line or an arc from one place to another."""
+    words = [f"G{ {0: 1, 1: 3, -1: 2}[bulge] }"]
+    for letter, was, now in zip("UW" if style == "UW" else "XZ", one, other, strict=True):
+        if now != was or bulge:
+            words.append(f"{letter}{now if style == 'absolute' else now - was}")
+    words += [f"R{radius}"] if bulge else []
+    return " ".join(words)
+
+
 @st.composite
 def shapes(draw: st.DrawFn) -> Shape:
     kind = draw(st.sampled_from(sorted(KINDS)))
@@ -228,15 +241,8 @@ def shapes(draw: st.DrawFn) -> Shape:
     for a, b, bulge in zip(in_mm, in_mm[1:], bulges, strict=False):
         assume(not bulge or math.dist(a, b) < 1.99 * float(radius) * unit)
 
-    blocks = []
-    for (x0, z0), (x, z), bulge in zip(written, written[1:], bulges, strict=False):
-        xs, zs = (x, z) if style == "absolute" else (x - x0, z - z0)
-        xl, zl = ("U", "W") if style == "UW" else ("X", "Z")
-        words = [f"G{ {0: 1, 1: 3, -1: 2}[bulge] }"]
-        words += [f"{xl}{xs}"] if x != x0 or bulge else []
-        words += [f"{zl}{zs}"] if z != z0 or bulge else []
-        words += [f"R{radius}"] if bulge else []
-        blocks.append(" ".join(words))
+    legs = zip(written, written[1:], bulges, strict=False)
+    blocks = [block_of(one, other, bulge, radius, style) for one, other, bulge in legs]
     feed = feed_mm / unit * (speed if mode == "minute" else 1)
     blocks[0] += f" F{feed:.6f}"
     head = f"G{20 if inch else 21} G{97} S{speed} M3\nG{94 if mode == 'minute' else 95}\n"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 import pickle
+from itertools import chain
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -216,16 +217,23 @@ def branches_on(tree: ast.AST, name: str) -> list[int]:
     found = []
     for node in ast.walk(tree):
         if isinstance(node, ast.Compare):
-            parts = [node.left, *node.comparators]
-            if any(ast.unparse(part) in OTHER_DWELLS for part in parts):
-                continue
-            parts += [
-                e for part in parts if isinstance(part, ast.Tuple | ast.List | ast.Set) for e in part.elts
-            ]
-            found += [node.lineno for p in parts if isinstance(p, ast.Constant) and p.value == name]
-        elif isinstance(node, ast.MatchValue) and isinstance(node.value, ast.Constant):
-            found += [node.value.lineno] * (node.value.value == name)
+            found += [node.lineno for part in _compared(node) if _is_text(part, name)]
+        elif isinstance(node, ast.MatchValue) and _is_text(node.value, name):
+            found.append(node.value.lineno)
     return found
+
+
+def _compared(node: ast.Compare) -> list[ast.expr]:
+    """What a comparison compares, and what is in it; nothing where a dwell of another kind takes part."""
+    parts = [node.left, *node.comparators]
+    if any(ast.unparse(part) in OTHER_DWELLS for part in parts):
+        return []
+    lists = [part.elts for part in parts if isinstance(part, ast.Tuple | ast.List | ast.Set)]
+    return [*parts, *chain.from_iterable(lists)]
+
+
+def _is_text(node: ast.expr, text: str) -> bool:
+    return isinstance(node, ast.Constant) and node.value == text
 
 
 @pytest.mark.parametrize("name", NAMED)
