@@ -186,6 +186,45 @@ def test_a_new_kind_of_promise_that_does_not_hold_stops_the_output(monkeypatch: 
         run(monkeypatch, Stub("stub", lambda _: [edit]))
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Unrolled(Promise):
+    """The passes of a cycle, each down to its depth."""
+
+    depths_mm: tuple[float, ...]
+
+    def check(self, written: Written) -> int:
+        moves = [
+            e.move for e in written.result.effects_of(written.region.body, written.region.last) if e.move
+        ]
+        depths_mm = tuple(move.end.z for move in moves if move.is_cut)
+        if depths_mm != self.depths_mm:
+            raise SelfCheckError(f"passes to {depths_mm}")
+        return len(depths_mm)
+
+
+@pytest.mark.parametrize(
+    ("blocks", "said"),
+    [
+        (("G1 Z-1. F0.1", "G0 Z2.", "G1 Z-2.", "G0 Z2."), ""),
+        (("G1 Z-1. F0.1", "G0 Z2.", "G1 Z-2.5", "G0 Z2."), "passes to"),
+        (("G1 Z-1. F0.1", "G0 Z2.", "G1 Z-2.", "G0 Z3."), "the position of Z"),
+    ],
+)
+def test_a_cycle_can_be_unrolled(blocks: tuple[str, ...], said: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A block becomes many: what behind it depends on the block finds all as the cycle leaves it."""
+    program = PROGRAM.replace(b"G1 Z-3. F0.1", b"G77 Z-2. F0.1")
+    promise = Unrolled(depths_mm=(-1.0, -2.0), leaves_motion=True)
+    stub = Stub("unroll", lambda _: [Edit(2, 3, blocks, "UNROLL", "", promise)])
+    monkeypatch.setattr(passes, "PASSES", (*OURS, stub))
+    settings = chipbreak.load("fanuc-lathe", ["control.lathe_system=B"])
+    program = program.replace(b"\nX24.", b"\nG1 X24.")
+    if said:
+        with pytest.raises(SelfCheckError, match=said):
+            chipbreak.rewrite(program, settings)
+    else:
+        assert chipbreak.rewrite(program, settings).reports == (2,)
+
+
 class Broken(Promise):
     """It cannot even be looked after."""
 
