@@ -70,7 +70,8 @@ def _from_words(block: Block) -> CuttingSpeed | None:
     if speed is not None:
         message = "S, V and D stand in one block: the speed is given twice"
         raise RefusalError("VIB070", message, "give S, or V and D")
-    v, d = words["V"], words["D"]
+    v = words["V"]
+    d = words["D"]
     assert v.number is not None and d.number is not None
     at = (min(v.start, d.start), max(v.end, d.end))
     return _checked(CuttingSpeed(v.number, d.number, tuple(sorted((v, d), key=lambda w: w.start)), at))

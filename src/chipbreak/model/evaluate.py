@@ -70,7 +70,8 @@ def _value(expression: Expression) -> float | None:
     quotient = _arc_tangent(expression)
     if quotient is not None:
         return quotient
-    left, right = _value(expression.left), _value(expression.right)
+    left = _value(expression.left)
+    right = _value(expression.right)
     if left is None or right is None:
         return None
     operator = OPERATORS.get(expression.operator)
@@ -90,5 +91,6 @@ def _arc_tangent(expression: Operation) -> float | None:
     left = expression.left
     if expression.operator != "/" or not isinstance(left, Call) or left.function != "ATAN":
         return None
-    y, x = _value(left.arguments[0]), _value(expression.right)
+    y = _value(left.arguments[0])
+    x = _value(expression.right)
     return None if x is None or y is None else math.degrees(math.atan2(y, x))

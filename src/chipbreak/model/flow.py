@@ -55,7 +55,8 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
 
 def _contour_cycle(block: Block, dialect: Dialect) -> tuple[int, int] | None:
     """P and Q of a cycle that reads a shape from the program."""
-    first, last = block.number("P"), block.number("Q")
+    first = block.number("P")
+    last = block.number("Q")
     if first is None or last is None:
         return None
     codes = [dialect.g_codes.get(round(number * 10)) for number in block.numbers("G")]

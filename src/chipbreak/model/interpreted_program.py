@@ -113,7 +113,8 @@ class InterpretedProgram(NamedTuple):
 
     def _sum(self, state: State, last: int, letters: str, numbers: Floats) -> State:
         """Add up the distances of a run whose blocks all have the same words."""
-        control, words = self.settings.control, self.settings.axis_words
+        control = self.settings.control
+        words = self.settings.axis_words
         word_of = {w.address: w for w in self.program.block(last - 1).words}
         ends = state.position._asdict()
         for column, letter in enumerate(letters):
@@ -134,7 +135,9 @@ class InterpretedProgram(NamedTuple):
     def _jump(self, state: State, first: int, last: int) -> State:
         """Take the last word of each letter in a run."""
         bits = self.program.bits[first:last]
-        used, control, words = _used(bits), self.settings.control, self.settings.axis_words
+        used = _used(bits)
+        control = self.settings.control
+        words = self.settings.axis_words
         if used & MOTION_CODE:
             shape = self.program.shapes[self.program.plain[first + _last_of(bits, MOTION_CODE)]]
             state = state.with_motion(_MOTION[shape.motion or 0])
@@ -166,13 +169,15 @@ def _used(bits: NDArray[np.uint16]) -> int:
 
 def _last_of(bits: NDArray[np.uint16], wanted: int) -> int:
     """The last line that has a bit which one of them has."""
-    stop, window = len(bits), 64
+    stop = len(bits)
+    window = 64
     while True:
         start = max(0, stop - window)
         found = np.flatnonzero(bits[start:stop] & wanted)
         if len(found):
             return start + int(found[-1])
-        stop, window = start, window * 4
+        stop = start
+        window *= 4
 
 
 def interpret(program: Program, settings: Settings) -> InterpretedProgram:
@@ -191,7 +196,8 @@ def interpret(program: Program, settings: Settings) -> InterpretedProgram:
         if around is None and _says(effect, "O-SUB"):
             around = state
         elif around is not None and _says(effect, "O-ENDSUB"):
-            effect, around = effect._replace(after=around), None
+            effect = effect._replace(after=around)
+            around = None
         line = event + 1
         if effect.after is not state or not effect.block.is_empty:
             interpreted.effects.append(effect)

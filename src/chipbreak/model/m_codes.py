@@ -8,7 +8,8 @@ from chipbreak.model.modal import State
 
 _SPINDLE = {3: "cw", 4: "ccw", 5: "stop", 19: "stop"}
 _ENDS = (2, 30, 99)
-_KEEPS, _GIVES_BACK = (70, 73), 72
+_KEEPS = (70, 73)
+_GIVES_BACK = 72
 # Where these change, the numbers of a position mean another place.
 _PLACING: frozenset[Group] = frozenset({"work_offset", "length_offset", "diameter"})
 

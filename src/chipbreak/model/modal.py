@@ -21,7 +21,8 @@ class Position(NamedTuple):
 
 NOWHERE = Position(UNKNOWN, UNKNOWN, UNKNOWN)
 # Why nothing is known at the ends of a loop or a branch, and behind a line (the number stands before it).
-LOOPED, UNREAD = "a loop or a branch arrives here", "cannot be read"
+LOOPED = "a loop or a branch arrives here"
+UNREAD = "cannot be read"
 
 
 class Setting(NamedTuple):

@@ -28,7 +28,8 @@ def move_of(
     block: Block, state: State, axis_words: Sequence[Word], settings: Settings, non_modal: frozenset[str]
 ) -> Move:
     """The motion of a block.  Ends are NaN where a value or a start cannot be known."""
-    words, control = settings.axis_words, settings.control
+    words = settings.axis_words
+    control = settings.control
     ends = dict(zip(AXES, state.position, strict=True))
     starts = dict(ends)
     incremental = state.modes.distance == "incremental"
@@ -77,7 +78,8 @@ def _ends_of_other(
 
 def _arc_words(block: Block, state: State, settings: Settings) -> tuple[Position, float]:
     """From the start to the centre, and R [mm]; I and R are never diameters."""
-    words, radius_mm = settings.axis_words, math.nan
+    words = settings.axis_words
+    radius_mm = math.nan
     offsets = dict.fromkeys(AXES, math.nan)
     for word in block.words:
         if word.address in CENTRES:
