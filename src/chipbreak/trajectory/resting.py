@@ -187,13 +187,15 @@ class RestingLaw(ControlLaw):
         for first, last, end_s in _strokes(parts, spans_s):
             # What rounding to servo periods takes from one stroke, the next one gets.
             wanted_s = self.rounded(end_s + late_s - done_s)
-            shares = [wanted_s]
-            if last - first > 1:
+            if last - first == 1:
+                times_s.append(wanted_s)
+                done_s += wanted_s
+            else:
                 ways = np.add.reduceat(ways_mm[: parts.stops[last - 1]], parts.starts[first:last]).tolist()
                 shares = self._shared_out(wanted_s, ways, has_mm_s2[first:last].tolist())
-            for share in shares:
-                done_s += share
-            times_s += shares
+                times_s += shares
+                for share in shares:
+                    done_s += share
             late_s += max(0.0, done_s - end_s - late_s - self.servo_period_s)
         return np.array(times_s)
 
@@ -217,16 +219,14 @@ class RestingLaw(ControlLaw):
             factors = feed_factors(kinds, before, self)
             found |= {(kind, before): factor for kind, factor in zip(kinds, factors, strict=True)}
         for run, stretch in several:
-            before = self._counted_at(run.start, feeds, stretch.lengths_mm[0])
+            seen = float(feeds[run.start - 1]) if run.start else 0.0
+            before = self.counted(seen, stretch.lengths_mm[0])
             if (stretch, before) not in found:
                 [found[stretch, before]] = feed_factors([stretch], before, self)
             factor = found[stretch, before]
             if isinstance(factor, RefusalError):
                 raise factor
             feeds[run] *= factor
-
-    def _counted_at(self, start: int, feeds_mm_s: Floats, length_mm: float) -> float:
-        return self.counted(float(feeds_mm_s[start - 1]) if start else 0.0, length_mm)
 
     def motion_between_dwells(self, distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats) -> Motion:
         """See :meth:`ControlLaw.motion`."""
@@ -242,14 +242,19 @@ class RestingLaw(ControlLaw):
         self, parts: Parts, ways_mm: Floats, feeds_mm_s: Floats, has_mm_s2: Floats
     ) -> list[Run]:
         """How each part runs; those of one kind share it."""
-        keys: list[Kind] = []
-        rows = zip(parts.starts.tolist(), parts.stops.tolist(), has_mm_s2.tolist(), strict=True)
-        for start, stop, has in rows:
-            lengths = tuple(ways_mm[start:stop].tolist())
-            before = self._counted_at(start, feeds_mm_s, lengths[0]) if len(lengths) > 1 else 0.0
-            keys.append(Kind(lengths, tuple(feeds_mm_s[start:stop].tolist()), has, before))
+        ways = ways_mm.tolist()
+        feeds = feeds_mm_s.tolist()
+        keys: list[tuple[tuple[float, ...], tuple[float, ...], float, float]] = []
+        for start, stop, has in zip(
+            parts.starts.tolist(), parts.stops.tolist(), has_mm_s2.tolist(), strict=True
+        ):
+            if stop - start == 1:
+                keys.append(((ways[start],), (feeds[start],), has, 0.0))
+            else:
+                before = self.counted(feeds[start - 1] if start else 0.0, ways[start])
+                keys.append((tuple(ways[start:stop]), tuple(feeds[start:stop]), has, before))
         kinds = list(dict.fromkeys(keys))
-        found = dict(zip(kinds, self.run_kinds(kinds), strict=True))
+        found = dict(zip(kinds, self.run_kinds([Kind(*kind) for kind in kinds]), strict=True))
         return [found[key] for key in keys]
 
 
@@ -257,13 +262,16 @@ def _several(
     parts: Parts, ways_mm: Floats, feeds_mm_s: Floats, times_s: Floats, has_mm_s2: Floats
 ) -> list[tuple[slice, Stretch]]:
     """The parts of several blocks: which blocks they are, and what is wanted of them."""
-    found = []
-    for part in np.flatnonzero(parts.stops - parts.starts > 1).tolist():
-        run = slice(int(parts.starts[part]), int(parts.stops[part]))
-        lengths = tuple(ways_mm[run].tolist())
-        feeds = tuple(feeds_mm_s[run].tolist())
-        found.append((run, Stretch(lengths, feeds, float(times_s[part]), float(has_mm_s2[part]))))
-    return found
+    several = parts.stops - parts.starts > 1
+    if not several.any():
+        return []
+    columns = (parts.starts, parts.stops, times_s, has_mm_s2)
+    ways = ways_mm.tolist()
+    feeds = feeds_mm_s.tolist()
+    return [
+        (slice(start, stop), Stretch(tuple(ways[start:stop]), tuple(feeds[start:stop]), wanted, has))
+        for start, stop, wanted, has in zip(*(column[several].tolist() for column in columns), strict=True)
+    ]
 
 
 def _strokes(parts: Parts, spans_s: Floats) -> Iterator[tuple[int, int, float]]:
