@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -13,7 +12,6 @@ from chipbreak.trajectory.junctions import Blocks, exact_blocks
 from chipbreak.trajectory.law import ControlLaw, Motion
 
 
-@dataclass(frozen=True)
 class Ideal(ControlLaw):
     """No acceleration, no rests: only speed and the reading of blocks limit it."""
 

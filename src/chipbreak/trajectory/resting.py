@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -42,7 +41,6 @@ class Kind(NamedTuple):
     before_mm_s: float
 
 
-@dataclass(frozen=True)
 class RestingLaw(ControlLaw):
     """A law that is known when one stretch is: how it runs, and how far its times may be off."""
 
