@@ -113,6 +113,25 @@ def test_a_report_is_json() -> None:
     assert pickle.loads(pickle.dumps(report)) == report
 
 
+@pytest.mark.parametrize("profile", ["generic-lathe", "fanuc-lathe", "linuxcnc-lathe"])
+@pytest.mark.parametrize("form", ["expanded", "loop"])
+def test_the_motion_of_each_cut(profile: str, form: str) -> None:
+    """A million points would take more memory than a result may keep: they are worked out when asked for."""
+    options = [f"output.form={form}"] if profile != "generic-lathe" else []
+    settings = chipbreak.load(profile, options)
+    program = b"G97 S1000 M3\nG0 X20. Z2.\nG95 G1 Z-8. F0.05 N1.5\nG0 Z2.\nG1 Z-3. F0.05 N1.5\nM30\n"
+    if profile == "fanuc-lathe":
+        program = program.replace(b"G95", b"G99")
+    result = chipbreak.rewrite(program, settings, allow_unbroken=True)
+    motions = list(chipbreak.motions(result, settings))
+    assert [round(float(one.distance_mm[-1]), 3) for one in motions] == [10.0, 5.0]
+    for motion, cut in zip(motions, result.cuts, strict=True):
+        assert float(motion.time_s[-1]) == pytest.approx(cut.duration_s, abs=0.003)  # servo periods
+        assert (motion.time_s[1:] >= motion.time_s[:-1]).all()
+    unchanged = chipbreak.rewrite(b"G0 X20. Z2.\nM30\n", settings)
+    assert list(chipbreak.motions(unchanged, settings)) == []
+
+
 def test_checking_a_good_and_a_bad_program() -> None:
     settings = chipbreak.load("generic-lathe")
     assert chipbreak.check(PROGRAM, settings) == ()

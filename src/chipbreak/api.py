@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from chipbreak.editing.diff import Hunk, compare, items_of
 from chipbreak.editing.restore import restore as put_back
@@ -12,6 +14,7 @@ from chipbreak.model.interpreted_program import interpret
 from chipbreak.pipeline import Result, rewrite, verify_filtered
 from chipbreak.report.build import report_of
 from chipbreak.report.model import Report
+from chipbreak.self_check import written_edits
 from chipbreak.settings import Settings, SettingsError
 from chipbreak.syntax.parse import parse
 from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, RefusalError
@@ -20,6 +23,9 @@ from chipbreak.tools import files
 from chipbreak.tools.data import ToolData
 from chipbreak.tools.merge import ToolTable
 from chipbreak.tools.program import tool_table as table_of
+
+if TYPE_CHECKING:
+    from chipbreak.vibration.measure import CutMotion
 
 
 def check(
@@ -60,6 +66,23 @@ def explain(result: Result, settings: Settings) -> Report:
     ``str()`` of the report is the text that ``chipbreak explain`` prints, ``as_dict()`` its JSON.
     """
     return report_of(result, settings)
+
+
+def motions(result: Result, settings: Settings) -> Iterator[CutMotion]:
+    """How each of the result's ``cuts`` runs on its control, one at a time: ``time_s`` and ``distance_mm``.
+
+    They are read from ``result.data`` again, with the ``settings`` of the run, because the motion of a long
+    program takes more memory than the program.
+    """
+    from chipbreak.vibration.cut_edit import VibratedCut
+
+    if not result.cuts:
+        return
+    interpreted = interpret(parse(result.source, settings.dialect), settings)
+    for written in written_edits(interpreted, result.data, result.edits):
+        promise = written.edit.promise
+        if isinstance(promise, VibratedCut):
+            yield promise.motion(written)
 
 
 def diff(

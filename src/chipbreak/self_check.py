@@ -60,6 +60,12 @@ def verify(interpreted: InterpretedProgram, output: bytes, edits: Sequence[Edit]
     return kept
 
 
+def written_edits(interpreted: InterpretedProgram, output: bytes, edits: Sequence[Edit]) -> Iterator[Written]:
+    """The edits of an output that has been verified, each with its place in it."""
+    source = read(output, interpreted.program.source.name)
+    return _written(interpreted, source, in_order(edits), regions(source))
+
+
 def _report(written: Written) -> object | None:
     """What a promise reports.  One that cannot be looked after does not hold."""
     edit = written.edit

@@ -13,7 +13,7 @@ from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.vibration.blocks import Expansion
 from chipbreak.vibration.chain import Chain
-from chipbreak.vibration.measure import CutReport, measure_cut
+from chipbreak.vibration.measure import CutMotion, CutReport, measure_cut, measured_motion
 from chipbreak.vibration.plan import CutPlan
 
 
@@ -28,6 +28,10 @@ class VibratedCut(Promise):
     def check(self, written: Written) -> CutReport:
         """Measure the cut as the output commands it, and judge its chips."""
         return measure_cut(written.result, written.region, self.plan, self.expansion)
+
+    def motion(self, written: Written) -> CutMotion:
+        """The cut in time, as the output commands it."""
+        return measured_motion(written.result, written.region, self.plan, self.expansion)
 
 
 def cut_edit(plan: CutPlan, expansion: Expansion, speed: str, interpreted: InterpretedProgram) -> Edit:

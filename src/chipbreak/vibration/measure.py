@@ -15,7 +15,8 @@ from chipbreak.kinematics.machine_demand import flank_clearance_deg, least_accel
 from chipbreak.kinematics.waveform import WaveformParameters, full_window
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.text.diagnostics import SelfCheckError
-from chipbreak.trajectory.law import ControlLaw
+from chipbreak.trajectory.junctions import Blocks
+from chipbreak.trajectory.law import ControlLaw, Motion
 from chipbreak.units import MS_PER_S
 from chipbreak.vibration.blocks import Expansion
 from chipbreak.vibration.machine import control_along
@@ -73,8 +74,37 @@ class CutReport:
         return float(self.expansion.dwell_s[0]) if self.plan.expander.keeps_feed else 0.0
 
 
-def measure_cut(result: InterpretedProgram, region: Region, plan: CutPlan, expansion: Expansion) -> CutReport:
-    """Read a cut back from the output.  Raises SelfCheckError when it is not what was planned."""
+class CutMotion(NamedTuple):
+    """How a cut runs on its control: seconds from its start, and where on the path the tool then is [mm].
+
+    Both have the shape (n,); between two points the tool moves evenly.
+    """
+
+    time_s: Floats
+    distance_mm: Floats
+
+    def __repr__(self) -> str:
+        return f"<CutMotion: {len(self.time_s)} points>"
+
+
+class _Timed(NamedTuple):
+    """The moves of a cut as they stand in the output, and when the control makes them."""
+
+    moves: ReadBack
+    law: ControlLaw
+    blocks: Blocks
+    motion: Motion
+
+
+def measured_motion(
+    result: InterpretedProgram, region: Region, plan: CutPlan, expansion: Expansion
+) -> CutMotion:
+    """The motion of a cut, read from the output.  Raises SelfCheckError when it is not what was planned."""
+    motion = _timed(result, region, plan, expansion).motion
+    return CutMotion(motion.time_s, motion.distance_mm)
+
+
+def _timed(result: InterpretedProgram, region: Region, plan: CutPlan, expansion: Expansion) -> _Timed:
     moves = read_moves(result, region.body, region.last)
     count = len(moves.feed_mm_s)
     if count != len(expansion.distance_mm):
@@ -89,6 +119,12 @@ def measure_cut(result: InterpretedProgram, region: Region, plan: CutPlan, expan
     motion = law.motion(distance_mm, blocks, moves.feed_mm_s, moves.dwell_s)
     if not np.all(motion.spans_s > 0.0):
         raise SelfCheckError("a move takes no time")
+    return _Timed(moves, law, blocks, motion)
+
+
+def measure_cut(result: InterpretedProgram, region: Region, plan: CutPlan, expansion: Expansion) -> CutReport:
+    """Read a cut back from the output.  Raises SelfCheckError when it is not what was planned."""
+    moves, law, blocks, motion = _timed(result, region, plan, expansion)
     _check_dwells(moves.dwell_s, expansion.dwell_s)
     spans_s = motion.spans_s + moves.dwell_s if len(moves.dwell_s) else motion.spans_s
     time_s = np.concatenate(([0.0], np.cumsum(spans_s)))
@@ -121,7 +157,7 @@ def measure_cut(result: InterpretedProgram, region: Region, plan: CutPlan, expan
         expansion,
         law.name,
         float(time_s[-1]),
-        count,
+        len(moves.feed_mm_s),
         verdict,
         is_late or (off_count and verdict.per_rev > 0.0),
         least_acceleration_mm_s2(plan.wave, plan.solution.per_rev),
