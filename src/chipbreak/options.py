@@ -18,7 +18,11 @@ if TYPE_CHECKING:
     from chipbreak.pipeline import Result
     from chipbreak.settings import Settings
 
-DONE, DIFFERENT, USAGE, REJECTED, FAILED = 0, 1, 2, 3, 4
+DONE = 0
+DIFFERENT = 1
+USAGE = 2
+REJECTED = 3
+FAILED = 4
 _Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 

@@ -21,7 +21,9 @@ class Reporter:
     """Writes diagnostics to stderr, for people or for programs."""
 
     def __init__(self, *, as_json: bool, quiet: bool, colour: bool) -> None:
-        self.as_json, self.quiet, self.colour = as_json, quiet, colour
+        self.as_json = as_json
+        self.quiet = quiet
+        self.colour = colour
 
     def show(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Errors always; warnings unless quiet."""

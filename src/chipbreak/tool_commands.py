@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -50,9 +51,6 @@ def inspect(
     Both are CSV with the columns tooth,height_mm,radius_mm.  Exit 0: fine, 1: chipped, 2: trouble.
     """
     from chipbreak.settings.sections import Checks
-    from chipbreak.tools.data import ToolFileError
-    from chipbreak.tools.files import read_bytes
-    from chipbreak.tools.lists import read_traces
 
     if output is not None and Path(output).suffix.lower() != ".svg":
         raise click.UsageError(
@@ -62,6 +60,25 @@ def inspect(
     needs_profile = asked.profile is not None or bool(asked.sets)
     checks = settings_of(asked, before).checks if needs_profile else Checks()
     limit_mm = _limit_mm(checks, next_kind, tool)
+    stored, traced = _traces(before, after, asked)
+    edges = {tooth: _judged(tooth, stored[tooth], traced[tooth], limit_mm, after) for tooth in stored}
+    verdicts = {tooth: verdict for tooth, (verdict, _) in edges.items()}
+    title = f"T{tool}, " if tool is not None else ""
+    chipped = [tooth for tooth, verdict in verdicts.items() if verdict.is_chipped]
+    if output is not None:
+        found = f"tooth {', '.join(map(str, chipped))} chipped" if chipped else "no tooth is chipped"
+        heading = f"{title}next {next_kind}, W {limit_mm:g} mm: {found}"
+        _write_figure(Path(output), [curves for _, curves in edges.values()], limit_mm, heading)
+    _say(verdicts, f"{title}next {next_kind}, limit W {limit_mm:g} mm", as_json=asked.as_json)
+    sys.exit(DIFFERENT if chipped else DONE)
+
+
+def _traces(before: str, after: str, asked: Asked) -> tuple[dict[int, Any], dict[int, Any]]:
+    """The points of both files by tooth; exits with 2 where they are not of the same teeth."""
+    from chipbreak.tools.data import ToolFileError
+    from chipbreak.tools.files import read_bytes
+    from chipbreak.tools.lists import read_traces
+
     try:
         stored, traced = (read_traces(name, read_bytes(name)) for name in (before, after))
     except ToolFileError as error:
@@ -70,19 +87,13 @@ def inspect(
     if set(stored) != set(traced):
         odd = ", ".join(str(tooth) for tooth in sorted(set(stored) ^ set(traced)))
         raise click.UsageError(f"tooth {odd} is in one of {before} and {after} only")
-    edges = {tooth: _judged(tooth, stored[tooth], traced[tooth], limit_mm, after) for tooth in stored}
-    verdicts = {tooth: verdict for tooth, (verdict, _) in edges.items()}
-    title = f"T{tool}, " if tool is not None else ""
-    chipped = [tooth for tooth, verdict in verdicts.items() if verdict.is_chipped]
-    if output is not None:
-        from chipbreak.inspection.edge_figure import edge_figure
+    return stored, traced
 
-        found = f"tooth {', '.join(map(str, chipped))} chipped" if chipped else "no tooth is chipped"
-        heading = f"{title}next {next_kind}, W {limit_mm:g} mm: {found}"
-        figure = edge_figure([curves for _, curves in edges.values()], limit_mm, heading)
-        replace_file(Path(output), [figure.encode()])
-    _say(verdicts, f"{title}next {next_kind}, limit W {limit_mm:g} mm", as_json=asked.as_json)
-    sys.exit(DIFFERENT if chipped else DONE)
+
+def _write_figure(target: Path, curves: Sequence[EdgeCurves], limit_mm: float, heading: str) -> None:
+    from chipbreak.inspection.edge_figure import edge_figure
+
+    replace_file(target, [edge_figure(curves, limit_mm, heading).encode()])
 
 
 def _limit_mm(checks: Checks, next_kind: str, tool: int | None) -> float:
@@ -102,7 +113,8 @@ def _judged(
         verdict = judge_edge(stored, traced, limit_mm)
     except ValueError as error:
         raise click.UsageError(f"{name}: tooth {tooth}: {error}") from None
-    inward, line = inward_mm(stored, traced), limit_line(stored, limit_mm)
+    inward = inward_mm(stored, traced)
+    line = limit_line(stored, limit_mm)
     return verdict, EdgeCurves(tooth, stored, traced, line, inward, verdict.is_chipped)
 
 

@@ -93,7 +93,9 @@ class RefusalError(Exception):
 
     def __init__(self, code: str, message: str, help: str = "") -> None:
         super().__init__(code, message, help)
-        self.code, self.message, self.help = code, message, help
+        self.code = code
+        self.message = message
+        self.help = help
 
     def __str__(self) -> str:
         return self.message

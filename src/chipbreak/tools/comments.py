@@ -69,7 +69,8 @@ class _Reader:
     """One walk over the comments; ``current`` is the tool that facts without a number are about."""
 
     def __init__(self, interpreted: InterpretedProgram) -> None:
-        self.interpreted, self.dialect = interpreted, interpreted.settings.dialect
+        self.interpreted = interpreted
+        self.dialect = interpreted.settings.dialect
         self.effect_at: dict[int, BlockEffect] = {effect.block.line: effect for effect in interpreted.effects}
         self.found: list[ToolData] = []
         self.current: int | None = None
@@ -84,7 +85,8 @@ class _Reader:
         self.line = block.line
         effect = self.effect_at.get(block.line)
         if effect and calls_tool(effect, self.dialect.tool_change):
-            self.current, self.is_called = effect.after.tool, True
+            self.current = effect.after.tool
+            self.is_called = True
         elif effect and (effect.move or effect.non_modal):
             self.current = None
         elif not block.is_empty and not self.is_called:
@@ -96,7 +98,8 @@ class _Reader:
         note = tool_text(text)
         number = self._number(note) if note else None
         if number is not None:
-            self.current, self.is_called = number, False
+            self.current = number
+            self.is_called = False
         is_fact = bool(TOOL_FACT.match(text.strip())) or note is None
         if self.current is None or not (number is not None or self.is_called or is_fact):
             return

@@ -9,8 +9,13 @@ from chipbreak.text.diagnostics import ChipbreakError, Diagnostic, Severity
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.span import Place
 
-CANNOT_OPEN, NO_FORMAT, UNKNOWN_KEY, BAD_VALUE = "TOL001", "TOL002", "TOL003", "TOL004"
-NO_NUMBER, NO_UNIT, TOO_MANY = "TOL005", "TOL006", "TOL007"
+CANNOT_OPEN = "TOL001"
+NO_FORMAT = "TOL002"
+UNKNOWN_KEY = "TOL003"
+BAD_VALUE = "TOL004"
+NO_NUMBER = "TOL005"
+NO_UNIT = "TOL006"
+TOO_MANY = "TOL007"
 BROKEN_READER = "TOL011"
 # Whoever reads twenty errors starts over with another file.
 MOST_ERRORS = 20
@@ -82,14 +87,16 @@ class Errors:
     """Collects what is wrong with one file, so that all of it is said at once."""
 
     def __init__(self, name: str, text: str = "") -> None:
-        self.name, self.lines = name, text.split("\n")
+        self.name = name
+        self.lines = text.split("\n")
         self.found: list[Diagnostic] = []
 
     def add(
         self, code: str, message: str, help_text: str, line: int = 0, span: tuple[int, int] = (0, 1)
     ) -> None:
         """One error; ``line`` counts from 1 (0: the whole file), ``span`` its characters from 0."""
-        place, shown = None, ""
+        place = None
+        shown = ""
         if line:
             place = Place(self.name, line, span[0] + 1, max(span[1], span[0] + 1) + 1)
             shown = self.lines[line - 1].rstrip("\r") if line <= len(self.lines) else ""

@@ -98,7 +98,8 @@ def _toml_tool(errors: Errors, text: str, index: int, entry: Mapping[str, Any]) 
 
 def _line_of(text: str, key: str | None, index: int | None = None) -> int:
     """The line (from 1) of a key in the ``index``-th [[tool]], or of that header itself."""
-    seen, header = -1, 1
+    seen = -1
+    header = 1
     for number, line in enumerate(text.split("\n"), 1):
         if re.match(r"\s*\[\[\s*[\"']?tool[\"']?\s*\]\]", line):
             seen += 1

@@ -13,7 +13,8 @@ from typing import Any, Final, NamedTuple
 from chipbreak.text.diagnostics import Diagnostic, Severity
 from chipbreak.tools.data import FIELDS, ToolData
 
-TWICE, AT_ODDS = "TOL008", "TOL009"
+TWICE = "TOL008"
+AT_ODDS = "TOL009"
 # Sources agree within this: lists round to a hundredth of a mm or a thousandth of an inch.
 _SAME_MM: Final = 0.02
 _COMPARED: Final = (
@@ -103,7 +104,8 @@ def _of_one_file(entries: Sequence[ToolData]) -> tuple[ToolData | None, list[Dia
             help_text = "give every tool a number of its own, or the right one in a file before this"
             diagnostics.append(Diagnostic(TWICE, Severity.WARNING, message, help_text))
         elif said:
-            values[field], origins[field] = getattr(said[0], field), said[0].origins[field]
+            values[field] = getattr(said[0], field)
+            origins[field] = said[0].origins[field]
     return entries[0]._replace(**{**dict.fromkeys(FIELDS), **values}, origins=origins), diagnostics
 
 
@@ -111,7 +113,8 @@ def _at_odds(tool: ToolData, other: ToolData) -> list[Diagnostic]:
     """Warnings where a later source contradicts an earlier one: is it the same tool at all?"""
     diagnostics = []
     for field in _COMPARED:
-        one, two = getattr(tool, field), getattr(other, field)
+        one = getattr(tool, field)
+        two = getattr(other, field)
         if one is None or two is None or abs(one - two) <= (_SAME_MM if field != "teeth" else 0):
             continue
         message = (

@@ -42,7 +42,8 @@ class PlugIn(NamedTuple):
 
 def plug_ins(name: str) -> tuple[list[PlugIn], list[Diagnostic]]:
     """The readers that are installed, and why others of them cannot be used; ``name`` is the file to read."""
-    found, broken = list[PlugIn](), list[Diagnostic]()
+    found = list[PlugIn]()
+    broken = list[Diagnostic]()
     for entry in sorted(entry_points(group=GROUP)):
         try:
             with _blamed(entry, name):
