@@ -316,7 +316,7 @@ def test_a_code_that_nobody_knows_may_have_switched_anything_until_a_tool_is_cal
     assert result.codes == ["CHK002"]
     message = result.diagnostics[0].message
     assert message.endswith("before it says G254, which this profile does not know")
-    assert result.diagnostics[0].help.startswith("call the tool again behind it")
+    assert result.diagnostics[0].help.startswith("call the tool again after it")
     assert run(odd.replace("G254\n", "G187 P3 E0.1\nG103 P1\n")).codes == []
 
 
@@ -365,7 +365,13 @@ def maybe(before: str, inside: str, behind: str) -> str:
     ],
 )
 @pytest.mark.parametrize(
-    ("inside", "what"), [("M8", "coolant"), ("M4", "the spindle"), ("G91", "distance"), ("G20", "units")]
+    ("inside", "what"),
+    [
+        ("M8", "coolant"),
+        ("M4", "the spindle"),
+        ("G91", "the distance mode (G90, G91)"),
+        ("G20", "the units (G20, G21)"),
+    ],
 )
 def test_what_a_part_sets_that_may_be_left_out_is_not_put_back(
     profile: str, before: str, behind: str, inside: str, what: str

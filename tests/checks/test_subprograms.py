@@ -27,11 +27,22 @@ def test_one_that_only_moves_is_followed(call: str) -> None:
     assert len(chip_checks(run("X5. Y5.\nX6.\n", call))) == 2
 
 
+def test_of_several_things_that_it_sets_the_same_one_is_named_in_every_run() -> None:
+    several = run("G91\nG20\nM8\nG17\nS700\nX5.\n")
+    (first, _) = (d for d in several.diagnostics if d.code == "CHK002")
+    assert "may or may not have set S;" in first.message or first.message.endswith(
+        "may or may not have set S"
+    )
+
+
 def test_what_it_sets_must_be_said_again() -> None:
     left_incremental = run("G91\nX5.\n")
     assert chip_checks(left_incremental) == []
     (first, _) = (d for d in left_incremental.diagnostics if d.code == "CHK002")
-    assert "line 9 calls a subprogram, which may or may not have set distance" in first.message
+    assert (
+        "line 9 calls a subprogram, which may or may not have set the distance mode (G90, G91)"
+        in first.message
+    )
     assert len(chip_checks(run("G91\nX5.\n", behind="G90\n" + BEHIND))) == 2
     assert len(chip_checks(run("G91\nX5.\nM98 P200\nM99\nO200\nG41 D1\nX1.\nG40\nG90\n"))) == 2
     branch = "IF [#1 EQ 1] GOTO 5\nG91\nN5 X5.\nG90\nM8\n"

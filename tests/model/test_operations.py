@@ -204,7 +204,7 @@ def test_subprograms_and_what_stands_behind_the_end_are_left_out() -> None:
     )
     found = operations(program, "linuxcnc-mill")
     assert [(op.tool, op.first_cut, op.last_line) for op in found] == [(1, 7, 8)]
-    assert main_program(traced(program, "linuxcnc-mill")).behind is not None
+    assert main_program(traced(program, "linuxcnc-mill")).after_end is not None
 
 
 def test_a_tool_that_does_nothing_leaves_its_place_to_the_next() -> None:

@@ -194,7 +194,7 @@ def fusion(**changes: Any) -> str:
         ("a.csv", "", "TOL002 a.csv: this table is empty"),
         ("a.csv", "number,type\n", "TOL003 1:1 there is no column teeth"),
         ("a.csv", f"{HEAD},radius\n", "TOL003 1:41 there is no column"),
-        ("a.csv", f"{HEAD},teeth\n", "TOL003 1:41 the column teeth stands twice"),
+        ("a.csv", f"{HEAD},teeth\n", "TOL003 1:41 the column teeth is there twice"),
         ("a.csv", f"{HEAD}\n2,drill,two,5,40\n", "TOL004 2:9 teeth = 'two' is not possible"),
         ("a.csv", f"{HEAD}\n2,drill,2.5,5,40\n", "TOL004 2:9 teeth = '2.5' is not possible"),
         ("a.csv", f"{HEAD}\n2,drill,2,-5,40\n", "TOL004 2:11 diameter_mm = '-5' is not possible"),

@@ -1,1 +1,1 @@
-"""Tool checks: which check stands where, with which limit, and how the control is asked for it."""
+"""Tool checks: which check goes where, with which limit, and how the control is asked for it."""

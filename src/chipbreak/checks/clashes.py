@@ -1,6 +1,6 @@
 """Variables that a program shares with the macros behind the built-in calls.
 
-A macro that works in #105 leaves its limit there, and ``X#105`` behind the check goes to that place.  So a
+A macro that works in #105 leaves its limit there, and ``X#105`` after the check goes to that place.  So a
 program that names one of their variables anywhere gets no check that calls them.
 """
 
@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Final, NamedTuple
 
+from chipbreak.checks.ways_out import OR_MOVE_THE_STORE, USE_OTHER_VARIABLES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.parse import Program
 from chipbreak.syntax.variables import variables_of
@@ -33,23 +34,32 @@ def clash_of(program: Program, settings: Settings) -> Clash | None:
         return None
     working = WORKING.get(settings.dialect.name, range(0))
     store = range(settings.macros.store_first, settings.macros.store_last + 1)
-    needed = [f"#{one[0]} to #{one[-1]}" for one in (working, store) if one]
     for line, key in _named(program):
-        is_name = isinstance(key, str)
-        if is_name and not str(key).startswith(_PREFIX):
-            continue
-        if isinstance(key, int) and key not in working and key not in store:
-            continue
-        what = (
-            f"#<{key}>" if is_name else f"#{key}" if key is not None else "a variable by a number worked out"
-        )
-        needs = f"those that begin with {_PREFIX}" if is_name else " and ".join(needed)
-        message = f"left out: all checks; this program uses {what}, and the macros they call use {needs}"
-        help_text = "let the program use other variables"
-        if isinstance(key, int) and key in store:
-            help_text += ", or the macros: macros.store_first and macros.store_last say which"
-        return Clash(line, message, help_text)
+        if _is_needed(key, working, store):
+            return _clash(line, key, working, store)
     return None
+
+
+def _is_needed(key: int | str | None, working: range, store: range) -> bool:
+    """True for a variable of the macros; one by a number worked out may be any of them."""
+    if isinstance(key, str):
+        return key.startswith(_PREFIX)
+    return key is None or key in working or key in store
+
+
+def _clash(line: int, key: int | str | None, working: range, store: range) -> Clash:
+    needs = " and ".join(f"#{one[0]} to #{one[-1]}" for one in (working, store) if one)
+    way_out = USE_OTHER_VARIABLES
+    if isinstance(key, str):
+        what = f"#<{key}>"
+        needs = f"those that begin with {_PREFIX}"
+    elif key is None:
+        what = "a variable by a number worked out"
+    else:
+        what = f"#{key}"
+        way_out += OR_MOVE_THE_STORE if key in store else ""
+    message = f"left out: all checks; this program uses {what}, and the macros they call use {needs}"
+    return Clash(line, message, way_out)
 
 
 def _named(program: Program) -> Iterator[tuple[int, int | str | None]]:

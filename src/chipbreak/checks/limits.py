@@ -94,14 +94,13 @@ class Uses:
                 left_in.pass_call(later, self._may_be_left_out(later.call_line))
             if not _wears(later):
                 continue
-            may_be_passed_by = self._may_be_passed_by(operation.last_cut, later)
             if later.tool == tool:
                 yield later, f"T{tool} is used next for"
-                if not may_be_passed_by:
+                if not self._may_be_passed_by(operation.last_cut, later):
                     return
             elif left_in.may_be:
                 yield replace(later, tool=tool), f"T{tool} may be used next{left_in.why}, for"
-                left_in.may_be = may_be_passed_by
+                left_in.may_be = self._may_be_passed_by(operation.last_cut, later)
 
     def _may_be_last(self, operation: Operation) -> bool:
         """True when nothing after an operation is sure to be cut with its tool."""

@@ -53,9 +53,9 @@ def _sisters(program: WholeProgram, findings: Findings) -> None:
 
 
 def _other_programs(program: WholeProgram, findings: Findings) -> None:
-    if program.main.behind is not None:
+    if program.main.after_end is not None:
         message = "another program or a subprogram starts after the end; its tools are not checked"
-        findings.say(program.main.behind, NOT_LOOKED_AT, message)
+        findings.say(program.main.after_end, NOT_LOOKED_AT, message)
 
 
 _RULES: tuple[Callable[[WholeProgram, Findings], None], ...] = (_tools, _sisters, _other_programs)

@@ -1,4 +1,4 @@
-"""The fields of a call that say something about the tool, as texts; and who could have given a missing one.
+"""The fields of a call that say something about the tool, as texts; and which field gives a missing one.
 
 ``{kind}`` and ``{tip}`` are how the macros sort tools: kind 1 flat or bull nose, 2 ball, 3 drill, 4 reamer;
 tip is a corner radius [mm], or the point angle [deg] of kind 3.
@@ -77,7 +77,7 @@ def _kind_and_tip(tool: ToolData) -> dict[str, str]:
 def _tip_value(tool: ToolData, tip: Tip) -> float | None:
     if tip is Tip.POINT:
         return tool.point_deg
-    # A flat end is one without a radius; whoever gives one all the same is believed.
+    # A flat end is one without a radius; one that is given all the same is believed.
     return 0.0 if tip is Tip.FLAT and tool.corner_radius_mm is None else tool.corner_radius_mm
 
 

@@ -11,6 +11,8 @@ GIVE_THE_TOOL_DATA: Final = (
 LEAVE_THE_CHECK_OUT: Final = "; checks.missing=skip leaves the check out"
 CALL_WITH_ITS_NUMBER: Final = "call the tool with its number before it cuts"
 KEEP_THE_SISTER: Final = "keep a sister for the tool whose place it takes"
+USE_OTHER_VARIABLES: Final = "let the program use other variables"
+OR_MOVE_THE_STORE: Final = ", or the macros: macros.store_first and macros.store_last say which"
 SEE_ITS_TRACE: Final = "see why its TRACE was left out"
 
 

@@ -49,7 +49,7 @@ def find(data: bytes, kind: str, start: int = 0, stop: int | None = None) -> int
 
 
 def title_text(title: str, max_chars: int, marks: CommentMarks, number: str = "") -> str:
-    """A title made fit for a comment: upper case, no parentheses, not too long behind a block number."""
+    """A title made fit for a comment: upper case, no parentheses, not too long after a block number."""
     fit = re.sub(r"[^A-Z0-9 .,=_+/-]", " ", title.upper())
     room = max_chars - _frame(BEGIN, marks) - max(len(number), len("N99999 "))
     return fit[: max(room, 0)].rstrip()

@@ -81,7 +81,8 @@ def _leads_alike(one: Item, other: Item, places: tuple[Mapping[int, _Place], Map
             if mine.target is not its.target or mine.text != its.text:
                 return False
             continue
-        place, its_place = places[0][mine.target], places[1][its.target]
+        place = places[0][mine.target]
+        its_place = places[1][its.target]
         same_end = place[1] == its_place[1] or place[2] == its_place[2]
         if place[0] != its_place[0] or not same_end:
             return False
@@ -129,13 +130,15 @@ def _stretches(a: Sequence[Item], b: Sequence[Item]) -> Iterator[tuple[Tag, int,
         yield from _gap(a, b, (i, anchor_i), (j, anchor_j))
         if anchor_i < len(a):
             yield "equal", anchor_i, anchor_i + 1, anchor_j, anchor_j + 1
-        i, j = anchor_i + 1, anchor_j + 1
+        i = anchor_i + 1
+        j = anchor_j + 1
 
 
 def _gap(
     a: Sequence[Item], b: Sequence[Item], i: tuple[int, int], j: tuple[int, int]
 ) -> Iterator[tuple[Tag, int, int, int, int]]:
-    keys_a, keys_b = [x.key for x in a[slice(*i)]], [x.key for x in b[slice(*j)]]
+    keys_a = [x.key for x in a[slice(*i)]]
+    keys_b = [x.key for x in b[slice(*j)]]
     if not keys_a or not keys_b:
         yield "change", *i, *j
         return
@@ -146,7 +149,8 @@ def _gap(
 
 def _anchors(a: Sequence[Item], b: Sequence[Item]) -> list[tuple[int, int]]:
     """Pairs of equal items that occur once in each program, as many as keep their order."""
-    count_a, count_b = Counter(x.key for x in a), Counter(x.key for x in b)
+    count_a = Counter(x.key for x in a)
+    count_b = Counter(x.key for x in b)
     where_b = {x.key: j for j, x in enumerate(b) if count_b[x.key] == 1}
     pairs = [(i, where_b[x.key]) for i, x in enumerate(a) if count_a[x.key] == 1 and x.key in where_b]
     tails: list[int] = []
@@ -159,7 +163,8 @@ def _anchors(a: Sequence[Item], b: Sequence[Item]) -> list[tuple[int, int]]:
             tails.append(j)
             at_tail.append(index)
         else:
-            tails[place], at_tail[place] = j, index
+            tails[place] = j
+            at_tail[place] = index
     chosen = []
     index = at_tail[-1] if at_tail else -1
     while index >= 0:

@@ -148,7 +148,8 @@ class _Reader:
     """Collects items, and where every block number stands."""
 
     def __init__(self, program: Program, settings: Settings | None, *, ignore_comments: bool) -> None:
-        self.program, self.ignore_comments = program, ignore_comments
+        self.program = program
+        self.ignore_comments = ignore_comments
         self.reading = Reading(settings)
         if settings is not None:
             initial = settings.dialect.initial

@@ -26,9 +26,12 @@ def unrolled(source: Source, found: Sequence[Region], loop: Loop | None) -> tupl
         text = pattern.sub(lambda match: match["body"] * int(match["passes"]), body)
         pieces += [source.data[source.starts[line] : source.starts[region.body]], text]
         more = text.count(source.line_end) - body.count(source.line_end)
-        first, start, last = region.first + shift, region.body + shift, region.last + shift + more
+        first = region.first + shift
+        start = region.body + shift
+        last = region.last + shift + more
         moved.append(region._replace(first=first, body=start, last=last))
-        line, shift = region.last, shift + more
+        line = region.last
+        shift += more
     pieces.append(source.data[source.starts[line] :])
     return read(b"".join(pieces), source.name), moved
 

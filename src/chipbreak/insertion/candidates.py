@@ -65,7 +65,9 @@ class _Step:
     """One block, and what it makes of each fact about the line before it."""
 
     def __init__(self, effect: BlockEffect, settings: Settings, retract: Retract) -> None:
-        self.effect, self.settings, self.retract = effect, settings, retract
+        self.effect = effect
+        self.settings = settings
+        self.retract = retract
         self.deed = _deed_of(effect, settings)
         axes_of = homed_axes if "home" in effect.non_modal else named_axes
         self.named = axes_of(effect, settings)

@@ -23,6 +23,7 @@ from chipbreak.insertion.lasting_effects import (
 )
 from chipbreak.insertion.looking_back import effects_before
 from chipbreak.insertion.subprograms import Subprograms
+from chipbreak.insertion.sure_effects import words_for
 from chipbreak.insertion.ways_out import CALL_THE_TOOL_AGAIN, Obstacle
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
@@ -90,7 +91,9 @@ class Obstacles:
         if not set(axes) - placed:
             return ""
         what, setter = next(one for one in self._conditional[at].setters.items() if one[0] in _PLACING)
-        return f"it moved after line {self._user_line(setter)}, which may or may not have set {what}"
+        return (
+            f"it moved after line {self._user_line(setter)}, which may or may not have set {words_for(what)}"
+        )
 
     def _conditional_at(self, line: int) -> int:
         """Index of what is conditional before a line, -1 where nothing has been yet."""
@@ -130,7 +133,8 @@ class Obstacles:
             return ""
         for what, setter in self._conditional[at].setters.items():
             if what != "motion" or not self._moves_between(self._conditional[at].line, line):
-                return f"line {self._user_line(setter)} {self._how(setter)} may or may not have set {what}"
+                where = f"line {self._user_line(setter)} {self._how(setter)}"
+                return f"{where} may or may not have set {words_for(what)}"
         return ""
 
     def _group_is_on(self, _: int, state: State) -> str:

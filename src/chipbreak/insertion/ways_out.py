@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 MAKE_A_PLACE: Final = "make a place for it: G0 to a known position, G40, G80, the spindle with S"
-CALL_THE_TOOL_AGAIN: Final = "call the tool again behind it: from there on all is known"
-MOVE_WITH_G40: Final = "move X or Y in the block of G40 or behind it, in rapid"
+CALL_THE_TOOL_AGAIN: Final = "call the tool again after it: from there on all is known"
+MOVE_WITH_G40: Final = "move X or Y in the block of G40 or after it, in rapid"
 
 
 class Obstacle(NamedTuple):

@@ -17,7 +17,8 @@ import numpy as np
 
 from chipbreak.kinematics.floats import Floats
 
-_WIDTH, _HEIGHT = 920, 480
+_WIDTH = 920
+_HEIGHT = 480
 _COLOURS: Final = ("#1f5fa8", "#2f8f4e", "#8a5bb5", "#b5761b", "#3a9fa8", "#a83f7a", "#6b6b6b", "#7a8f2f")
 _RED: Final = "#c0272d"
 # Points of a curve beyond this many are not drawn: nobody sees them.
@@ -110,7 +111,8 @@ def _overview(edges: Sequence[EdgeCurves], limit_mm: float) -> Iterator[str]:
     low = min(-0.2 * limit_mm, float(inward.min()))
     high = max(1.4 * limit_mm, float(inward.max()))
     margin = 0.05 * (high - low)
-    x, y = (low - margin, high + margin), (float(heights.min()), float(heights.max()))
+    x = (low - margin, high + margin)
+    y = (float(heights.min()), float(heights.max()))
     panel = _Panel(510, 62, 370, 340, x, y)
     yield _text(panel.left, 50, "All teeth", size=13)
     yield from _axes(panel, "distance inward along the normal [mm]", "height above the tip [mm]")
@@ -128,7 +130,8 @@ def _overview(edges: Sequence[EdgeCurves], limit_mm: float) -> Iterator[str]:
 
 
 def _axes(panel: _Panel, x_title: str, y_title: str) -> Iterator[str]:
-    right, bottom = panel.left + panel.width, panel.top + panel.height
+    right = panel.left + panel.width
+    bottom = panel.top + panel.height
     yield (
         f'<rect x="{panel.left}" y="{panel.top}" width="{panel.width}" height="{panel.height}"'
         ' fill="#fcfcfc" stroke="#888"/>'
@@ -142,7 +145,8 @@ def _axes(panel: _Panel, x_title: str, y_title: str) -> Iterator[str]:
         yield f'<path d="M{panel.left} {at:.2f}H{right}" stroke="#e4e4e4"/>'
         yield _text(panel.left - 6, at + 4, text, anchor="end")
     yield _text((panel.left + right) / 2, bottom + 34, x_title, anchor="middle")
-    middle, beside = (panel.top + bottom) / 2, panel.left - 52
+    middle = (panel.top + bottom) / 2
+    beside = panel.left - 52
     yield _text(beside, middle, y_title, anchor="middle", turn=True)
 
 
@@ -174,7 +178,8 @@ def _curve(panel: _Panel, points: Floats, colour: str, dashes: str, name: str) -
 def _legend(left: float, y: float, samples: Sequence[tuple[str, str, str]], width: float) -> Iterator[str]:
     per_row = 4
     for index, (text, colour, dashes) in enumerate(samples):
-        x, row_y = left + width * (index % per_row), y + 16.0 * (index // per_row)
+        x = left + width * (index % per_row)
+        row_y = y + 16.0 * (index // per_row)
         style = f' stroke-dasharray="{dashes}"' if dashes else ""
         yield f'<path d="M{x} {row_y - 4}h28" stroke="{colour}" stroke-width="1.6"{style}/>'
         yield _text(x + 33, row_y, text)

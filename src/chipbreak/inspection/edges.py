@@ -22,7 +22,7 @@ from chipbreak.kinematics.floats import Floats
 
 # Lengths that differ by less are equal: sums of decimal fractions are off by some 1e-15.
 SAME_MM: Final = 1e-9
-# A new trace whose points stand closer than this has no hole, however closely the stored ones stand.
+# A new trace whose points are closer than this has no hole, however close the stored ones are.
 WIDEST_GAP_MM: Final = 0.5
 # As many pairs of a point and a piece of the curve are looked at together.
 _PAIRS: Final = 1_000_000
@@ -125,7 +125,7 @@ def _check_rise(points: Floats, least: int) -> None:
 
 
 def _check_cover(stored: Floats, traced: Floats) -> None:
-    """A chip between two traced points is not seen, so they stand about as close as the stored ones."""
+    """A chip between two traced points is not seen, so they are about as close as the stored ones."""
     twice = 2.0 * float(np.diff(stored).max()) + SAME_MM
     inside = traced[(traced > stored[0]) & (traced < stored[-1])]
     seen = np.concatenate((stored[:1], inside, stored[-1:]))
@@ -162,15 +162,17 @@ class _Curve:
         self.half = length / 2.0
         self.bend = _flatter(_curvature(points), len(chord))
         self.cosine = np.sqrt(np.maximum(0.0, 1.0 - (self.bend * self.half) ** 2))
-        # The first and the last piece go on a little: a normal near an end may meet the shape behind it.
-        self.low, self.high = -self.half.copy(), self.half.copy()
+        # The first and the last piece go on a little: a normal near an end may meet the shape beyond it.
+        self.low = -self.half.copy()
+        self.high = self.half.copy()
         self.low[0] *= 3.0
         self.high[-1] *= 3.0
 
     def inward(self, points: Floats) -> Floats:
         """Signed distance of points (n, 2), -inf beyond the heights of the shape."""
         distance = np.where(self._is_inside(points), 1.0, -1.0) * self.nearest(points)
-        first, last = self.points[0, 0] - SAME_MM, self.points[-1, 0] + SAME_MM
+        first = self.points[0, 0] - SAME_MM
+        last = self.points[-1, 0] + SAME_MM
         beyond = (points[:, 0] < first) | (points[:, 0] > last)
         result: Floats = np.where(beyond, -np.inf, distance)
         return result
@@ -195,12 +197,14 @@ class _Curve:
 
     def _to_circle(self, t: Floats, s: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
         """Distance outward of the circle of each piece, its foot along the chord, and whether the point
-        stands on the arc's side of the centre.
+        is on the arc's side of the centre.
 
         Written without the radius, so that a straight piece (curvature 0) is no special case: with g the
         cosine of half the arc, distance = (k (t² + s² - a²) + 2 s g) / (1 + sqrt(k² t² + (k s + g)²)).
         """
-        k, a, g = self.bend, self.half, self.cosine
+        k = self.bend
+        a = self.half
+        g = self.cosine
         height = k * s + g
         reach = np.hypot(k * t, height)
         distance = (k * (t * t + s * s - a * a) + 2.0 * s * g) / (1.0 + reach)
@@ -214,7 +218,9 @@ class _Curve:
         difference = points - self.middle[piece]
         t = (difference * self.along[piece]).sum(axis=1)
         s = (difference * self.outward[piece]).sum(axis=1)
-        k, a, g = self.bend[piece], self.half[piece], self.cosine[piece]
+        k = self.bend[piece]
+        a = self.half[piece]
+        g = self.cosine[piece]
         from_arc = k * (t * t + s * s - a * a) + 2.0 * s * g
         # Far inside, the point may be beyond the circle on its other side; the chord knows better there.
         inside: NDArray[np.bool_] = np.where(
@@ -226,11 +232,13 @@ class _Curve:
         """Points (n, 2) along the arcs, and their outward normals."""
         share = np.linspace(-1.0, 1.0, pieces + 1)
         t = self.half[:, None] * share
-        k, g = self.bend[:, None], self.cosine[:, None]
+        k = self.bend[:, None]
+        g = self.cosine[:, None]
         root = np.sqrt(np.maximum(0.0, 1.0 - (k * t) ** 2))
         # Height of the arc over its chord, (root - g) / k without the division.
         s = k * (self.half[:, None] ** 2 - t * t) / (root + g)
-        along, outward = self.along[:, None, :], self.outward[:, None, :]
+        along = self.along[:, None, :]
+        outward = self.outward[:, None, :]
         points = self.middle[:, None, :] + t[..., None] * along + s[..., None] * outward
         normals = (k * t)[..., None] * along + root[..., None] * outward
         return points.reshape(-1, 2), normals.reshape(-1, 2)
@@ -238,7 +246,8 @@ class _Curve:
 
 def _curvature(points: Floats) -> Floats:
     """Curvature [1/mm] of the circle through each point and its neighbours, shape (n - 2,)."""
-    one, two = points[1:-1] - points[:-2], points[2:] - points[1:-1]
+    one = points[1:-1] - points[:-2]
+    two = points[2:] - points[1:-1]
     across = points[2:] - points[:-2]
     lengths = np.hypot(one[:, 0], one[:, 1]) * np.hypot(two[:, 0], two[:, 1])
     turn = one[:, 1] * two[:, 0] - one[:, 0] * two[:, 1]
@@ -249,11 +258,12 @@ def _curvature(points: Floats) -> Floats:
 def _flatter(bends: Floats, pieces: int) -> Floats:
     """Of the circles on both ends of each piece the flatter; straight where they bulge to different sides.
 
-    At the first and the last piece the next circle stands in for the one that is not there.
+    At the first and the last piece the next circle takes the place of the one that is not there.
     """
     if not len(bends):
         return np.zeros(pieces)
     padded = np.concatenate(([bends[min(1, len(bends) - 1)]], bends, [bends[max(-2, -len(bends))]]))
-    one, two = padded[:-1], padded[1:]
+    one = padded[:-1]
+    two = padded[1:]
     flatter: Floats = np.where(one * two > 0.0, np.sign(one) * np.minimum(np.abs(one), np.abs(two)), 0.0)
     return flatter

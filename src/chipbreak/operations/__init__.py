@@ -1,1 +1,1 @@
-"""Operations: which tool does what, from which line to which, and who said so."""
+"""Operations: which tool does what, from which line to which, and what says so."""

@@ -18,6 +18,10 @@ from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.lazy_pattern import LazyPattern
 from chipbreak.text.nearest import nearest
 
+UNKNOWN_KIND = "SET020"
+UNUSABLE_EXPRESSION = "SET021"
+MISSPELT_DIRECTIVE = "OPS001"
+
 LONGEST_TEXT = 400  # characters; what follows belongs to a manual or a picture
 LONGEST_NAME = 14  # words; more are a sentence even without a verb
 LONGEST_TITLE = 10  # words
@@ -44,7 +48,7 @@ class KindFinding(NamedTuple):
 
 
 class OperationMark(NamedTuple):
-    """A title of an operation (``is_start``), or the mark some CAM systems put behind one."""
+    """A title of an operation (``is_start``), or the mark some CAM systems put after one."""
 
     is_start: bool
     label: str
@@ -84,10 +88,10 @@ class KindRules(NamedTuple):
         for name, expressions in rules.items():
             if name not in names:
                 message = f'operations: "{name}" is no kind of operation'
-                raise RefusalError("SET020", message, f"kinds are {', '.join(names)}")
+                raise RefusalError(UNKNOWN_KIND, message, f"kinds are {', '.join(names)}")
             if isinstance(expressions, str):  # a string is a sequence too, of single letters
                 message = f"operations.{name} is one text"
-                raise RefusalError("SET021", message, f'write a list: ["{expressions}"]')
+                raise RefusalError(UNUSABLE_EXPRESSION, message, f'write a list: ["{expressions}"]')
             patterns.extend((Kind(name), _user_pattern(name, text)) for text in expressions)
         return cls(tuple(patterns))
 
@@ -97,9 +101,13 @@ def _user_pattern(name: str, text: str) -> re.Pattern[str]:
     try:
         pattern = re.compile(text, re.IGNORECASE)
     except re.error as error:
-        raise RefusalError("SET021", f"{where} cannot be read: {error}", "see Python's re syntax") from error
+        raise RefusalError(
+            UNUSABLE_EXPRESSION, f"{where} cannot be read: {error}", "see Python's re syntax"
+        ) from error
     if pattern.search(""):
-        raise RefusalError("SET021", f"{where} matches every comment", "name a letter it must find")
+        raise RefusalError(
+            UNUSABLE_EXPRESSION, f"{where} matches every comment", "name a letter it must find"
+        )
     return pattern
 
 
@@ -127,7 +135,7 @@ def kind_of_text(text: str, rules: KindRules) -> KindFinding | None:
     return next((found for reading in readings if (found := _built_in_kind(reading))), None)
 
 
-# The first found of these wins, wherever it stands; after them the first in the text.
+# The first found of these wins, wherever it is; after them the first in the text.
 _ORDER = (Kind.SEMI_FINISH, Kind.FINISH, Kind.ROUGH, Kind.PROBE)
 
 
@@ -216,7 +224,9 @@ def directive(text: str) -> Kind | None:
     near = nearest(word, _DIRECTIVES, 0.75) if one_word else None
     if near:
         meant = _DIRECTIVES[near].value.upper()
-        raise RefusalError("OPS001", f'"{text.strip()}" is no kind of operation', f"write (OP {meant})")
+        raise RefusalError(
+            MISSPELT_DIRECTIVE, f'"{text.strip()}" is no kind of operation', f"write (OP {meant})"
+        )
     return None
 
 

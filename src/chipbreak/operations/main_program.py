@@ -33,7 +33,7 @@ class MainProgram(NamedTuple):
 
     ``bodies``  [first, last] lines of subprograms between them
     ``cuts``    the lines that cut, or call what may cut, in order;  ``works`` the same with probing
-    ``behind``  the first line behind the end that cuts: another program or a subprogram
+    ``after_end`` the first line after the end that cuts: another program or a subprogram
     """
 
     first: int
@@ -41,7 +41,7 @@ class MainProgram(NamedTuple):
     bodies: tuple[tuple[int, int], ...]
     cuts: NDArray[np.int64]
     works: NDArray[np.int64]
-    behind: int | None
+    after_end: int | None
 
     def has(self, line: int) -> bool:
         """True for a line of the main program."""
@@ -67,7 +67,7 @@ def main_program(interpreted: InterpretedProgram) -> MainProgram:
     work = _work(interpreted)
     for first, final in bodies:
         work[first : final + 1] = _NOTHING
-    behind = np.flatnonzero(work[last : body.stop] == _CUTS)
+    after_end = np.flatnonzero(work[last : body.stop] == _CUTS)
     work[last:] = _NOTHING
     return MainProgram(
         body.start,
@@ -75,7 +75,7 @@ def main_program(interpreted: InterpretedProgram) -> MainProgram:
         bodies,
         np.flatnonzero(work == _CUTS).astype(np.int64),
         np.flatnonzero(work != _NOTHING).astype(np.int64),
-        last + int(behind[0]) if len(behind) else None,
+        last + int(after_end[0]) if len(after_end) else None,
     )
 
 
@@ -140,7 +140,8 @@ def _work(interpreted: InterpretedProgram) -> NDArray[np.int8]:
 
 def _work_of(effect: BlockEffect) -> int:
     """What a block that is more than plain motion does."""
-    block, modes = effect.block, effect.after.modes
+    block = effect.block
+    modes = effect.after.modes
     if effect.in_contour or effect.before.ended or "machine" in effect.non_modal:
         return _NOTHING
     if "skip" in effect.non_modal:
@@ -151,7 +152,7 @@ def _work_of(effect: BlockEffect) -> int:
         return _CUTS if modes.modal_macro == "on" else _WORK_OF_MOTION.get(modes.motion, _CUTS)
     if effect.non_modal:
         return _NOTHING
-    # Full circles name no axis; under a G code this profile does not know nobody has read the axes.
+    # Full circles name no axis; under a G code this profile does not know the axes have not been read.
     moving = _MOVING + "IJK" if modes.motion in ("cw", "ccw") else _MOVING
     if block.has_any(moving):
         return _WORK_OF_MOTION.get(modes.motion, _CUTS)

@@ -1,9 +1,9 @@
-"""Operations: which tool does what, from which line to which, and who said so.
+"""Operations: which tool does what, from which line to which, and what says so.
 
 Operations start at tool calls, at titles in comments and at directives ``(OP ROUGH)``.  A start where
-nothing has been cut since the last one belongs to the same operation, so a title may stand before its tool
-call (Fusion) or behind it (by hand).  Only the main program counts: bodies of subprograms and what stands
-behind the program's end are left out.
+nothing has been cut since the last one belongs to the same operation, so a title may be before its tool
+call (Fusion) or after it (by hand).  Only the main program counts: bodies of subprograms and what comes after
+the program's end are left out.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from chipbreak.syntax.nodes import Block, Comment
 from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, RefusalError
 
 # Canned cycles that do not drill: tapping, and the boring that leaves a finished bore.
-# Where several cycles stand in one operation, the one that asks most of the edge names it.
+# Where one operation has several cycles, the one that asks most of the edge names it.
 _CYCLE_ORDER = (Kind.FINISH, Kind.ROUGH, Kind.THREAD, Kind.DRILL, Kind.PROBE)
 
 
@@ -39,7 +39,7 @@ _CYCLE_ORDER = (Kind.FINISH, Kind.ROUGH, Kind.THREAD, Kind.DRILL, Kind.PROBE)
 class Operation:
     """One operation; lines count from 0, ``last_line`` is exclusive.
 
-    ``reason``     why it is of this kind: the words, and the line they stand on
+    ``reason``     why it is of this kind: the words, and their line
     ``call_line``  where its tool is called, None where it goes on with the tool of the one before
     ``first_cut``  first line that cuts (or calls a subprogram, which may cut), None where none does
     ``speed_rpm``  at the first cut, None where it cannot be known;  ``spindle``  its direction there
@@ -95,7 +95,7 @@ class _Said(NamedTuple):
 
 @dataclass(eq=False)
 class _Draft:
-    """An operation while it is read; ``named`` is False for what stands before the first start."""
+    """An operation while it is read; ``named`` is False for what comes before the first start."""
 
     first: int
     tool: int | None
@@ -127,7 +127,8 @@ class _Scan:
     """Finds the starts, and collects what is said before the first cut."""
 
     def __init__(self, interpreted: InterpretedProgram, main: MainProgram) -> None:
-        self.interpreted, self.main = interpreted, main
+        self.interpreted = interpreted
+        self.main = main
         self.effect_at = {effect.block.line: effect for effect in interpreted.effects}
         self.drafts = [_Draft(main.first, None, named=False)]
         self.above: list[_Remark] = []  # comments straight above
@@ -209,13 +210,14 @@ class _Scan:
             draft = _Draft(first, draft.tool, named=True, remarks=list(self.above))
             self.drafts.append(draft)
         elif call and draft.call is not None:
-            # The tool before did nothing; only what was said behind its call is about this one.
+            # The tool before did nothing; only what was said after its call is about this one.
             self._forget(draft, draft.call + 1)
             draft.first = line
         elif not call and draft.titles and self._moves(draft.titles[-1].line, line):
             self._forget(draft, line)
         if call:
-            draft.tool, draft.call = call.after.tool, line
+            draft.tool = call.after.tool
+            draft.call = line
 
     @staticmethod
     def _forget(draft: _Draft, first: int) -> None:
@@ -229,7 +231,7 @@ class _Scan:
         return self.last_move > first or self._has_plain(first, last)
 
     def _has_plain(self, first: int, last: int) -> bool:
-        """True when plain motion stands between two lines; they are no events and never read here."""
+        """True with plain motion between two lines; those blocks are not special and never read here."""
         return bool((self.interpreted.program.plain[first:last] >= 0).any())
 
 
@@ -251,16 +253,20 @@ class _Judge:
     def __init__(
         self, interpreted: InterpretedProgram, rules: KindRules, tool_list: dict[int, _Remark]
     ) -> None:
-        self.interpreted, self.rules, self.tool_list = interpreted, rules, tool_list
+        self.interpreted = interpreted
+        self.rules = rules
+        self.tool_list = tool_list
         self.event_lines = [effect.block.line for effect in interpreted.effects]
 
     def operation(self, index: int, draft: _Draft, last: int, cuts: tuple[int, int] | None) -> Operation:
         first_cut, last_cut = cuts or (None, None)
         kind, reason = self._kind(draft, last)
-        speed_rpm, spindle = None, "stop"
+        speed_rpm = None
+        spindle = "stop"
         if first_cut is not None:
             state = self.interpreted.effect(first_cut).after
-            speed_rpm, spindle = _speed_rpm(state), state.spindle
+            speed_rpm = _speed_rpm(state)
+            spindle = state.spindle
         label = f"T{draft.tool}" if draft.tool is not None else "no tool called"
         if draft.titles:
             title = operation_title(draft.titles[-1].text)
@@ -304,7 +310,8 @@ class _Judge:
 
     def _kind_by_cycles(self, draft: _Draft, last: int) -> tuple[Kind, str] | None:
         found: dict[Kind, str] = {}
-        at, end = bisect_left(self.event_lines, draft.first), bisect_left(self.event_lines, last)
+        at = bisect_left(self.event_lines, draft.first)
+        end = bisect_left(self.event_lines, last)
         for effect in self.interpreted.effects[at:end]:
             kind = kind_by_cycle(effect)
             if kind and kind not in found:

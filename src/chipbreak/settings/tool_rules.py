@@ -36,7 +36,7 @@ def _is_readable(text: str) -> bool:
 
 def _check_room(layer: Layer, macros: Macros, _: Dialect) -> None:
     if macros.store_last < macros.store_first + LEAST_STORE:
-        message = f"macros.store_last = {macros.store_last} leaves no room behind store_first"
+        message = f"macros.store_last = {macros.store_last} leaves no room after store_first"
         help_text = f"at least {LEAST_STORE}: a tool takes 12 variables, and its teeth times its heights"
         raise layer.fail(IMPOSSIBLE, "macros.store_last", message, help_text)
 

@@ -11,7 +11,8 @@ class LazyPattern:
     """A regular expression compiled when it is first used: most programs need few of them."""
 
     def __init__(self, pattern: str, flags: int = 0) -> None:
-        self.source, self.flags = pattern, flags
+        self.source = pattern
+        self.flags = flags
 
     @cached_property
     def compiled(self) -> re.Pattern[str]:

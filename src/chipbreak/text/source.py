@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from chipbreak.text.span import Place
 
-LF, CR = 10, 13
+LF = 10
+CR = 13
 _PIECE_BYTES = 1 << 17
 # What controls read past: the bytes of BLANK in grammar/iso.lark.
 BLANKS = b" \t\0\x0b\x0c\x1a\x7f\xef\xbb\xbf"

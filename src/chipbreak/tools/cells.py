@@ -88,7 +88,7 @@ def _columns(errors: Errors, line: int, cells: list[Cell], known: Collection[str
             shown = f'"{cell.text[:40]}"'
             errors.add(UNKNOWN_KEY, f"there is no column {shown}", hint_at(name, known), line, cell[1:])
         elif name in names:
-            errors.add(UNKNOWN_KEY, f"the column {name} stands twice", "leave one out", line, cell[1:])
+            errors.add(UNKNOWN_KEY, f"the column {name} is there twice", "leave one out", line, cell[1:])
         names.append(name)
     errors.raise_if_any()
     return names

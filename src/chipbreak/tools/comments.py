@@ -1,7 +1,7 @@
 """What the comments of a program say about its tools: tool lists of CAM posts, and notes at tool calls.
 
 A comment that names a tool ("T2 D=12. CR=0. - FLAT END MILL", "Tool Number: 4") is about that tool, and so
-are single facts straight behind it ("DIA: 10", "Number of Flutes: 4").  One without a number is about the
+are single facts straight after it ("DIA: 10", "Number of Flutes: 4").  One without a number is about the
 tool that is called in the same block, or in the one before as long as nothing has moved.
 """
 
@@ -33,9 +33,9 @@ def tools_in_comments(interpreted: InterpretedProgram) -> list[ToolData]:
 
 
 def program_unit(interpreted: InterpretedProgram, line: int) -> tuple[float, str]:
-    """mm per unit of the program at a line, and who says so.
+    """mm per unit of the program at a line, and what says so.
 
-    A tool list stands above the G20 or G21 it is meant in, so the next one counts where none has come yet.
+    A tool list comes before the G20 or G21 it is meant in, so the next one counts where none has come yet.
     """
     return _unit_at(interpreted, _unit_codes(interpreted), line)
 
@@ -43,12 +43,14 @@ def program_unit(interpreted: InterpretedProgram, line: int) -> tuple[float, str
 def _unit_at(interpreted: InterpretedProgram, given: list[tuple[int, str]], line: int) -> tuple[float, str]:
     unit: str = interpreted.settings.dialect.initial.units
     if not given:
-        who = f"{_word(unit)}, as {interpreted.settings.dialect.title} starts"
+        origin = f"{_word(unit)}, as {interpreted.settings.dialect.title} starts"
     else:
         at = max(bisect_right([number for number, _ in given], line) - 1, 0)
         code_line, unit = given[at]
-        who = f"{_word(unit)}, as line {interpreted.program.source.place(code_line).line} of the program says"
-    return mm_per_unit(is_inch=unit == "inch"), who
+        origin = (
+            f"{_word(unit)}, as line {interpreted.program.source.place(code_line).line} of the program says"
+        )
+    return mm_per_unit(is_inch=unit == "inch"), origin
 
 
 def _unit_codes(interpreted: InterpretedProgram) -> list[tuple[int, str]]:
@@ -79,7 +81,7 @@ class _Reader:
         self.units = _unit_codes(interpreted)
 
     def read(self, block: Block) -> None:
-        # Plain motion is no event; it shows between two of them.
+        # Plain motion is no special line; it shows between two of them.
         if bool((self.interpreted.program.plain[self.line : block.line] >= 0).any()):
             self.current = None
         self.line = block.line
@@ -105,8 +107,8 @@ class _Reader:
             return
         values = self._values(line, text, note)
         if values:
-            who = f"comment in line {self.interpreted.program.source.place(line).line}"
-            self.found.append(ToolData.said(self.current, who, values))
+            origin = f"comment in line {self.interpreted.program.source.place(line).line}"
+            self.found.append(ToolData.said(self.current, origin, values))
 
     def _number(self, note: ToolNote) -> int | None:
         """The tool; on a turret ``T0212`` is tool 2 with offset 12."""

@@ -17,7 +17,7 @@ NO_NUMBER = "TOL005"
 NO_UNIT = "TOL006"
 TOO_MANY = "TOL007"
 BROKEN_READER = "TOL011"
-# Whoever reads twenty errors starts over with another file.
+# After twenty errors a reader starts over with another file.
 MOST_ERRORS = 20
 MOST_BYTES = 64 * 1024 * 1024  # of one file of tools, packed or not
 
@@ -43,7 +43,7 @@ class ToolData(NamedTuple):
     ``helix_deg``  angle between an edge and the axis; positive for a right-hand helix
     ``point_deg``  full angle of a drill's or chamfer mill's point
     ``holder_mm``  from the nose of the spindle to the lower end of the holder
-    ``origins``    field -> who said it, for messages
+    ``origins``    field -> what said it, for messages
     """
 
     number: int
@@ -111,7 +111,7 @@ class Errors:
     def stop(
         self, code: str, message: str, help_text: str, line: int = 0, span: tuple[int, int] = (0, 1)
     ) -> NoReturn:
-        """An error behind which nothing can be read."""
+        """An error after which nothing can be read."""
         self.add(code, message, help_text, line, span)
         raise ToolFileError(self.found)
 

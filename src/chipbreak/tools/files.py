@@ -8,6 +8,7 @@ from pathlib import Path
 from chipbreak.settings.sections import Settings
 from chipbreak.tools.data import CANNOT_OPEN, MOST_BYTES, Errors, ToolData
 from chipbreak.tools.reader import Unit
+from chipbreak.tools.ways_out import IS_IT_THE_RIGHT_FILE
 from chipbreak.units import mm_per_unit
 
 
@@ -22,7 +23,7 @@ def files_of(settings: Settings) -> tuple[str, ...]:
 
 
 def table_unit(settings: Settings, of_program: tuple[float, str]) -> Unit:
-    """mm per unit of a LinuxCNC tool table, and who says so."""
+    """mm per unit of a LinuxCNC tool table, and what says so."""
     unit = settings.tools.table_unit
     if unit == "program":
         return Unit(*of_program)
@@ -47,7 +48,7 @@ def read_bytes(name: str) -> bytes:
         why = error.strerror if isinstance(error, OSError) else str(error)
         errors.stop(CANNOT_OPEN, f"this file cannot be read: {why}", "check the path")
     if len(data) > MOST_BYTES:
-        errors.stop(CANNOT_OPEN, "this file is larger than any list of tools", "is it the right file?")
+        errors.stop(CANNOT_OPEN, "this file is larger than any list of tools", IS_IT_THE_RIGHT_FILE)
     return data
 
 

@@ -27,6 +27,7 @@ from chipbreak.tools.data import (
 from chipbreak.tools.json_text import json_line, load_json
 from chipbreak.tools.reader import Unit
 from chipbreak.tools.values import name_of, number_of, type_of
+from chipbreak.tools.ways_out import SHAPE_OF_A_FREECAD_ENTRY
 from chipbreak.units import MM_PER_INCH
 
 # Opens the file of a bit as a library names it; raises OSError.
@@ -98,10 +99,10 @@ def _entry(errors: Errors, index: int, entry: Any, open_bit: Opener) -> ToolData
     line = json_line(errors, ("tools", index))
     path = entry.get("path") if isinstance(entry, dict) else None
     if not isinstance(path, str) or not path:
-        errors.add(NO_FORMAT, f"tools[{index}] names no bit", "an entry has nr and path", line)
+        errors.add(NO_FORMAT, f"tools[{index}] names no bit", SHAPE_OF_A_FREECAD_ENTRY, line)
         return None
     if "nr" not in entry:
-        errors.add(NO_NUMBER, f"tools[{index}] has no number", "an entry has nr and path", line)
+        errors.add(NO_NUMBER, f"tools[{index}] has no number", SHAPE_OF_A_FREECAD_ENTRY, line)
         return None
     try:
         number = number_of("number", entry["nr"])
@@ -151,7 +152,7 @@ def _type(bit: Mapping[str, Any]) -> str | None:
 
 
 def _quantity(errors: Errors, key: str, field: str, value: Any) -> float | int | None:
-    """A parameter in mm, or a count; 0 stands for what nobody entered."""
+    """A parameter in mm, or a count; 0 means that nobody entered it."""
     line = json_line(errors, ("parameter", key))
     hit = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
     unit = hit[2] if hit else ""

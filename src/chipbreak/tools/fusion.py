@@ -2,7 +2,7 @@
 
 ``geometry`` holds DC (diameter), NOF (edges), LB (length below the holder), RE (corner radius), SIG (point
 angle) and assemblyGaugeLength (LB and the holder above it); ``unit`` is "millimeters" or "inches".  A zero
-stands for what the type does not have.  Fusion stores no helix angle.
+means what the type does not have.  Fusion stores no helix angle.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from chipbreak.tools.data import BAD_VALUE, MOST_BYTES, NO_FORMAT, NO_UNIT, Erro
 from chipbreak.tools.json_text import json_line, load_json
 from chipbreak.tools.reader import Unit
 from chipbreak.tools.values import name_of, number_of, type_of
+from chipbreak.tools.ways_out import EXPORT_AGAIN, IS_IT_THE_RIGHT_FILE
 from chipbreak.units import MM_PER_INCH
 
 _GEOMETRY: Final = {
@@ -43,12 +44,12 @@ def read_tools_zip(data: bytes, name: str, unit: Unit) -> list[ToolData]:
                     texts.append(file.read(MOST_BYTES + 1))
     except Exception as error:  # zipfile raises a dozen kinds for damaged, encrypted and odd archives
         why = str(error) or type(error).__name__
-        errors.stop(NO_FORMAT, f"this zip cannot be read: {why[:80]}", "export the library again")
+        errors.stop(NO_FORMAT, f"this zip cannot be read: {why[:80]}", EXPORT_AGAIN)
     if not members:
-        errors.stop(NO_FORMAT, "there is no .json in this zip", "export the library again")
+        errors.stop(NO_FORMAT, "there is no .json in this zip", EXPORT_AGAIN)
     for member, text in zip(members, texts, strict=True):
         if len(text) > MOST_BYTES:
-            errors.stop(NO_FORMAT, f"{member[:40]} is larger than any library", "is it the right file?")
+            errors.stop(NO_FORMAT, f"{member[:40]} is larger than any library", IS_IT_THE_RIGHT_FILE)
         tools += read_fusion(text, f"{name}/{member}", unit)
     return tools
 
@@ -64,7 +65,7 @@ def read_fusion(data: bytes, name: str, _unit: Unit) -> list[ToolData]:
     for index, entry in enumerate(entries):
         if not isinstance(entry, dict):
             line = json_line(errors, ("data", index))
-            errors.add(NO_FORMAT, f"data[{index}] is no tool", "export the library again", line)
+            errors.add(NO_FORMAT, f"data[{index}] is no tool", EXPORT_AGAIN, line)
             continue
         post = _table(entry, "post-process")
         if entry.get("type") != "holder" and "number" in post:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from chipbreak.tools.data import NO_FORMAT, Errors
+from chipbreak.tools.ways_out import EXPORT_AGAIN, IS_IT_THE_RIGHT_FILE
 
 _DECODER = json.JSONDecoder()
 _GAP = re.compile(r"[\s,:]*")
@@ -19,11 +20,9 @@ def load_json(errors: Errors) -> Any:
         return _DECODER.decode("\n".join(errors.lines))
     except json.JSONDecodeError as error:
         message = f"this is not JSON: {error.msg.lower()}"
-        errors.stop(
-            NO_FORMAT, message, "export the library again", error.lineno, (error.colno - 1, error.colno)
-        )
+        errors.stop(NO_FORMAT, message, EXPORT_AGAIN, error.lineno, (error.colno - 1, error.colno))
     except (ValueError, RecursionError):  # numbers of thousands of digits, thousands of brackets
-        errors.stop(NO_FORMAT, "no library is nested this deep or has such numbers", "is it the right file?")
+        errors.stop(NO_FORMAT, "no library is nested this deep or has such numbers", IS_IT_THE_RIGHT_FILE)
 
 
 def json_line(errors: Errors, path: Sequence[str | int]) -> int:
@@ -46,18 +45,21 @@ def _inside(text: str, at: int, step: str | int) -> int | None:
     is_object = text[at] == "{"
     if is_object != isinstance(step, str):
         return None
-    at, index, found = _skip(text, at + 1), 0, None
+    at = _skip(text, at + 1)
+    index = 0
+    found = None
     while text[at] not in "]}":
         key: Any = index
         if is_object:
             key, at = _DECODER.raw_decode(text, at)
             at = _skip(text, at)
         if key == step:
-            found = at  # of a key that stands twice the last one counts
+            found = at  # of a key that is there twice the last one counts
             if not is_object:
                 return found
         _, at = _DECODER.raw_decode(text, at)
-        at, index = _skip(text, at), index + 1
+        at = _skip(text, at)
+        index = index + 1
     return found
 
 

@@ -57,7 +57,7 @@ def _words(errors: Errors, line: int, text: str) -> dict[str, tuple[str, int, in
             continue
         start = hit.start(1) if hit[1] else hit.start(3)
         shown = text[start : min(at, start + 20)]
-        help_text = f"words are one of {', '.join(_LETTERS)} and a number; a comment stands behind ;"
+        help_text = f"words are one of {', '.join(_LETTERS)} and a number; a comment comes after ;"
         errors.add(UNKNOWN_KEY, f'"{shown}" is no word of a tool table', help_text, line, (start, at))
         break
     return words

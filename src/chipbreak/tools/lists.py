@@ -25,6 +25,7 @@ from chipbreak.tools.cells import Row, decoded, rows
 from chipbreak.tools.data import BAD_VALUE, FIELDS, NO_FORMAT, NO_NUMBER, UNKNOWN_KEY, Errors, ToolData
 from chipbreak.tools.reader import Unit
 from chipbreak.tools.values import TYPES, hint_at, name_of, number_of, type_of
+from chipbreak.tools.ways_out import SHAPE_OF_A_TOML_TOOL
 
 _REQUIRED = ("number", "type", "teeth", "diameter_mm", "length_mm")
 _OPTIONAL = tuple(field for field in FIELDS if field not in _REQUIRED)
@@ -61,14 +62,14 @@ def read_toml(data: bytes, name: str, _unit: Unit) -> list[ToolData]:
         where = re.search(r"line (\d+), column (\d+)", str(error))
         line, column = (int(where[1]), int(where[2]) - 1) if where else (1, 0)
         why = str(error).split(" (at", maxsplit=1)[0].lower()
-        errors.stop(NO_FORMAT, f"this is not TOML: {why}", "a tool is [[tool]] and key = value lines", line,
+        errors.stop(NO_FORMAT, f"this is not TOML: {why}", SHAPE_OF_A_TOML_TOOL, line,
                     (column, column + 1))  # fmt: skip
     entries = given.get("tool")
     for key in given:
         if key != "tool":
-            errors.add(UNKNOWN_KEY, f"there is no key {key[:40]}", "a tool is [[tool]]", _line_of(text, key))
+            errors.add(UNKNOWN_KEY, f"there is no key {key[:40]}", SHAPE_OF_A_TOML_TOOL, _line_of(text, key))
     if not (isinstance(entries, list) and all(isinstance(entry, dict) for entry in entries)):
-        errors.stop(NO_FORMAT, "there is no [[tool]] in it", "a tool is [[tool]] and key = value lines")
+        errors.stop(NO_FORMAT, "there is no [[tool]] in it", SHAPE_OF_A_TOML_TOOL)
     tools = []
     for index, entry in enumerate(entries):
         tool = _toml_tool(errors, text, index, entry)

@@ -99,7 +99,7 @@ def _of_one_file(entries: Sequence[ToolData]) -> tuple[ToolData | None, list[Dia
         if len(different) > 1 and field != "name":
             shown = " and ".join(f"{getattr(t, field)} ({t.origins[field]})" for t in (said[0], said[-1]))
             message = (
-                f"T{entries[0].number} stands twice in one file: {_WORDS[field]} {shown}; neither is used"
+                f"T{entries[0].number} is there twice in one file: {_WORDS[field]} {shown}; neither is used"
             )
             help_text = "give every tool a number of its own, or the right one in a file before this"
             diagnostics.append(Diagnostic(TWICE, Severity.WARNING, message, help_text))

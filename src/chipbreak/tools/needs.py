@@ -1,4 +1,4 @@
-"""What a check has to know about a tool, and who could have said it; never a guess."""
+"""What a check has to know about a tool, and where it could be given; never a guess."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def tool_table_for_checks(interpreted: InterpretedProgram) -> ToolTable:
 
 
 def table_text(table: ToolTable) -> list[str]:
-    """The tools as lines: what is known [mm, degrees], who said it, which check lacks what."""
+    """The tools as lines: what is known [mm, degrees], what said it, which check lacks what."""
     if not table.tools:
         return ["no tool is called or listed"]
     rows = [["tool", *_HEADS]]
@@ -59,7 +59,7 @@ def table_text(table: ToolTable) -> list[str]:
 
 
 def _origins(tool: ToolData) -> Iterator[str]:
-    """Who said which fields."""
+    """What said which fields."""
     by_origin: dict[str, list[str]] = {}
     for field in tool.known():
         by_origin.setdefault(tool.origins[field], []).append(field)

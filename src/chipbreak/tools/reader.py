@@ -10,7 +10,7 @@ from chipbreak.tools.data import ToolData
 
 
 class Unit(NamedTuple):
-    """The unit of lengths in a file that does not name its own: how many mm it has, and who says so."""
+    """The unit of lengths in a file that does not name its own: how many mm it has, and what says so."""
 
     mm: float
     origin: str

@@ -91,7 +91,7 @@ def number_of(field: str, value: Any) -> float | int:
 
 
 def type_of(text: str) -> str | None:
-    """The type that a CAM system's own word stands for, None where it is none of ours."""
+    """The type that a CAM system's own word means, None where it is none of ours."""
     said = " ".join(text.lower().split())
     if said in TYPES:
         return said
