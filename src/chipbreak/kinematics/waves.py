@@ -19,7 +19,7 @@ from chipbreak.units import S_PER_MIN
 FUZZ = 1e-9  # shares of a vibration or of a stroke that differ by less are equal
 
 
-class VibratedCut(Protocol):
+class CutOfWave(Protocol):
     """What a wave asks of the cut that has it."""
 
     @property
@@ -78,11 +78,11 @@ class Wave(ABC):
         """The mean feed speed as a share of the programmed one."""
         return 1.0
 
-    def standing_s(self, cut: VibratedCut) -> float:
+    def standing_s(self, cut: CutOfWave) -> float:
         """How long the tool dwells in the whole cut."""
         return 0.0
 
-    def vibrations(self, cut: VibratedCut) -> int:
+    def vibrations(self, cut: CutOfWave) -> int:
         """Whole vibrations that fit before the plain revolutions at the end."""
         vibrating_s = cut.length_mm / cut.feed_speed_mm_s - cut.end_revolutions * S_PER_MIN / cut.speed_rpm
         return max(0, math.floor(vibrating_s / cut.period_s + FUZZ))
@@ -108,7 +108,7 @@ class Wave(ABC):
         """Between which fractions of N / edges a stroke of ``rho`` times the feed per edge breaks chips."""
 
     @abstractmethod
-    def least_acceleration_mm_s2(self, cut: VibratedCut, per_rev: float) -> float:
+    def least_acceleration_mm_s2(self, cut: CutOfWave, per_rev: float) -> float:
         """The acceleration below which no control can run the strokes."""
 
 
@@ -133,7 +133,7 @@ class Triangle(Wave):
         """[(1 - alpha) / rho, 1 - alpha / rho]."""
         return (1.0 - alpha) / rho, 1.0 - alpha / rho
 
-    def least_acceleration_mm_s2(self, cut: VibratedCut, per_rev: float) -> float:
+    def least_acceleration_mm_s2(self, cut: CutOfWave, per_rev: float) -> float:
         """A straight stroke of length d from rest to rest in time t needs 4 d / t^2.
 
         The forward stroke is P + alpha f_r / N long and takes alpha / V, the return P - (1 - alpha) f_r / N
@@ -188,7 +188,7 @@ class Sine(Wave):
         half = math.acos(min(1.0, 1.0 / rho)) / math.pi
         return 0.5 - half, 0.5 + half
 
-    def least_acceleration_mm_s2(self, cut: VibratedCut, per_rev: float) -> float:
+    def least_acceleration_mm_s2(self, cut: CutOfWave, per_rev: float) -> float:
         """(2 pi V)^2 P / 2."""
         return (2.0 * math.pi * (1.0 / cut.period_s)) ** 2 * cut.stroke_mm / 2.0
 
@@ -207,11 +207,11 @@ class Dwell(Triangle):
         """See :meth:`Wave.speed_share`."""
         return alpha
 
-    def standing_s(self, cut: VibratedCut) -> float:
+    def standing_s(self, cut: CutOfWave) -> float:
         """See :meth:`Wave.standing_s`."""
         return self.vibrations(cut) * cut.period_s * (1.0 - cut.alpha_share)
 
-    def vibrations(self, cut: VibratedCut) -> int:
+    def vibrations(self, cut: CutOfWave) -> int:
         """See :meth:`Wave.vibrations`."""
         vibrating_mm = cut.length_mm - cut.end_revolutions * cut.feed_mm_rev
         return max(0, math.floor(vibrating_mm / (cut.speed_mm_s * cut.period_s) + FUZZ))
@@ -220,7 +220,7 @@ class Dwell(Triangle):
         """One: the dwell is no move."""
         return 1
 
-    def least_acceleration_mm_s2(self, cut: VibratedCut, per_rev: float) -> float:
+    def least_acceleration_mm_s2(self, cut: CutOfWave, per_rev: float) -> float:
         """None: it may take its time."""
         return 0.0
 
