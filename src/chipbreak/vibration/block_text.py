@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -14,8 +14,8 @@ from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.vibration.chain import Chain
 from chipbreak.vibration.dwell import DWELL_DECIMALS
+from chipbreak.vibration.forms import OutputForm
 from chipbreak.vibration.loop import Loop
-from chipbreak.vibration.loop_names import LoopNames
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class Columns:
 
     words: Words
     dwell_s: Floats
-    names: LoopNames | None
+    form: OutputForm
     feeds: Floats | None = None
     feed_decimals: int = 0
 
@@ -66,7 +66,6 @@ def block_text(
     With ``plain_end`` the last block has the program's own F, in its own text.
     """
     words = columns.words
-    names = columns.names
     places = np.diff(words.absolute, axis=0) if words.incremental else words.absolute[1:]
     table = columns.table(words.letters, places)
     last = len(table) - 1
@@ -77,22 +76,28 @@ def block_text(
     dwells = _Dwells(columns.dwell_s, settings.dialect.dwell_word)
     text += dwells.behind(0)
     at = 1
-    if names is not None:
-        switch = _switch(words, settings)
-        passes = columns.table(words.distance_letters, np.diff(words.absolute, axis=0))
-        for number, loop in enumerate(words.loops):
-            before, behind = names.lines(number, loop.passes)
-            text += dwells.rows(table, at, loop.first)
-            text += [*switch[:1], *before]
-            text += dwells.rows(passes, loop.first, loop.first + loop.count)
-            text += [*behind, *switch[1:]]
-            at = loop.stop
+    for loop, passes in zip(words.loops, _passes(columns, dwells, settings), strict=True):
+        text += [*dwells.rows(table, at, loop.first), *passes]
+        at = loop.stop
     text += dwells.rows(table, at, last)
     if last:
         own_feed = chain.after.feed if plain_end and columns.feeds is not None else None
         text.append(_row(table, last, own_feed.text if own_feed else ""))
         text += dwells.behind(last)
     return tuple(text)
+
+
+def _passes(columns: Columns, dwells: _Dwells, settings: Settings) -> Iterator[list[str | MoveTable]]:
+    """The blocks of one pass of each loop, between the lines that repeat them."""
+    words = columns.words
+    if not words.loops:
+        return
+    table = columns.table(words.distance_letters, np.diff(words.absolute, axis=0))
+    switch = _switch(words, settings)
+    for number, loop in enumerate(words.loops):
+        before, behind = columns.form.lines(number, loop.passes)
+        blocks = dwells.rows(table, loop.first, loop.first + loop.count)
+        yield [*switch[:1], *before, *blocks, *behind, *switch[1:]]
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,7 +23,8 @@ from chipbreak.text.diagnostics import RefusalError
 from chipbreak.units import S_PER_MIN, typed_feed
 from chipbreak.vibration.block_text import Columns, Words, block_text
 from chipbreak.vibration.dwell import printed_s
-from chipbreak.vibration.loop import Loop, among_kept, looped_points, same_feeds
+from chipbreak.vibration.forms import WRITTEN_OUT, OutputForm, form_with
+from chipbreak.vibration.loop import Loop, among_kept, same_feeds
 from chipbreak.vibration.loop_names import LoopNames
 from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.plan import CutPlan
@@ -60,17 +61,17 @@ def moves_of(cut: CutPlan, settings: Settings, names: LoopNames | None = None) -
     Errors: VIB023 when the whole cut rounds to nothing, VIB058 for distances finer than the output's digits,
     VIB059 for a stroke or feeds too fine for them.
     """
-    ends = _ends(cut, settings, loops=names is not None)
+    form = form_with(names)
+    ends = _ends(cut, form, settings)
     dwell_s = _dwells(cut, ends.dwells, settings)
-    columns = Columns(ends.words, dwell_s, names)
+    columns = Columns(ends.words, dwell_s, form)
     if not cut.expander.keeps_feed:
         feeds = _feed_words(cut, ends, settings)
         columns = replace(columns, feeds=feeds, feed_decimals=_feed_decimals(cut, settings))
     distance_mm = ends.distance_mm[1:].copy()
     distance_mm[-1] = cut.path.length_mm
     text = block_text(columns, cut.chain, settings, plain_end=_tail_is_programmed(cut, settings))
-    loops = None if names is None else ends.words.loops
-    return Expansion(text, distance_mm, ends.time_s[1:], dwell_s, loops)
+    return Expansion(text, distance_mm, ends.time_s[1:], dwell_s, form.told(ends.words.loops))
 
 
 class _Ends(NamedTuple):
@@ -82,10 +83,10 @@ class _Ends(NamedTuple):
     dwells: NDArray[np.intp]
 
 
-def _ends(cut: CutPlan, settings: Settings, *, loops: bool) -> _Ends:
+def _ends(cut: CutPlan, form: OutputForm, settings: Settings) -> _Ends:
     """The knots that stay apart when they are rounded; (n,) each, the start included."""
     time_s, distance_mm, dwells = cut.expander.knots(*_knots(cut, settings.vibration.chord_mm))
-    words = _axis_words(cut, time_s, distance_mm, settings, loops=loops)
+    words = _axis_words(cut, time_s, distance_mm, form, settings)
     # Of knots that round to one point the last stays, so that the time goes to the move towards it and not
     # to the one behind it, which may be the plain end with a feed of its own.
     keep = np.append(np.any(np.diff(words.absolute, axis=0) != 0.0, axis=1), True)
@@ -166,7 +167,7 @@ def _check_feed_digits(cut: CutPlan, spans: Floats, feeds: Floats, digits: int) 
 
 
 def _axis_words(
-    cut: CutPlan, time_s: Floats, distance_mm: Floats, settings: Settings, *, loops: bool
+    cut: CutPlan, time_s: Floats, distance_mm: Floats, form: OutputForm, settings: Settings
 ) -> Words:
     chain = cut.chain
     state = cut.chain.before
@@ -186,15 +187,13 @@ def _axis_words(
         letters = distances if incremental else letters
     # The start is a position the program gave; incremental words count from it, whatever its digits.
     origin: Floats = points[0] * scale if incremental else np.zeros(3)
-    found: Sequence[Loop] = ()
     distance_letters = _distance_letters(letters, moving, settings, incremental=incremental)
     rounded = (points * scale - origin) * 10.0**decimals
-    if loops and distance_letters:
-        rounded[:, axes], found = looped_points(cut, time_s, rounded[:, axes], settings)
-    np.rint(rounded, out=rounded)
+    form = form if distance_letters else WRITTEN_OUT
+    loops = form.round_steps(cut, time_s, rounded, axes, settings)
     rounded /= 10.0**decimals
     places_mm = (rounded + origin) / scale
-    return Words(tuple(letters), rounded[:, axes], places_mm, decimals, incremental, distance_letters, found)
+    return Words(tuple(letters), rounded[:, axes], places_mm, decimals, incremental, distance_letters, loops)
 
 
 def _distance_letters(
