@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from chipbreak.inspection import edges
+from macros import measures
 
 Floats = NDArray[np.float64]
 BALL_MM = 3.0
@@ -15,14 +16,14 @@ CONE_SLOPE = np.tan(np.radians(59.0))  # a drill of 118 degrees: radius per heig
 
 @pytest.mark.parametrize(("measured", "passes"), [(5.005, True), (5.0050001, False), (4.0, True)])
 def test_runout_may_reach_its_limit(measured: float, passes: bool) -> None:
-    assert edges.runout_passes(measured, 5.0) is passes
+    assert measures.runout_passes(measured, 5.0) is passes
 
 
 @pytest.mark.parametrize("radius", [0.1, 1.0, 3.0, 8.7, 12.7])
 def test_runout_limit_in_binary_fractions(radius: float) -> None:
     """R + 0.005 typed as a decimal number is the limit itself, whatever the sum of floats is."""
-    assert edges.runout_passes(float(f"{radius + 0.005:.6f}"), radius)
-    assert not edges.runout_passes(float(f"{radius + 0.005001:.6f}"), radius)
+    assert measures.runout_passes(float(f"{radius + 0.005:.6f}"), radius)
+    assert not measures.runout_passes(float(f"{radius + 0.005001:.6f}"), radius)
 
 
 @pytest.mark.parametrize(
@@ -30,7 +31,7 @@ def test_runout_limit_in_binary_fractions(radius: float) -> None:
     [(40.0, False), (40.000001, True), (43.0, True), (43.000001, False), (39.9, False)],
 )
 def test_length_is_strict_on_the_left_only(measured: float, passes: bool) -> None:
-    assert edges.length_passes(measured, 40.0) is passes
+    assert measures.length_passes(measured, 40.0) is passes
 
 
 @pytest.mark.parametrize(
@@ -38,11 +39,11 @@ def test_length_is_strict_on_the_left_only(measured: float, passes: bool) -> Non
     [([9.5], False), ([9.500001], True), ([10.499999], True), ([10.5], False), ([9.0, 9.8, 9.2], True)],
 )
 def test_diameter_is_strict_on_both_sides_and_the_largest_counts(measured: list[float], passes: bool) -> None:
-    assert edges.diameter_passes(measured, 10.0) is passes
+    assert measures.diameter_passes(measured, 10.0) is passes
 
 
 def test_stick_out_is_beam_less_contact_less_holder() -> None:
-    assert edges.stick_out_mm(beam_mm=400.0, contact_mm=290.5, holder_mm=70.0) == pytest.approx(39.5)
+    assert measures.stick_out_mm(beam_mm=400.0, contact_mm=290.5, holder_mm=70.0) == pytest.approx(39.5)
 
 
 def wall(heights: Floats) -> Floats:

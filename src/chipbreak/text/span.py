@@ -1,15 +1,8 @@
-"""Places in a program: half-open byte offsets, and lines and columns for people."""
+"""Places in a program: lines and columns for people."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
-
-
-class Span(NamedTuple):
-    """Bytes ``start`` to ``end`` (exclusive) of the file the user gave us."""
-
-    start: int
-    end: int
 
 
 class Place(NamedTuple):
