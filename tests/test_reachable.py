@@ -16,9 +16,7 @@ import chipbreak
 from test_layers import MODULES, own_imports
 
 # Where a run of the product begins: the command line, ``python -m chipbreak``, and the public functions.
-DOORS = {"chipbreak", "cli", "__main__"} | {
-    home.removeprefix("chipbreak.") for home in chipbreak._HOMES.values()
-}
+DOORS = {"chipbreak", "cli", "__main__"} | {home.removeprefix("chipbreak.") for home in chipbreak._HOMES}
 # Called by others than our own modules: the entry point of the script, a hook of Python's.
 CALLED_FROM_OUTSIDE = {"main", "__getattr__", "__dir__"}
 # The law that what is read is printed byte for byte is said where programs are read.
