@@ -130,6 +130,6 @@ def macro_programs(settings: Settings) -> dict[str, bytes]:
     """
     try:
         check_axes(settings.axis_words)
-        return macro_files(settings.dialect.name, MacroSettings.of(settings))
+        return macro_files(settings.dialect, MacroSettings.of(settings))
     except RefusalError as error:
         raise SettingsError.of(error, settings.name) from None

@@ -237,7 +237,7 @@ def macros(asked: Asked, output: str) -> None:
     settings = settings_of(asked, "-")
     try:
         check_axes(settings.axis_words)
-        files = macro_files(settings.dialect.name, MacroSettings.of(settings))
+        files = macro_files(settings.dialect, MacroSettings.of(settings))
     except RefusalError as error:
         click.echo(f"error {error.code}: {error.message}\n  help: {error.help}", err=True)
         sys.exit(USAGE)

@@ -11,7 +11,6 @@ import math
 from dataclasses import dataclass, field
 
 from chipbreak import settings
-from chipbreak.checks.call_sets import NAMED
 from chipbreak.editing import restore
 from chipbreak.editing.edits import Edit
 from chipbreak.editing.render import render
@@ -117,7 +116,7 @@ def check(result: Filtered) -> None:
     paired = pairs(result)
     same_states(paired)
     if not result.settings.dialect.is_lathe:  # a lathe comes down slanting from wherever it is
-        ends = result.settings.checks.calls in NAMED
+        ends = result.settings.dialect.call_sets[result.settings.checks.calls].ends_offset
         for home_ends in (True, False):
             same_cuts(paired, result.settings, home_ends=home_ends, calls_end=ends)
 

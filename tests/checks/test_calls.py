@@ -8,13 +8,14 @@ import pytest
 from click.testing import CliRunner
 
 from chipbreak import settings
-from chipbreak.checks.call_sets import BUILT_IN, NAMED
 from chipbreak.checks.calls import CallValues, CheckKind, calls_of
 from chipbreak.cli import cli
+from chipbreak.dialects import BUILT_IN, FANUC_MILL
 from chipbreak.macros.calls import ToolValues
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.tools.data import ToolData
 
+MAKERS = [name for name in FANUC_MILL.call_sets if name != BUILT_IN]
 DATA = ToolData(2, "flat end mill", 4, 12.0, 38.0, helix_deg=45.0, holder_mm=70.0)
 VALUES = CallValues(tool=2, speed_rpm=5300.0, height_mm=20.0, limit_mm=0.02, operation="FINISH", data=DATA)
 
@@ -73,7 +74,9 @@ def test_built_in_calls_hand_over_what_the_macros_take(
     profile: str, data: ToolData, kind: int, tip: float
 ) -> None:
     """The macros' own writer of these blocks and the built-in templates say the same."""
-    blocks = ToolValues(2, kind, 12.0, tip, 38.0, 70.0, 4, 45.0).blocks(profile)
+    macros = settings.load(profile).dialect.macros
+    assert macros is not None
+    blocks = ToolValues(2, kind, 12.0, tip, 38.0, 70.0, 4, 45.0).blocks(macros)
     calls = calls_of(settings.load(profile))
     written = calls.text(CheckKind.TOOL_CHECK, VALUES._replace(data=data), is_inch=False)
     assert written[: len(blocks)] == blocks
@@ -113,7 +116,6 @@ def test_what_a_call_lacks() -> None:
 @pytest.mark.parametrize("profile", ["fanuc-mill", "linuxcnc-mill"])
 def test_every_built_in_set_calls_every_event(profile: str) -> None:
     assert set(calls_of(settings.load(profile)).blocks) == set(CheckKind)
-    assert profile in BUILT_IN
 
 
 @pytest.mark.parametrize(
@@ -133,8 +135,8 @@ def test_makers_cycles_are_called_behind_an_operation(name: str, block: str) -> 
 
 def test_there_is_a_profile_for_each_maker() -> None:
     profiles = {settings.load(name).checks.calls: name for name in settings.profile_names()}
-    assert set(NAMED) <= set(profiles)
-    for name in NAMED:
+    assert set(MAKERS) <= set(profiles)
+    for name in MAKERS:
         assert calls_of(settings.load(profiles[name])).name == name
 
 
@@ -167,7 +169,7 @@ def test_the_number_of_workpieces_and_the_sister_are_handed_over() -> None:
 
 
 @pytest.mark.parametrize("key", ["checks.every=2", "checks.sister.2=12"])
-@pytest.mark.parametrize("name", list(NAMED))
+@pytest.mark.parametrize("name", MAKERS)
 def test_what_the_calls_cannot_say_is_refused(name: str, key: str) -> None:
     with pytest.raises(RefusalError) as caught:
         calls_of(settings.load("fanuc-mill", [f"checks.calls={name}", key]))

@@ -8,7 +8,7 @@ from importlib import resources
 import pytest
 
 import chipbreak
-from chipbreak.checks.clashes import WORKING
+from chipbreak.dialects.check_programs import MACRO_B
 
 BODY = "T1 M6\nS1000 M3\nG0 X1. Y2.\nG43 Z15. H1\n{line}\nG1 Z-1. F100.\n{cut}\nG0 Z15.\nM30\n"
 
@@ -79,4 +79,4 @@ def test_the_shipped_macros_work_in_no_other_variables() -> None:
     }
     commons = {number for number in numbers if 100 <= number < 1000}
     assert commons
-    assert commons <= set(WORKING["fanuc-mill"])
+    assert commons <= set(MACRO_B.working)

@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from chipbreak.dialects import LINUXCNC_MILL
+from chipbreak.dialects.check_programs import O_WORDS
 from chipbreak.macros import MacroSettings, macro_files
 from laser_simulator.tool import SimulatedTool
 from linuxcnc import laser, machine
@@ -17,7 +19,6 @@ from .stand import ALARMS, BAR, BEAM, SETTINGS
 
 Verdict = tuple[str, str, str]
 
-DIALECT = "linuxcnc-mill"
 LC_SETTINGS = replace(
     SETTINGS,
     master_tool=0,
@@ -32,14 +33,14 @@ LC_SETTINGS = replace(
 
 
 def subroutines(settings: MacroSettings, folder: Path) -> Path:
-    for name, data in macro_files(DIALECT, settings).items():
+    for name, data in macro_files(LINUXCNC_MILL, settings).items():
         (folder / name).write_bytes(data)
     return folder
 
 
 def programs(case: Case, first: int) -> list[str]:
     """One program for each check; ``first`` is the number of the case's tool on the machine."""
-    before = f"M68 E0 Q0\no<cb_calibrate> call\nM68 E0 Q{first}\n{case.nominal.data(1, DIALECT)}\n"
+    before = f"M68 E0 Q0\no<cb_calibrate> call\nM68 E0 Q{first}\n{case.nominal.data(1, O_WORDS)}\n"
     if case.later is None:
         blocked = "M68 E0 Q-1\n" if case.is_blocked else ""
         return [f"{before}{blocked}o<cb_tool_check> call [1] [5000]\n(debug, good)\nM2\n"]

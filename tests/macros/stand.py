@@ -7,6 +7,8 @@ from functools import cache
 
 import numpy as np
 
+from chipbreak.dialects import FANUC_MILL, MacroSet
+from chipbreak.dialects.check_programs import MACRO_B
 from chipbreak.macros import MacroSettings, ToolValues, macro_files
 from laser_simulator.barrier import Beam, Station
 from laser_simulator.tool import Kind, SimulatedTool
@@ -35,7 +37,7 @@ ALARMS = {
 
 @cache
 def library(settings: MacroSettings) -> Library:
-    return Library(macro_files("fanuc-mill", settings).values())
+    return Library(macro_files(FANUC_MILL, settings).values())
 
 
 @dataclass(frozen=True)
@@ -65,13 +67,13 @@ class Nominal:
         )
         return replace(made, **changes)  # type: ignore[arg-type]
 
-    def data(self, number: int, dialect: str = "fanuc-mill") -> str:
+    def data(self, number: int, macros: MacroSet = MACRO_B) -> str:
         """The blocks that hand it to the macros."""
         values = ToolValues(
             number, KINDS[self.kind], self.diameter_mm, self.tip, self.length_mm, self.holder_mm,
             self.teeth, self.helix_deg,
         )  # fmt: skip
-        return "\n".join(values.blocks(dialect))
+        return "\n".join(values.blocks(macros))
 
 
 FLAT_OK = Nominal()

@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from chipbreak.dialects.check_programs import O_WORDS
 from linuxcnc import laser
 
 from .cases import STRAIGHT
-from .lc_stand import DIALECT, LC_SETTINGS, alarms, subroutines
+from .lc_stand import LC_SETTINGS, alarms, subroutines
 from .stand import BAR, BEAM, SETTINGS, Stand
 
 GOOD = STRAIGHT.real()
@@ -124,7 +125,7 @@ def test_ten_tools_are_remembered(stand: Stand) -> None:
 
 @pytest.mark.linuxcnc("machine")
 def test_both_on_the_simulated_linuxcnc(tmp_path: Path) -> None:
-    check = f"{STRAIGHT.data(1, DIALECT)}\no<cb_tool_check> call [1] [5000]"
+    check = f"{STRAIGHT.data(1, O_WORDS)}\no<cb_tool_check> call [1] [5000]"
     count = f"(debug, count #{LC_SETTINGS.store_last - 10})"
     start = "M68 E0 Q0\no<cb_calibrate> call [3]\n"
     pieces = [

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chipbreak.dialects import find
+from chipbreak.dialects import FANUC_MILL, LINUXCNC_MILL, Dialect
 from chipbreak.inspection.edges import inward_mm
 from chipbreak.macros import ToolValues, macro_files
 from chipbreak.syntax.parse import read_block
@@ -73,7 +73,7 @@ def test_a_signal_seen_a_millisecond_late_changes_no_verdict(case: Case) -> None
 
 
 def mutated(name: str, old: str, new: str) -> Library:
-    files = macro_files("fanuc-mill", SETTINGS)
+    files = macro_files(FANUC_MILL, SETTINGS)
     text = files[name].decode()
     assert old in text
     files[name] = text.replace(old, new).encode()
@@ -238,17 +238,19 @@ def test_a_fault_that_goes_away_is_measured_again_before_an_alarm() -> None:
     assert count > 3
 
 
-@pytest.mark.parametrize("dialect", ["fanuc-mill", "linuxcnc-mill"])
-def test_no_block_of_tool_data_is_longer_than_a_screen(dialect: str) -> None:
-    blocks = ToolValues(99999999, 4, 199.1234, 19.1234, 299.1234, 299.1234, 12, 45.1234).blocks(dialect)
+@pytest.mark.parametrize("dialect", [FANUC_MILL, LINUXCNC_MILL], ids=lambda dialect: dialect.name)
+def test_no_block_of_tool_data_is_longer_than_a_screen(dialect: Dialect) -> None:
+    assert dialect.macros is not None
+    widest = ToolValues(99999999, 4, 199.1234, 19.1234, 299.1234, 299.1234, 12, 45.1234)
+    blocks = widest.blocks(dialect.macros)
     assert all(60 < len(block) <= 80 or "length" in block for block in blocks), blocks
-    assert all(not read_block(0, block, find(dialect, "")).opaque for block in blocks)
+    assert all(not read_block(0, block, dialect).opaque for block in blocks)
 
 
 def test_alarms_fit_the_screen_and_their_range() -> None:
     texts = [
         match
-        for data in macro_files("fanuc-mill", SETTINGS).values()
+        for data in macro_files(FANUC_MILL, SETTINGS).values()
         for match in re.findall(r"#3000=#131(?:\+(\d+))?\((.*)\)", data.decode())
     ]
     assert len(texts) > 15

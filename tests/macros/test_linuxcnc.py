@@ -12,15 +12,16 @@ from pathlib import Path
 
 import pytest
 
+from chipbreak.dialects.check_programs import O_WORDS
 from linuxcnc import laser, rs274
 
 from .cases import CASES, STRAIGHT, Case
-from .lc_stand import DIALECT, LC_SETTINGS, subroutines, verdicts
+from .lc_stand import LC_SETTINGS, subroutines, verdicts
 from .stand import BAR, BEAM
 
 CALLS = (
     "o<cb_calibrate> call",
-    *STRAIGHT.data(1, DIALECT).split("\n"),
+    *STRAIGHT.data(1, O_WORDS).split("\n"),
     "o<cb_tool_check> call [1] [5000]",
     "o<cb_trace> call [1] [20]",
     "o<cb_chip_check> call [1] [0.02] [20]",

@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from chipbreak.dialects.check_programs import O_WORDS
 from linuxcnc import laser
 
 from .cases import STRAIGHT
-from .lc_stand import DIALECT, LC_SETTINGS, alarms, subroutines
+from .lc_stand import LC_SETTINGS, alarms, subroutines
 from .stand import BAR, BAR_NUMBER, BEAM, SETTINGS, Stand
 
 CHECK = "G65 P9811 T{tool} S5000"
@@ -74,7 +75,7 @@ def test_a_tool_that_the_cut_has_pulled_out_does_not_cross_the_beam(stand: Stand
 @pytest.mark.linuxcnc("machine")
 def test_all_of_it_on_the_simulated_linuxcnc(tmp_path: Path) -> None:
     start = "M68 E0 Q0\no<cb_calibrate> call\nM68 E0 Q1\n"
-    data = {tool: STRAIGHT.data(tool, DIALECT) for tool in (1, 2)}
+    data = {tool: STRAIGHT.data(tool, O_WORDS) for tool in (1, 2)}
     check = {tool: f"o<cb_tool_check> call [{tool}] [5000]" for tool in (1, 2)}
     trace = {tool: f"o<cb_trace> call [{tool}] [2]" for tool in (1, 2)}
     now = "(debug, tool #<_current_tool>)"

@@ -10,6 +10,8 @@ import click.testing
 import pytest
 
 from chipbreak.cli import cli
+from chipbreak.dialects import FANUC_MILL
+from chipbreak.dialects.fanuc import FANUC_LATHE_A
 from chipbreak.macros import MacroSettings, macro_files
 from chipbreak.settings import load
 from chipbreak.text.diagnostics import RefusalError
@@ -72,7 +74,7 @@ def test_what_cannot_be_writes_nothing(tmp_path: Path, args: list[str], said: st
 
 def test_a_lathe_has_no_macros() -> None:
     with pytest.raises(RefusalError) as caught:
-        macro_files("fanuc-lathe", SETTINGS)
+        macro_files(FANUC_LATHE_A, SETTINGS)
     assert caught.value.code == "MCR004"
 
 
@@ -118,7 +120,7 @@ def test_the_machine_builder_s_codes_stand_in_the_macros() -> None:
     settings = replace(
         SETTINGS, orient="M219 S{angle}", laser_on="M70\nG4 P500", laser_off="M71", beam_input=3
     )
-    files = {name: data.decode() for name, data in macro_files("fanuc-mill", settings).items()}
+    files = {name: data.decode() for name, data in macro_files(FANUC_MILL, settings).items()}
     assert "M219 S#1\nM99" in files["O9822.nc"]
     assert "M70\nG4 P500\nM99" in files["O9823.nc"]
     assert "M71\nM99" in files["O9826.nc"]
@@ -126,7 +128,7 @@ def test_the_machine_builder_s_codes_stand_in_the_macros() -> None:
 
 
 def test_no_line_is_longer_than_a_screen_and_every_line_is_read() -> None:
-    for name, data in macro_files("fanuc-mill", SETTINGS).items():
+    for name, data in macro_files(FANUC_MILL, SETTINGS).items():
         lines = data.decode("ascii").splitlines()
         assert max(map(len, lines)) <= 80, name
         assert lines[0] == lines[-1] == "%"

@@ -13,8 +13,8 @@ import string
 from collections.abc import Iterable, Mapping
 from typing import Final, NamedTuple
 
-from chipbreak.checks.call_sets import BUILT_IN, NAMED, NAMED_DIALECT, ShippedCalls
 from chipbreak.checks.tool_values import DATA_FIELDS, data_texts
+from chipbreak.dialects import BUILT_IN, DIALECTS, CallTemplates
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.syntax.parse import read_block
@@ -105,7 +105,7 @@ _FIELDS_OF: Final[Mapping[CheckKind, tuple[str, ...]]] = {
 
 
 class CallSet(NamedTuple):
-    """The blocks of every check that is called; see :class:`ShippedCalls`."""
+    """The blocks of every check that is called; see :class:`CallTemplates`."""
 
     name: str
     blocks: Mapping[CheckKind, tuple[str, ...]]
@@ -195,23 +195,23 @@ def _read(name: str, settings: Settings) -> CallSet:
     return CallSet(name, blocks, tails, shipped.ends_offset)
 
 
-def _shipped(name: str, settings: Settings) -> ShippedCalls:
-    """The set of a name; the profile's own come first."""
-    dialect = settings.dialect.name
+def _shipped(name: str, settings: Settings) -> CallTemplates:
+    """The set of a name; the profile's own come first, then those of the control."""
     if name in settings.call_sets:
-        return ShippedCalls(settings.call_sets[name])
-    if name == "builtin":
-        found = BUILT_IN.get(dialect)
-        message = f"there are no built-in calls for the dialect {dialect}: the macros measure tools that turn"
-    elif name in NAMED:
-        found = NAMED[name] if dialect == NAMED_DIALECT else None
-        message = f'checks.calls: the set "{name}" is for the dialect {NAMED_DIALECT}, not for {dialect}'
-    else:
+        return CallTemplates(settings.call_sets[name])
+    dialect = settings.dialect
+    if name in dialect.call_sets:
+        return dialect.call_sets[name]
+    others = {one: other.name for other in DIALECTS for one in other.call_sets}
+    if name not in others:
         message = f'checks.calls: there is no set of calls "{name}"'
-        raise RefusalError(UNKNOWN_SET, message, _nearest(name, ["builtin", *settings.call_sets, *NAMED]))
-    if found is None:
-        raise RefusalError(UNKNOWN_SET, message, "describe your own in [calls.NAME], and set checks.calls")
-    return found
+        known = dict.fromkeys([BUILT_IN, *settings.call_sets, *dialect.call_sets, *others])
+        raise RefusalError(UNKNOWN_SET, message, _nearest(name, known))
+    message = f'checks.calls: the set "{name}" is for the dialect {others[name]}, not for {dialect.name}'
+    if name == BUILT_IN:
+        why = "the macros measure tools that turn"
+        message = f"there are no built-in calls for the dialect {dialect.name}: {why}"
+    raise RefusalError(UNKNOWN_SET, message, "describe your own in [calls.NAME], and set checks.calls")
 
 
 def _check(where: str, template: str, kind: CheckKind, limit: int, settings: Settings) -> None:

@@ -6,18 +6,14 @@ program that names one of their variables anywhere gets no check that calls them
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Final, NamedTuple
+from collections.abc import Iterator
+from typing import NamedTuple
 
 from chipbreak.checks.ways_out import OR_MOVE_THE_STORE, USE_OTHER_VARIABLES
+from chipbreak.dialects import BUILT_IN
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.parse import Program
 from chipbreak.syntax.variables import variables_of
-from chipbreak.text.frozen_table import FrozenTable
-
-# What the macros work in beside the store; on LinuxCNC they have names of their own.
-WORKING: Final[Mapping[str, range]] = FrozenTable({"fanuc-mill": range(100, 151)})
-_PREFIX: Final = "_cb_"
 
 
 class Clash(NamedTuple):
@@ -28,38 +24,45 @@ class Clash(NamedTuple):
     help: str
 
 
+class _Needs(NamedTuple):
+    """Variables of the macros: those they work in, those of their store, and how their names begin."""
+
+    working: range
+    store: range
+    prefix: str
+
+    def has(self, key: int | str | None) -> bool:
+        """True for a variable that is theirs, or may be: one by a number worked out."""
+        if isinstance(key, str):
+            return bool(self.prefix) and key.startswith(self.prefix)
+        return key is None or key in self.working or key in self.store
+
+    def shown(self, key: int | str | None) -> str:
+        """The variables that such a one is among."""
+        if isinstance(key, str):
+            return f"those that begin with {self.prefix}"
+        return " and ".join(f"#{one[0]} to #{one[-1]}" for one in (self.working, self.store) if one)
+
+
 def clash_of(program: Program, settings: Settings) -> Clash | None:
     """The first variable of a program that the macros of its calls need, None where there is none."""
-    if settings.checks.calls != "builtin" or "builtin" in settings.call_sets:
+    macros = settings.dialect.macros
+    if macros is None or settings.checks.calls != BUILT_IN or BUILT_IN in settings.call_sets:
         return None
-    working = WORKING.get(settings.dialect.name, range(0))
     store = range(settings.macros.store_first, settings.macros.store_last + 1)
+    needs = _Needs(macros.working, store, macros.prefix)
     for line, key in _named(program):
-        if _is_needed(key, working, store):
-            return _clash(line, key, working, store)
+        if needs.has(key):
+            uses = f"this program uses {_variable(key)}, and the macros they call use {needs.shown(key)}"
+            way_out = USE_OTHER_VARIABLES + (OR_MOVE_THE_STORE if key in store else "")
+            return Clash(line, f"left out: all checks; {uses}", way_out)
     return None
 
 
-def _is_needed(key: int | str | None, working: range, store: range) -> bool:
-    """True for a variable of the macros; one by a number worked out may be any of them."""
-    if isinstance(key, str):
-        return key.startswith(_PREFIX)
-    return key is None or key in working or key in store
-
-
-def _clash(line: int, key: int | str | None, working: range, store: range) -> Clash:
-    needs = " and ".join(f"#{one[0]} to #{one[-1]}" for one in (working, store) if one)
-    way_out = USE_OTHER_VARIABLES
-    if isinstance(key, str):
-        what = f"#<{key}>"
-        needs = f"those that begin with {_PREFIX}"
-    elif key is None:
-        what = "a variable by a number worked out"
-    else:
-        what = f"#{key}"
-        way_out += OR_MOVE_THE_STORE if key in store else ""
-    message = f"left out: all checks; this program uses {what}, and the macros they call use {needs}"
-    return Clash(line, message, way_out)
+def _variable(key: int | str | None) -> str:
+    if key is None:
+        return "a variable by a number worked out"
+    return f"#<{key}>" if isinstance(key, str) else f"#{key}"
 
 
 def _named(program: Program) -> Iterator[tuple[int, int | str | None]]:

@@ -14,6 +14,7 @@ see ``grammar/README.md``.  Shipped names come first; no package can take their 
 """
 
 from chipbreak.dialects.base import NON_MODAL, Code, CommentMarks, Dialect
+from chipbreak.dialects.check_programs import BUILT_IN, CallTemplates, MacroSet
 from chipbreak.dialects.fanuc import FANUC_LATHE_A, FANUC_LATHE_B, FANUC_LATHE_C, FANUC_MILL
 from chipbreak.dialects.generic import GENERIC_LATHE
 from chipbreak.dialects.linuxcnc import LINUXCNC_LATHE, LINUXCNC_MILL
@@ -30,14 +31,17 @@ DIALECTS: tuple[Dialect, ...] = (
 )
 
 __all__ = [
+    "BUILT_IN",
     "DIALECTS",
     "FANUC_MILL",
     "GENERIC_LATHE",
     "LINUXCNC_MILL",
     "NON_MODAL",
+    "CallTemplates",
     "Code",
     "CommentMarks",
     "Dialect",
+    "MacroSet",
     "dialect_names",
     "find",
 ]

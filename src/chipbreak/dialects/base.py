@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
+from chipbreak.dialects.check_programs import CallTemplates, MacroSet
 from chipbreak.dialects.modes import Modes, check_value
 from chipbreak.text.frozen_table import FrozenTable
 
@@ -93,6 +94,8 @@ class Dialect(NamedTuple):
     ``turns_offsets`` the R of ``G10 L2`` turns a work offset
     ``keeps_modes``   M70 and M73 keep what is in force, and M72 gives it back
     ``line_needs_feed`` a G1 without F is refused, and G94 and G95 end the F before
+    ``macros``        the programs that check tools on this control; None where there are none
+    ``call_sets``     sets of calls of such programs by name, ``builtin`` those of ``macros``
     ``converts_feed`` over G20 and G21, F and the P of G64 keep their value and not their number
     """
 
@@ -122,6 +125,8 @@ class Dialect(NamedTuple):
     keeps_modes: bool = False
     line_needs_feed: bool = False
     converts_feed: bool = False
+    macros: MacroSet | None = None
+    call_sets: Mapping[str, CallTemplates] = FrozenTable({})
 
     def code(self, group: str, value: str, like: Collection[int] = ()) -> str:
         """The G code that sets a modal group, such as ``G95`` for feed_mode, rev.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from chipbreak.dialects.base import COMMON, LOGIC_AS_ARITHMETIC, Dialect, Loop, table
+from chipbreak.dialects.check_programs import MACRO_B, MACRO_B_SETS
 from chipbreak.dialects.modes import Modes
 from chipbreak.text.frozen_table import FrozenTable
 
@@ -159,5 +160,7 @@ FANUC_MILL = Dialect(
     axis_letters="XYZUWABC",
     machine_retract=("G91 G28 Z0.", "G90"),
     kept_variables=((500, 999), (98000, 98499)),
+    macros=MACRO_B,
+    call_sets=MACRO_B_SETS,
     loop=_LOOP,
 )

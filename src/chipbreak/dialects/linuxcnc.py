@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from chipbreak.dialects.base import COMMON, LOGIC_LAST, Dialect, Loop, table
+from chipbreak.dialects.check_programs import O_WORD_SETS, O_WORDS
 from chipbreak.dialects.modes import Modes
 from chipbreak.text.frozen_table import FrozenTable
 
@@ -76,4 +77,6 @@ LINUXCNC_MILL = LINUXCNC_LATHE._replace(
     initial=_INITIAL._replace(plane="XY"),
     machine_retract=("G53 G0 Z0",),
     kept_variables=((31, 5000),),
+    macros=O_WORDS,
+    call_sets=O_WORD_SETS,
 )

@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
 
+from chipbreak.dialects import MacroSet
 from chipbreak.syntax.numbers import print_number
 
 FLAT, BALL, DRILL, REAMER = 1, 2, 3, 4
 _DECIMALS = 4
-
-TEMPLATES: Final[Mapping[str, tuple[str, ...]]] = {
-    "fanuc-mill": ("G65 P9814 T{tool} K{kind} D{diameter} R{tip} H{length} E{holder} Q{teeth} B{helix}",),
-    "linuxcnc-mill": (
-        "o<cb_tool> call [{tool}] [{kind}] [{diameter}] [{tip}] [{teeth}] [{helix}]",
-        "o<cb_length> call [{tool}] [{length}] [{holder}]",
-    ),
-}
 
 
 @dataclass(frozen=True)
@@ -38,15 +29,15 @@ class ToolValues:
     teeth: int
     helix_deg: float
 
-    def blocks(self, dialect: str) -> tuple[str, ...]:
-        """The blocks for a dialect, none longer than 80 characters."""
-        numbers = {
-            "diameter": self.diameter_mm,
+    def blocks(self, macros: MacroSet) -> tuple[str, ...]:
+        """The blocks for the programs of a control, none longer than 80 characters."""
+        lengths = {
+            "diameter_mm": self.diameter_mm,
             "tip": self.tip,
-            "length": self.length_mm,
-            "holder": self.holder_mm,
+            "length_mm": self.length_mm,
+            "holder_mm": self.holder_mm,
             "helix": self.helix_deg,
         }
-        texts = {name: print_number(value, _DECIMALS) for name, value in numbers.items()}
+        texts = {name: print_number(value, _DECIMALS) for name, value in lengths.items()}
         whole = {"tool": self.tool, "kind": self.kind, "teeth": self.teeth}
-        return tuple(template.format(**texts, **whole) for template in TEMPLATES[dialect])
+        return tuple(template.format(**texts, **whole) for template in macros.tool_data)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from importlib import resources
+from typing import NamedTuple
 
+from chipbreak.dialects import DIALECTS, Dialect, MacroSet
 from chipbreak.macros.parameters import MacroSettings
 from chipbreak.settings.axis_words import AxisWords
 from chipbreak.syntax.numbers import print_number
@@ -13,6 +15,17 @@ NO_MACROS = "MCR004"
 _DECIMALS = 4
 # Behind the stored edges: the count of workpieces, and ten locked tools.
 _KEPT = 11
+
+
+class _Variable(NamedTuple):
+    """A setting: the number and the name of its variable, its key in a profile, and what it is."""
+
+    number: int
+    key: str
+    name: str
+    title: str
+
+
 # The settings in the order of their variables: #120 and up on Fanuc, names on LinuxCNC.
 _NUMBERED = (
     (120, "beam_x_mm", "beam_x", "MACHINE X OF THE BEAM'S FOCUS"),
@@ -44,25 +57,25 @@ _NUMBERED = (
 )
 
 
-def macro_files(dialect: str, settings: MacroSettings) -> dict[str, bytes]:
-    """The macro programs of a dialect by file name.
+def macro_files(dialect: Dialect, settings: MacroSettings) -> dict[str, bytes]:
+    """The macro programs of a control by file name.
 
     Raises UnsetError (MCR001) for settings that lack something, and RefusalError MCR004 for a dialect without
     macros.
     """
-    control = dialect.partition("-")[0]
-    if dialect not in ("fanuc-mill", "linuxcnc-mill"):
-        message = f"there are no macros for the dialect {dialect}"
-        raise RefusalError(NO_MACROS, message, "there are some for fanuc-mill and linuxcnc-mill")
-    checked = settings.checked()
-    folder = resources.files("chipbreak") / "macros" / control
-    files = {f.name: f.read_bytes() for f in folder.iterdir() if f.name.endswith((".nc", ".ngc"))}
-    written = _fanuc(checked) if control == "fanuc" else _linuxcnc(checked)
-    files |= {name: text.encode("ascii") for name, text in written.items()}
-    if control == "fanuc":
-        # A memory card wants each program between two marks.
-        files = {name: b"%\n" + data + b"%\n" for name, data in files.items()}
-    return dict(sorted(files.items()))
+    macros = dialect.macros
+    if macros is None:
+        message = f"there are no macros for the dialect {dialect.name}"
+        known = " and ".join(other.name for other in DIALECTS if other.macros is not None)
+        raise RefusalError(NO_MACROS, message, f"there are some for {known}")
+    parts = _parts(macros, settings.checked())
+    folder = resources.files("chipbreak") / "macros" / str(macros.folder)
+    fixed = (file for file in folder.iterdir() if file.name.endswith((".nc", ".ngc")))
+    files = {file.name: file.read_bytes().decode("ascii") for file in fixed}
+    for name, template in macros.written.items():
+        lines = [line for text in template for line in parts.get(text, [text])]
+        files[name] = "\n".join([*lines, ""])
+    return {name: macros.frame.format(program=files[name]).encode("ascii") for name in sorted(files)}
 
 
 def check_axes(words: AxisWords) -> None:
@@ -73,36 +86,27 @@ def check_axes(words: AxisWords) -> None:
             raise RefusalError(NO_MACROS, message, "give calls to macros of your own under [calls]")
 
 
-def _value(settings: MacroSettings, key: str) -> str:
-    value = getattr(settings, key)
-    if key == "store_last":
-        value -= _KEPT
-    return print_number(float(value), _DECIMALS, point=not isinstance(value, int))
-
-
-def _fanuc(settings: MacroSettings) -> dict[str, str]:
-    lines = ["O9815(CHIPBREAK SETTINGS)"]
-    for number, key, _, title in _NUMBERED:
-        value = _value(settings, key)
-        if key == "beam_input":
-            value = str(settings.beam_input + (1000 if settings.beam_input < 1000 else 0))
-        lines.append(f"#{number}={value}({title})")
-    orient = ["O9822(CHIPBREAK ORIENT)", "(A ANGLE)", "#1=#1-FIX[#1/360.]*360."]
-    orient += ["IF [#1 LT 0] THEN #1=#1+360.", settings.orient.format(angle="#1")]
-    programs = {9815: lines, 9822: orient}
-    programs[9823] = ["O9823(CHIPBREAK LASER ON)", *settings.laser_on.splitlines()]
-    programs[9826] = ["O9826(CHIPBREAK LASER OFF)", *settings.laser_off.splitlines()]
-    return {f"O{number}.nc": "\n".join([*text, "M99", ""]) for number, text in programs.items()}
-
-
-def _linuxcnc(settings: MacroSettings) -> dict[str, str]:
-    lines = [
-        f"#<_cb_{name}> = {_value(settings, key)} ({title.lower()})" for _, key, name, title in _NUMBERED
-    ]
-    angle = ["#<angle> = [#1 - FIX[#1 / 360] * 360]", settings.orient.format(angle="#<angle>")]
-    subs = {"settings": lines, "orient": angle}
-    subs |= {"laser_on": settings.laser_on.splitlines(), "laser_off": settings.laser_off.splitlines()}
+def _parts(macros: MacroSet, settings: MacroSettings) -> dict[str, list[str]]:
+    """The lines of the profile for each mark in a program that the settings make."""
     return {
-        f"cb_{name}.ngc": "\n".join([f"o<cb_{name}> sub", *text, f"o<cb_{name}> endsub", "M2", ""])
-        for name, text in subs.items()
+        "{settings}": [_setting(macros, settings, _Variable(*one)) for one in _NUMBERED],
+        "{orient}": [settings.orient.format(angle=macros.angle)],
+        "{laser_on}": settings.laser_on.splitlines(),
+        "{laser_off}": settings.laser_off.splitlines(),
     }
+
+
+def _setting(macros: MacroSet, settings: MacroSettings, variable: _Variable) -> str:
+    value = getattr(settings, variable.key)
+    if variable.key == "store_last":
+        value -= _KEPT
+    if variable.key == "beam_input" and value < macros.first_signal:
+        value += macros.first_signal
+    text = print_number(float(value), _DECIMALS, point=not isinstance(value, int))
+    return macros.setting.format(
+        number=variable.number,
+        name=variable.name,
+        value=text,
+        title=variable.title,
+        small_title=variable.title.lower(),
+    )

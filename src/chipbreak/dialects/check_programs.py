@@ -1,0 +1,165 @@
+"""The programs that check tools on a control, and the blocks that call them: what each control has of them.
+
+Plain data: :mod:`chipbreak.macros` writes the programs, :mod:`chipbreak.checks` the calls.  Lengths in calls
+are in mm, whatever the program counts in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Final, NamedTuple
+
+from chipbreak.text.frozen_table import FrozenTable
+
+BUILT_IN: Final = "builtin"
+
+
+class CallTemplates(NamedTuple):
+    """Blocks by the kind of check, and what stands behind the last of them.
+
+    ``tails``          behind the last block where a tool has a sister, or not every workpiece is checked
+    ``ends_offset``    the calls may end the length offset, as some makers' cycles are known to
+    """
+
+    blocks: Mapping[str, Sequence[str]]
+    tails: Mapping[str, str] = FrozenTable({})
+    ends_offset: bool = False
+
+
+class MacroSet(NamedTuple):
+    """The check programs of a control.
+
+    ``folder``     where those lie that never change: in ``macros/``, or the path of another folder
+    ``written``    file name -> lines of a program that the settings make; a line ``{settings}``,
+                   ``{orient}``, ``{laser_on}`` or ``{laser_off}`` stands for those of the profile
+    ``setting``    the line of one setting: ``{number}`` or ``{name}`` of its variable, ``{value}``, and what
+                   it is, as ``{title}`` or in lower case as ``{small_title}``
+    ``angle``      the variable in which the angle stands to which the spindle is turned
+    ``frame``      what stands around each program in its file
+    ``first_signal`` the variable of the first input, to which the number of the beam's input is added
+    ``working``    variables in which the programs work, beside those of the store
+    ``prefix``     of the names of variables that are theirs; empty where variables have no names
+    ``tool_data``  the blocks that hand the data of a tool over, before its check
+    """
+
+    folder: str | Path
+    written: Mapping[str, Sequence[str]]
+    setting: str
+    angle: str
+    tool_data: Sequence[str]
+    frame: str = "{program}"
+    first_signal: int = 0
+    working: range = range(0)
+    prefix: str = ""
+
+
+def _program(number: int, title: str, *lines: str) -> dict[str, Sequence[str]]:
+    return {f"O{number}.nc": (f"O{number}(CHIPBREAK {title})", *lines, "M99")}
+
+
+def _sub(name: str, *lines: str) -> dict[str, Sequence[str]]:
+    return {f"cb_{name}.ngc": (f"o<cb_{name}> sub", *lines, f"o<cb_{name}> endsub", "M2")}
+
+
+MACRO_B: Final = MacroSet(
+    folder="fanuc",
+    written=FrozenTable(
+        {
+            **_program(9815, "SETTINGS", "{settings}"),
+            **_program(
+                9822,
+                "ORIENT",
+                "(A ANGLE)",
+                "#1=#1-FIX[#1/360.]*360.",
+                "IF [#1 LT 0] THEN #1=#1+360.",
+                "{orient}",
+            ),
+            **_program(9823, "LASER ON", "{laser_on}"),
+            **_program(9826, "LASER OFF", "{laser_off}"),
+        }
+    ),
+    setting="#{number}={value}({title})",
+    angle="#1",
+    tool_data=(
+        "G65 P9814 T{tool} K{kind} D{diameter_mm} R{tip} H{length_mm} E{holder_mm} Q{teeth} B{helix}",
+    ),
+    frame="%\n{program}%\n",  # a memory card wants each program between two marks
+    first_signal=1000,
+    working=range(100, 151),
+)
+O_WORDS: Final = MacroSet(
+    folder="linuxcnc",
+    written=FrozenTable(
+        {
+            **_sub("settings", "{settings}"),
+            **_sub("orient", "#<angle> = [#1 - FIX[#1 / 360] * 360]", "{orient}"),
+            **_sub("laser_on", "{laser_on}"),
+            **_sub("laser_off", "{laser_off}"),
+        }
+    ),
+    setting="#<_cb_{name}> = {value} ({small_title})",
+    angle="#<angle>",
+    tool_data=(
+        "o<cb_tool> call [{tool}] [{kind}] [{diameter_mm}] [{tip}] [{teeth}] [{helix}]",
+        "o<cb_length> call [{tool}] [{length_mm}] [{holder_mm}]",
+    ),
+    prefix="_cb_",
+)
+
+# Tool data lasts for the TRACE straight behind the check.
+_MACRO_B_CALLS = CallTemplates(
+    FrozenTable(
+        {
+            "calibrate": ("G65 P9810",),
+            "tool_check": (*MACRO_B.tool_data, "G65 P9811 T{tool} S{speed_rpm}"),
+            "trace": ("G65 P9812 T{tool} Z{height}",),
+            "chip_check": ("G65 P9813 T{tool} W{limit} Z{height}",),
+        }
+    ),
+    FrozenTable(
+        {
+            "calibrate": " K{every}",
+            "tool_check": " K{every} U{sister}",
+            "trace": " K{every}",
+            "chip_check": " K{every} U{sister}",
+        }
+    ),
+)
+_O_WORD_CALLS = CallTemplates(
+    FrozenTable(
+        {
+            "calibrate": ("o<cb_calibrate> call",),
+            "tool_check": (*O_WORDS.tool_data, "o<cb_tool_check> call [{tool}] [{speed_rpm}]"),
+            "trace": ("o<cb_trace> call [{tool}] [{height}]",),
+            "chip_check": ("o<cb_chip_check> call [{tool}] [{limit}] [{height}]",),
+        }
+    ),
+    FrozenTable(
+        {
+            "calibrate": " [{every}]",
+            "tool_check": " [{every}] [{sister}]",
+            "trace": " [0] [{every}]",
+            "chip_check": " [{every}] [{sister}]",
+        }
+    ),
+)
+
+
+def _makers(block: str) -> CallTemplates:
+    """A maker's cycle that compares a tool's length with the one stored on the control."""
+    return CallTemplates(FrozenTable({"chip_check": (block,)}), ends_offset=True)
+
+
+# Of the makers' cycles only what is confirmed stands here: the block that compares a tool's length, to be
+# called behind an operation.  Their limit takes W.  All of them are macro B calls of machining centres.
+MACRO_B_SETS: Final[Mapping[str, CallTemplates]] = FrozenTable(
+    {
+        BUILT_IN: _MACRO_B_CALLS,
+        "haas": _makers("G65 P9853 T{tool} B0. H{limit}"),
+        "renishaw": _makers("G65 P9858 T{tool} H{limit}"),
+        "speedio-renishaw": _makers("G65 P8858 B1 H{limit} T{tool}"),
+        "speedio-blum": _makers("G65 P8915 B2 Q{limit}"),
+    }
+)
+O_WORD_SETS: Final[Mapping[str, CallTemplates]] = FrozenTable({BUILT_IN: _O_WORD_CALLS})
