@@ -193,6 +193,16 @@ def test_a_broken_bracket_is_said(old: bytes, new: bytes) -> None:
     assert OUT.count(old) > 0
 
 
+def test_a_part_inside_a_part_has_lost_its_end() -> None:
+    inner = b"(CHIPBREAK BEGIN X)\n(CHIPBREAK BEGIN SPEED"
+    assert complaint(OUT.replace(b"(CHIPBREAK BEGIN SPEED", inner, 1))[0] == "RES002"
+
+
+def test_a_checksum_does_not_see_how_lines_end() -> None:
+    assert len({checksum(b"Z1.".join([end] * 3)) for end in (b"\n", b"\r\n", b"\r")}) == 1
+    assert checksum(b"Z1.\n") != checksum(b"Z2.\n")
+
+
 def test_deleting_the_comments_keeps_the_part() -> None:
     """The way out that the message names."""
     free = re.sub(rb"\(CHIPBREAK[^)]*\)\n", b"", OUT.replace(b"Z-3. F0.05\n", b"Z-3.1 F0.05\n"))

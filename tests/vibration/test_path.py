@@ -120,6 +120,9 @@ def test_chords_stay_close(radius: float, sweep: float, chord: float) -> None:
             Leg((0.0, 0.0, 0.0), (9.0, 0.0, 0.0), 1, "XY", (4.0, 0.0, NAN)), "VIB022", id="end off the circle"
         ),
         pytest.param(
+            Leg((0.0, 0.0, 0.0), (8.03, 0.0, 0.0), 1, "XY", (4.0, 0.0, NAN)), "VIB022", id="end just off"
+        ),
+        pytest.param(
             Leg((0.0, 0.0, 0.0), (9.0, 0.0, 0.0), 1, "XY", (0.0, 0.0, NAN)), "VIB022", id="centre at start"
         ),
     ],

@@ -313,7 +313,10 @@ def test_a_speed_given_with_a_frequency_may_be_halved_and_no_more(edges: int, ph
 
 
 def test_a_doubled_speed_is_refused() -> None:
-    assert refusal(speed=100, per_rev=1.5, group=CommandGroup(max_multiple=8)).code == "VIB008"
+    group = CommandGroup(max_multiple=8)  # 31.25 Hz and more: S 1250 and more at N 1.5
+    for speed in (100, 624.9):
+        assert refusal(speed=speed, per_rev=1.5, group=group).code == "VIB008"
+    assert solved(speed=625, per_rev=1.5, group=group).speed_rpm == 1250
 
 
 @pytest.mark.parametrize(
