@@ -63,9 +63,9 @@ _RULES: tuple[Callable[[WholeProgram, Findings], None], ...] = (_tools, _sisters
 
 def _where_tools_are(interpreted: InterpretedProgram) -> str:
     """Of a program that calls no tool: a call in a subprogram, or a T without its M6."""
-    tool_change = interpreted.settings.dialect.tool_change
+    dialect = interpreted.settings.dialect
     place = interpreted.program.source.place
-    calls = (effect.block.line for effect in interpreted.effects if calls_tool(effect, tool_change))
+    calls = (effect.block.line for effect in interpreted.effects if calls_tool(effect, dialect))
     inside = next(calls, None)
     if inside is not None:
         return f", and the call in line {place(inside).line} is not in the main program"
@@ -75,6 +75,7 @@ def _where_tools_are(interpreted: InterpretedProgram) -> str:
         if effect.block.word("T") and "macro-call" not in effect.non_modal
     )
     prepared = next(words, None)
-    if prepared is None or tool_change != "M6":
+    if prepared is None or dialect.tool_by_word:
         return ""
-    return f": T in line {place(prepared).line} prepares a tool, and M6 would bring it into the spindle"
+    change = dialect.m_code("tool", "change")
+    return f": T in line {place(prepared).line} prepares a tool, and {change} would bring it into the spindle"

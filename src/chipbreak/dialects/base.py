@@ -40,6 +40,24 @@ class Code(NamedTuple):
     value: str
 
 
+class MCode(NamedTuple):
+    """What an M code does: ``value`` of a ``group`` of functions.
+
+    ``spindle``          ``cw``, ``ccw``, ``stop``
+    ``coolant``          ``mist``, ``flood``, ``off``
+    ``coolant_through``  through the spindle: ``on``, ``off``
+    ``program``          ``end``
+    ``subprogram``       ``call``, ``local-call`` (of a block of this program), ``external-call``, ``return``
+    ``tool``             ``change``: the tool that a T word has named comes into the spindle
+    ``modes``            ``keep`` what is in force, ``give-back`` what was kept
+    ``before_move``      True where it acts before its block moves
+    """
+
+    group: str
+    value: str
+    before_move: bool = False
+
+
 class Loop(NamedTuple):
     """How a control repeats blocks: the lines before and behind them.
 
@@ -71,15 +89,38 @@ PARENTHESES = CommentMarks("(", ")")
 SEMICOLON = CommentMarks("; ", "")
 
 
+def m_table(**groups: Mapping[str, str]) -> FrozenTable[int, MCode]:
+    """Build an M code table from ``group={"M3!": "cw", ...}``; ``!`` marks what acts before the move."""
+    codes: dict[int, MCode] = {}
+    for group, entries in groups.items():
+        for names, value in entries.items():
+            for name in names.split():
+                codes[int(name.strip("M!"))] = MCode(group, value, name.endswith("!"))
+    return FrozenTable(codes)
+
+
+# What nearly every control shares, and what machines with a tool changer have beside it.
+COMMON_M_CODES = m_table(
+    spindle={"M3!": "cw", "M4!": "ccw", "M5 M19": "stop"},
+    coolant={"M7!": "mist", "M8!": "flood", "M9": "off"},
+    program={"M2 M30": "end"},
+    subprogram={"M97": "local-call", "M98": "call", "M198": "external-call", "M99": "return"},
+)
+CHANGER_M_CODES = COMMON_M_CODES | m_table(tool={"M6": "change"})
+THROUGH_SPINDLE = m_table(coolant_through={"M88": "on", "M89": "off"})
+
+
 class Dialect(NamedTuple):
     """A control's vocabulary.
 
     ``grammar``       the file of ``grammar/`` that reads its blocks, without ``.lark``, or another's path
     ``precedence``    the operators of its expressions, the strongest first
     ``g_codes``       ten times the G number -> Code
+    ``m_codes``       M number -> MCode
     ``initial``       what is in force at power-on
     ``incremental``   letters that always move incrementally -> the axis (U -> X); empty where they are axes
-    ``tool_change``   "T" where a T word changes the tool at once, "M6" where M6 does
+    ``tool_change``   "T" where a T word changes the tool at once, "M6" where an M code does
+    ``offset_digits`` of a T word that changes the tool: its last digits name the offset
     ``speed_limit``   G codes (times ten) that limit the spindle when they stand with S
     ``surface_limit`` the letter that limits the spindle in the block of G96; without it there is no limit
     ``dwell_word``    the letter of seconds in a G4 block
@@ -92,7 +133,6 @@ class Dialect(NamedTuple):
     ``place_variables`` numbers and names of the variables that hold the place where the tool stands
     ``place_settings`` the L of those G10 that work with that place
     ``turns_offsets`` the R of ``G10 L2`` turns a work offset
-    ``keeps_modes``   M70 and M73 keep what is in force, and M72 gives it back
     ``line_needs_feed`` a G1 without F is refused, and G94 and G95 end the F before
     ``macros``        the programs that check tools on this control; None where there are none
     ``call_sets``     sets of calls of such programs by name, ``builtin`` those of ``macros``
@@ -107,6 +147,8 @@ class Dialect(NamedTuple):
     tool_change: str
     grammar: str | Path
     precedence: Precedence
+    m_codes: Mapping[int, MCode] = COMMON_M_CODES
+    offset_digits: int = 2
     lathe_system: str = ""
     incremental: Mapping[str, str] = FrozenTable({})
     speed_limit: frozenset[int] = frozenset()
@@ -122,7 +164,6 @@ class Dialect(NamedTuple):
     place_variables: frozenset[int | str] = frozenset(range(5001, 5061))
     place_settings: frozenset[float] = frozenset()
     turns_offsets: bool = False
-    keeps_modes: bool = False
     line_needs_feed: bool = False
     converts_feed: bool = False
     macros: MacroSet | None = None
@@ -142,6 +183,31 @@ class Dialect(NamedTuple):
         number = min(numbers, key=lambda n: min((abs(n - other) for other in like), default=0))
         whole, tenth = divmod(number, 10)
         return " ".join([f"G{whole}.{tenth}" if tenth else f"G{whole}", *words])
+
+    def m_code(self, group: str, value: str) -> str:
+        """The M code that does this, such as ``M3`` for spindle, cw; the lowest of several.
+
+        Raises KeyError where the control has none.
+        """
+        does = [number for number, code in self.m_codes.items() if code[:2] == (group, value)]
+        if not does:
+            raise KeyError(f"{group} {value}")
+        return f"M{min(does)}"
+
+    @property
+    def keeps_modes(self) -> bool:
+        """True where M codes keep what is in force and give it back."""
+        return any(code.group == "modes" for code in self.m_codes.values())
+
+    @property
+    def tool_by_word(self) -> bool:
+        """True where a T word changes the tool at once."""
+        return self.tool_change == "T"
+
+    def tool_of(self, number: int) -> int:
+        """The tool of a T word: ``T0212`` is tool 2 where the word changes the tool and names its offset."""
+        offsets = 10**self.offset_digits
+        return number // offsets if self.tool_by_word and number >= offsets else number
 
     def can(self, group: str, value: str) -> bool:
         """True when the control has a code for this."""

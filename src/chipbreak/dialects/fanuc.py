@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-from chipbreak.dialects.base import COMMON, LOGIC_AS_ARITHMETIC, Dialect, Loop, table
+from chipbreak.dialects.base import (
+    CHANGER_M_CODES,
+    COMMON,
+    LOGIC_AS_ARITHMETIC,
+    THROUGH_SPINDLE,
+    Dialect,
+    Loop,
+    table,
+)
 from chipbreak.dialects.check_programs import MACRO_B, MACRO_B_SETS
 from chipbreak.dialects.modes import Modes
 from chipbreak.text.frozen_table import FrozenTable
@@ -155,6 +163,7 @@ FANUC_MILL = Dialect(
     ),
     initial=Modes(motion="rapid", plane="XY", feed_mode="minute", path="blend"),
     tool_change="M6",
+    m_codes=CHANGER_M_CODES | THROUGH_SPINDLE,
     grammar="fanuc",
     precedence=LOGIC_AS_ARITHMETIC,
     axis_letters="XYZUWABC",

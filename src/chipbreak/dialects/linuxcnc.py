@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
-from chipbreak.dialects.base import COMMON, LOGIC_LAST, Dialect, Loop, table
+from chipbreak.dialects.base import (
+    CHANGER_M_CODES,
+    COMMON,
+    LOGIC_LAST,
+    THROUGH_SPINDLE,
+    Dialect,
+    Loop,
+    m_table,
+    table,
+)
 from chipbreak.dialects.check_programs import O_WORD_SETS, O_WORDS
 from chipbreak.dialects.modes import Modes
 from chipbreak.text.frozen_table import FrozenTable
@@ -35,6 +44,8 @@ _CODES = _SHARED | table(
     },
 )
 
+_M_CODES = CHANGER_M_CODES | m_table(modes={"M70 M73": "keep", "M72": "give-back"})
+
 _LOOP = Loop(
     begin=("o{label} repeat [{passes}]",),
     end=("o{label} endrepeat",),
@@ -53,6 +64,7 @@ LINUXCNC_LATHE = Dialect(
     g_codes=_CODES,
     initial=_INITIAL._replace(plane="ZX"),
     tool_change="M6",
+    m_codes=_M_CODES,
     grammar="linuxcnc",
     precedence=LOGIC_LAST,
     surface_limit="D",
@@ -65,7 +77,6 @@ LINUXCNC_LATHE = Dialect(
     place_variables=_PLACES,
     place_settings=frozenset({10.0, 11.0, 20.0}),
     turns_offsets=True,
-    keeps_modes=True,
     line_needs_feed=True,
     converts_feed=True,
 )
@@ -76,6 +87,7 @@ LINUXCNC_MILL = LINUXCNC_LATHE._replace(
     is_lathe=False,
     initial=_INITIAL._replace(plane="XY"),
     machine_retract=("G53 G0 Z0",),
+    m_codes=_M_CODES | THROUGH_SPINDLE,
     kept_variables=((31, 5000),),
     macros=O_WORDS,
     call_sets=O_WORD_SETS,

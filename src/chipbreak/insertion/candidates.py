@@ -25,8 +25,6 @@ _MOVERS: dict[_Deed, Mover] = {
     "rapid": "rapid",
     "cut": "cut",
 }
-_STARTS = (3, 4)
-_SPINDLE = (*_STARTS, 5, 19)
 
 
 class Candidate(NamedTuple):
@@ -110,10 +108,9 @@ class _Step:
         return before.is_displaced and mover != "home" and not self._moves("XY")
 
     def _spindle_is_unsure(self, before: Candidate) -> bool:
-        block = self.effect.block
         if self.deed == "tool change":
-            return self.effect.after.turns and not block.has("M", *_STARTS)
-        return before.spindle_is_unsure and not block.has("M", *_SPINDLE)
+            return self.effect.after.turns and not self.effect.does("spindle", "cw", "ccw")
+        return before.spindle_is_unsure and not self.effect.does("spindle")
 
     def _moves(self, axes: str) -> bool:
         move = self.effect.move
@@ -123,7 +120,7 @@ class _Step:
 def _deed_of(effect: BlockEffect, settings: Settings) -> _Deed:
     """What a block does with the tool."""
     motion = effect.after.modes.motion
-    if calls_tool(effect, settings.dialect.tool_change):
+    if calls_tool(effect, settings.dialect):
         return "tool change"
     if "home" in effect.non_modal or ("machine" in effect.non_modal and motion == "rapid"):
         return "home"

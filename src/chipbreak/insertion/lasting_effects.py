@@ -13,10 +13,6 @@ from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of, plain_value
 from chipbreak.operations.operations import calls_tool
 
-# Coolant through the spindle: M9 does not end it, and this profile has no code that is sure to do so.
-_THROUGH_ON = 88.0
-_THROUGH_OFF = 89.0
-
 
 class Unreadable(NamedTuple):
     """A line after which it is not known what is in force; its number is between ``before`` and ``after``."""
@@ -56,14 +52,17 @@ def _unknown_code(effect: BlockEffect, interpreted: InterpretedProgram) -> str:
 
 
 def coolant_through(interpreted: InterpretedProgram) -> Iterator[tuple[int, int]]:
-    """(line, whether coolant runs through the spindle after it), wherever that is said."""
+    """(line, whether coolant runs through the spindle after it), wherever that is said.
+
+    The code that ends coolant outside does not end it.
+    """
     dialect = interpreted.settings.dialect
-    if dialect.is_lathe or dialect.tool_change != "M6":
+    if not any(code.group == "coolant_through" for code in dialect.m_codes.values()):
         return
     for effect in interpreted.effects:
-        if effect.block.has("M", _THROUGH_ON):
+        if effect.does("coolant_through", "on"):
             yield effect.block.line, 1
-        elif effect.block.has("M", _THROUGH_OFF) or calls_tool(effect, dialect.tool_change):
+        elif effect.does("coolant_through", "off") or calls_tool(effect, dialect):
             yield effect.block.line, 0
 
 

@@ -58,7 +58,7 @@ class Obstacles:
         self._nests = list(nests_of(interpreted))
         self._jumps = jumps_of(interpreted)
         self._unreadable = list(unreadable_lines(interpreted, subprograms))
-        calls = (effect for effect in interpreted.effects if calls_tool(effect, self.dialect.tool_change))
+        calls = (effect for effect in interpreted.effects if calls_tool(effect, self.dialect))
         self._tool_calls = [effect.block.line for effect in calls]
         parts = optional_parts(interpreted, self._nests, self._jumps)
         self._conditional = list(conditional_state(interpreted, main, subprograms, parts))

@@ -110,7 +110,7 @@ def relies_on_speed(interpreted: InterpretedProgram, line: int) -> bool:
     for effect in interpreted.effects_of(line, min(line + HORIZON, interpreted.program.source.body.stop)):
         if effect.block.has("S") or effect.after.ended:
             return False
-        if effect.block.has("M", 3, 4):
+        if effect.does("spindle", "cw", "ccw"):
             return True
     return False
 
@@ -187,12 +187,12 @@ class _Walk:
 
     def _ends_or_calls_tool(self, effect: BlockEffect, named: frozenset[str]) -> bool | None:
         ended = effect.after.ended
-        if not ended and not calls_tool(effect, self.dialect.tool_change):
+        if not ended and not calls_tool(effect, self.dialect):
             return None
         self.axes |= self.homed - self.placed - named
         # M6 takes Z home on most machines, on a LinuxCNC without a changer nothing at all: X and Y that are
         # not named after it are those from before.
-        if ended or self.dialect.tool_change != "M6":
+        if ended or self.dialect.tool_by_word:
             return ended or not effect.block.skip
         return None
 

@@ -52,10 +52,10 @@ class Subprograms:
 
     def call_tools(self, effect: BlockEffect) -> bool:
         """True when a subprogram in this file, called by a block, calls tools."""
-        tool_change = self.interpreted.settings.dialect.tool_change
+        dialect = self.interpreted.settings.dialect
         bodies = [self._body(key) for key in _called(effect)]
         return any(
-            calls_tool(inner, tool_change)
+            calls_tool(inner, dialect)
             for inner in self.interpreted.effects
             if any(body is not None and inner.block.line in body for body in bodies)
         )
@@ -89,13 +89,13 @@ class Subprograms:
         if body is None or len(body) > _LONGEST:
             return None
         program = self.interpreted.program
-        tool_change = self.interpreted.settings.dialect.tool_change
+        dialect = self.interpreted.settings.dialect
         is_straight = True
         perhaps: set[str] = set()
         for line in body:
             effect = self._interpreter.advance(state, program.block(line))
             end = self._after(effect, (*callers, key))
-            if effect.block.opaque or effect.after.ended or calls_tool(effect, tool_change) or end is None:
+            if effect.block.opaque or effect.after.ended or calls_tool(effect, dialect) or end is None:
                 return None
             branches = any(control.keyword != "O-CALL" for control in effect.block.controls)
             is_straight = is_straight and not branches and not effect.block.skip
@@ -112,7 +112,7 @@ def _called(effect: BlockEffect) -> Iterator[_Key]:
     is_macro = "macro-call" in effect.non_modal or effect.after.modes.modal_macro == "on"
     if is_macro or (calls_subprogram(effect) and not effect.block.controls):
         number = effect.block.number("P")
-        is_local = effect.block.has("M", 97)
+        is_local = effect.does("subprogram", "local-call")
         yield "" if number is None or is_local else int(number)
 
 
@@ -124,7 +124,7 @@ def _bodies(interpreted: InterpretedProgram) -> dict[_Key, range]:
         line = effect.block.line
         labels = {control.keyword: control.label.lower() for control in effect.block.controls}
         number = effect.block.number("O")
-        ends = effect.block.has("M", 99)
+        ends = effect.does("subprogram", "return")
         if opened and (ends or "O-ENDSUB" in labels):
             found.setdefault(opened[0], range(opened[1], line))
             opened = None

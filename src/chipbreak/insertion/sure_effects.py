@@ -38,13 +38,13 @@ def set_by(effect: BlockEffect, interpreted: InterpretedProgram) -> set[str]:
     block = effect.block
     codes = [dialect.g_codes.get(round(number * 10)) for number in block.numbers("G")]
     found |= {code.group for code in codes if code and code.group != NON_MODAL}
-    if block.has("M", 3, 4, 5, 19):
+    if effect.does("spindle"):
         found.add("the spindle")
-    if block.has("M", 9):  # M7 and M8 leave the other one as it was
+    if effect.does("coolant", "off"):  # M7 and M8 leave the other one as it was
         found.add("coolant")
     if block.has("S"):
         found.add("S")
-    return found | ({"the tool"} if calls_tool(effect, dialect.tool_change) else set())
+    return found | ({"the tool"} if calls_tool(effect, dialect) else set())
 
 
 def words_for(what: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple
 
+from chipbreak.dialects.base import MCode
 from chipbreak.dialects.modes import Motion
 from chipbreak.model.cutting_speed import CuttingSpeed
 from chipbreak.model.modal import Position, State
@@ -45,6 +46,7 @@ class BlockEffect(NamedTuple):
     ``vibration``   the words that ask for vibration, in the block's order
     ``unread``      words nothing reads here
     ``in_contour``  True for a line that is only the shape of a cycle
+    ``functions``   what its M codes do
     ``cutting_speed`` a spindle speed asked by V and D
     """
 
@@ -57,3 +59,8 @@ class BlockEffect(NamedTuple):
     unread: tuple[Word, ...] = ()
     in_contour: bool = False
     cutting_speed: CuttingSpeed | None = None
+    functions: tuple[MCode, ...] = ()
+
+    def does(self, group: str, *values: str) -> bool:
+        """True when one of its M codes does this; without ``values``, anything of the group."""
+        return any(code.group == group and (not values or code.value in values) for code in self.functions)

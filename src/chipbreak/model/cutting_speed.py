@@ -36,13 +36,13 @@ class CuttingSpeed(NamedTuple):
         return print_number(rpm, 0 if resolution_rpm >= 1.0 else 3, point=False)
 
 
-def cutting_speed_of(block: Block, state: State) -> CuttingSpeed | None:
+def cutting_speed_of(block: Block, state: State, *, starts_spindle: bool) -> CuttingSpeed | None:
     """What a block says by V and D, or None.
 
-    ``state`` is the one behind the block.  Errors: VIB070 for V or D alone, zero, negative or beside S,
-    VIB071 under constant surface speed or in inches.
+    ``state`` is the one behind the block, ``starts_spindle`` True for a block with M3 or M4.  Errors: VIB070
+    for V or D alone, zero, negative or beside S, VIB071 under constant surface speed or in inches.
     """
-    found = _from_words(block) or _from_directive(block)
+    found = _from_words(block, starts_spindle=starts_spindle) or _from_directive(block)
     if found is None:
         return None
     if state.modes.speed_mode == "surface":
@@ -54,11 +54,11 @@ def cutting_speed_of(block: Block, state: State) -> CuttingSpeed | None:
     return found
 
 
-def _from_words(block: Block) -> CuttingSpeed | None:
+def _from_words(block: Block, *, starts_spindle: bool) -> CuttingSpeed | None:
     words = {w.address: w for w in block.words_of("VD")}
     if not words or block.has_macro or block.has_any(_FOREIGN):
         return None
-    turns = block.has("G", 97) or block.has("M", 3, 4)
+    turns = block.has("G", 97) or starts_spindle
     speed = block.word("S")
     if len(words) < 2:
         alone = next(iter(words.values()))

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 
+from chipbreak.dialects.base import MCode
 from chipbreak.dialects.modes import Group, Motion
 from chipbreak.model.block_effect import CUTTING, BlockEffect, Move
 from chipbreak.model.codes import LOSES, BlockCodes, read_codes
@@ -26,7 +27,6 @@ from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.text.diagnostics import RefusalError
 
-_CALLS = (97, 98, 198)
 Words = tuple[Word, ...]
 _MODES_WITH_WORDS = frozenset({"path", "look_ahead"})  # P, Q and R beside G64 or G5.1 are theirs
 # The axis words of their codes are a centre, no move; those of LinuxCNC's G43.1 are an offset.
@@ -68,7 +68,8 @@ class Interpreter:
             return self._with_cutting_speed(effect) if block.comments else effect
         if self.flow.in_contour(block.line):
             asks = vibration_words(block, self.axis_letters, cuts=True, has_once=False)
-            return BlockEffect(block, state, state, vibration=asks, in_contour=True)
+            functions = self._functions(block)
+            return BlockEffect(block, state, state, vibration=asks, in_contour=True, functions=functions)
         effect = self._with_cutting_speed(self._execute(state, block))
         if block.skip:
             effect = effect._replace(after=_maybe(state, effect.after, block.line))
@@ -77,7 +78,8 @@ class Interpreter:
     def _with_cutting_speed(self, effect: BlockEffect) -> BlockEffect:
         """V and D set the speed; a fault in them is the speeds pass's to report."""
         try:
-            asked = cutting_speed_of(effect.block, effect.after)
+            starts = effect.does("spindle", "cw", "ccw")
+            asked = cutting_speed_of(effect.block, effect.after, starts_spindle=starts)
         except RefusalError:
             return effect
         if asked is None:
@@ -99,12 +101,14 @@ class Interpreter:
         has_centre = _names_a_centre(codes)
         if not has_centre:
             after, move = self._motion(after, block, codes)
-        after = self._flow_of_control(after, block)
+        functions = self._functions(block)
+        after = self._flow_of_control(after, block, functions)
         mode_words += "P" if " P" in codes.changes.get("work_offset", "") else ""
         seen = (*vibration, *block.words_of(mode_words))
         all_read = codes.reads_all or has_centre or block.has_macro
         unread = () if all_read else self._unread(block, seen, after, move)
-        return BlockEffect(block, state, after, move, codes.non_modal, vibration, unread)
+        effect = BlockEffect(block, state, after, move, codes.non_modal, vibration, unread)
+        return effect._replace(functions=functions) if functions else effect
 
     def _mode_words(self, codes: BlockCodes) -> str:
         return "PQR" if codes.changes.keys() & _MODES_WITH_WORDS else ""
@@ -123,18 +127,21 @@ class Interpreter:
             value = plain_value(word)
             if word.address == "T":
                 state = self._tool_word(state, value)
-            elif not math.isnan(value):
-                state = m_code(state, int(value), self.dialect)
-        if self.dialect.tool_change == "M6" and block.has("M", 6):
+            elif not math.isnan(value) and int(value) in self.dialect.m_codes:
+                state = m_code(state, self.dialect.m_codes[int(value)])
+        if any(code.group == "tool" for code in self._functions(block)):
             state = state._replace(tool=state.next_tool).lost("a tool change moves the machine")
         return state
 
+    def _functions(self, block: Block) -> tuple[MCode, ...]:
+        """What the M codes of a block do, as far as the control's table says."""
+        known = self.dialect.m_codes
+        return tuple([known[int(n)] for n in block.numbers("M") if n in known])
+
     def _tool_word(self, state: State, value: float) -> State:
-        number = None if math.isnan(value) else int(value)
-        if self.dialect.tool_change == "M6":
+        number = None if math.isnan(value) else self.dialect.tool_of(int(value))
+        if not self.dialect.tool_by_word:
             return state._replace(next_tool=number)
-        if number is not None and number >= 100:
-            number //= 100
         return state._replace(tool=number, next_tool=None).lost("a tool or its offset changed")
 
     def _motion(self, state: State, block: Block, codes: BlockCodes) -> tuple[State, Move | None]:
@@ -162,14 +169,15 @@ class Interpreter:
             state = _lose_axes(state, axes, LOSES[name], everything=name not in _LOSES_NAMED_AXES)
         return state
 
-    def _flow_of_control(self, state: State, block: Block) -> State:
+    def _flow_of_control(self, state: State, block: Block, functions: tuple[MCode, ...]) -> State:
         """Loops, subprograms and calls: the next block may be reached with other values."""
         for control in block.controls:
             if control.keyword in ("WHILE", "DO", "END") or control.keyword.startswith("O-"):
                 called = control.keyword == "O-CALL"
                 why = "a subprogram moves the tool" if called else LOOPED
                 state = state.lost(why) if called else state.forgotten(why)
-        return state.lost("a subprogram moves the tool") if block.has("M", *_CALLS) else state
+        calls = any(code.group == "subprogram" and code.value != "return" for code in functions)
+        return state.lost("a subprogram moves the tool") if calls else state
 
     def _unread(self, block: Block, seen: Words, after: State, move: Move | None) -> Words:
         motion = after.modes.motion

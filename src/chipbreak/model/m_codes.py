@@ -2,34 +2,42 @@
 
 from __future__ import annotations
 
-from chipbreak.dialects import Dialect
+from collections.abc import Callable, Mapping
+
+from chipbreak.dialects.base import MCode
 from chipbreak.dialects.modes import Group
 from chipbreak.model.modal import State
 
-_SPINDLE = {3: "cw", 4: "ccw", 5: "stop", 19: "stop"}
-_ENDS = (2, 30, 99)
-_KEEPS = (70, 73)
-_GIVES_BACK = 72
 # Where these change, the numbers of a position mean another place.
 _PLACING: frozenset[Group] = frozenset({"work_offset", "length_offset", "diameter"})
 
 
-def m_code(state: State, code: int, dialect: Dialect) -> State:
+def m_code(state: State, code: MCode) -> State:
     """The state behind an M code."""
-    if code in _SPINDLE:
-        return state._replace(spindle=_SPINDLE[code])
-    if code in (7, 8):
-        return state._replace(coolant=state.coolant | {"mist" if code == 7 else "flood"})
-    if code == 9:
-        return state._replace(coolant=frozenset())
-    if code in _ENDS:
-        return state._replace(ended=True)
-    if dialect.keeps_modes:
-        if code in _KEEPS:
-            return state._replace(kept=state._replace(kept=None))
-        if code == _GIVES_BACK and state.kept is not None:
-            return _given_back(state, state.kept)
-    return state
+    change = _CHANGES.get(code.group)
+    return change(state, code.value) if change else state
+
+
+def _spindle(state: State, value: str) -> State:
+    return state._replace(spindle=value)
+
+
+def _coolant(state: State, value: str) -> State:
+    return state._replace(coolant=frozenset() if value == "off" else state.coolant | {value})
+
+
+def _end(state: State, _: str) -> State:
+    return state._replace(ended=True)
+
+
+def _subprogram(state: State, value: str) -> State:
+    return state._replace(ended=True) if value == "return" else state
+
+
+def _modes(state: State, value: str) -> State:
+    if value == "keep":
+        return state._replace(kept=state._replace(kept=None))
+    return state if state.kept is None else _given_back(state, state.kept)
 
 
 def _given_back(state: State, kept: State) -> State:
@@ -48,3 +56,12 @@ def _given_back(state: State, kept: State) -> State:
     if _PLACING.intersection(state.modes.changed(modes)):
         after = after.lost("M72 gave another offset back")
     return after
+
+
+_CHANGES: Mapping[str, Callable[[State, str], State]] = {
+    "spindle": _spindle,
+    "coolant": _coolant,
+    "program": _end,
+    "subprogram": _subprogram,
+    "modes": _modes,
+}

@@ -16,7 +16,6 @@ from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.syntax.shapes import bits_of
 
-_SUBPROGRAM_CALLS = (97, 98, 198)
 # What acts in its own block and cuts, or may cut.
 _CUTTING_CODES = frozenset(
     {"rough-cycle", "finish-cycle", "peck-cycle", "thread-cycle", "macro-call", "service"}
@@ -162,4 +161,4 @@ def _work_of(effect: BlockEffect) -> int:
 def calls_subprogram(effect: BlockEffect) -> bool:
     """True for M98 and its like and for ``o<name> call``."""
     is_call = any(control.keyword == "O-CALL" for control in effect.block.controls)
-    return is_call or effect.block.has("M", *_SUBPROGRAM_CALLS)
+    return is_call or effect.does("subprogram", "call", "local-call", "external-call")

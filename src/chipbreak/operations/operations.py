@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from chipbreak.dialects import Dialect
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
@@ -145,7 +146,7 @@ class _Scan:
         return self.drafts
 
     def _read(self, block: Block, effect: BlockEffect | None) -> None:
-        called = effect is not None and calls_tool(effect, self.interpreted.settings.dialect.tool_change)
+        called = effect is not None and calls_tool(effect, self.interpreted.settings.dialect)
         if self.above and self._has_plain(self.above[-1].line, block.line):
             self.above = []
         call = effect if called else None
@@ -235,16 +236,17 @@ class _Scan:
         return bool((self.interpreted.program.plain[first:last] >= 0).any())
 
 
-def calls_tool(effect: BlockEffect, tool_change: str) -> bool:
+def calls_tool(effect: BlockEffect, dialect: Dialect) -> bool:
     """True where a tool comes into the spindle: M6, or T on a turret (but not T0100, which ends offsets)."""
     if "macro-call" in effect.non_modal:  # T is an argument there
         return False
-    for word in effect.block.words:
-        if tool_change == "M6" and word.address == "M" and word.number == 6.0:
-            return True
-        if tool_change == "T" and word.address == "T":
-            return word.number is None or word.number < 100.0 or word.number % 100.0 != 0.0
-    return False
+    if not dialect.tool_by_word:
+        return effect.does("tool", "change")
+    word = next(iter(effect.block.words_of("T")), None)
+    if word is None or word.number is None:
+        return word is not None
+    offsets = 10.0**dialect.offset_digits
+    return word.number < offsets or word.number % offsets != 0.0
 
 
 class _Judge:

@@ -41,8 +41,6 @@ from chipbreak.syntax.parse import read_block
 from chipbreak.text.diagnostics import RefusalError
 
 CHECK_TOOLS = "check_tools"
-_SPINDLE = {"cw": "M3", "ccw": "M4"}
-_COOLANT = {"mist": "M7", "flood": "M8"}
 # As many as any program has: a position is printed back as it was programmed, never rounder.
 _DECIMALS = 6
 
@@ -110,14 +108,14 @@ class _Blocks:
     def make_ready(self) -> None:
         """Coolant off, tool up, spindle off."""
         if self.before.coolant:
-            self.write("M9")
+            self.write(self.dialect.m_code("coolant", "off"))
         # A move in machine coordinates is absolute, and some controls want that said.
         if self.dialect.retract_is_absolute and self.now.modes.distance == "incremental":
             self.write(self.dialect.code("distance", "absolute"))
         for text in retract_blocks(self.settings):
             self.write(text)
         if self.before.turns:
-            self.write("M5")
+            self.write(self.dialect.m_code("spindle", "stop"))
 
     def put_back(self) -> None:
         """Speed and spindle, the position from above, coolant, and the modal groups."""
@@ -131,7 +129,7 @@ class _Blocks:
 
     def _put_back_spindle(self) -> None:
         if self.point.needs_speed and self.before.speed:
-            starts = [_SPINDLE[self.before.spindle]] if self.before.turns else []
+            starts = [self.dialect.m_code("spindle", self.before.spindle)] if self.before.turns else []
             self.write(" ".join([f"S{self.before.speed.text}", *starts]))
 
     def _put_back_position_and_coolant(self) -> None:
@@ -143,7 +141,7 @@ class _Blocks:
         if first_axes:
             self.write(" ".join(["G0", *map(self._word, first_axes)]))
         for name in sorted(self.before.coolant):
-            self.write(_COOLANT[name])
+            self.write(self.dialect.m_code("coolant", name))
         if last in self.point.axes:
             offset = [self.point.length_offset] if self.point.length_offset else []
             self.write(" ".join(["G0", *offset, self._word(last)]))

@@ -56,7 +56,8 @@ def _edit_or_error(interpreted: InterpretedProgram, effect: BlockEffect) -> Edit
     """What becomes of a block; None where it speaks of no cutting speed after all."""
     line = effect.block.line
     try:
-        asked = cutting_speed_of(effect.block, effect.after)
+        starts = effect.does("spindle", "cw", "ccw")
+        asked = cutting_speed_of(effect.block, effect.after, starts_spindle=starts)
     except RefusalError as error:
         return interpreted.program.diagnose(line, error.code, error.message, error.help)
     if asked is None:

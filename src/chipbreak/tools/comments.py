@@ -86,7 +86,7 @@ class _Reader:
             self.current = None
         self.line = block.line
         effect = self.effect_at.get(block.line)
-        if effect and calls_tool(effect, self.dialect.tool_change):
+        if effect and calls_tool(effect, self.dialect):
             self.current = effect.after.tool
             self.is_called = True
         elif effect and (effect.move or effect.non_modal):
@@ -116,9 +116,7 @@ class _Reader:
         if number is None:
             head = note.text.split(maxsplit=1)[0].upper().replace("O", "0") if note.text else ""
             number = int(head[1:]) if head[:1] == "T" and head[1:].isdecimal() and len(head) < 9 else None
-        if number is not None and self.dialect.tool_change == "T" and number >= 100:
-            return number // 100
-        return number
+        return None if number is None else self.dialect.tool_of(number)
 
     def _values(self, line: int, text: str, note: ToolNote | None) -> dict[str, Any]:
         """The fields that a comment gives; a value that cannot be is no value."""

@@ -19,7 +19,7 @@ _HEADS = ("type", "teeth", "diameter", "length", "radius", "helix", "point", "ho
 def called_tools(interpreted: InterpretedProgram) -> list[int]:
     """The numbers of the tools that a program calls, in its order."""
     dialect = interpreted.settings.dialect
-    numbers = [s.after.tool for s in interpreted.effects if calls_tool(s, dialect.tool_change)]
+    numbers = [s.after.tool for s in interpreted.effects if calls_tool(s, dialect)]
     return list(dict.fromkeys(n for n in numbers if n is not None))
 
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from chipbreak.dialects import Dialect
 from chipbreak.dialects.modes import Group
 from chipbreak.kinematics.toolpath import Leg
 from chipbreak.model.block_effect import BlockEffect, Move
@@ -33,7 +34,6 @@ _AT_REST: dict[Group, tuple[str, str, str, str]] = {
 SPEED_MODES = (96.0, 97.0)  # G codes
 _MOTION_CODES = (0.0, 1.0, 2.0, 3.0)
 _WRITE_THE_POINT = 'write the point, or set control.decimal_point to "calculator" or "increment"'
-_SPEAKS_BEFORE = frozenset({3, 4, 7, 8})  # M codes that act before the block moves
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +152,7 @@ def refusal_of(
         message = "the spindle is not turning (no M3 or M4 before this block)"
         return RefusalError("VIB046", message, "start the spindle before the cut"), at
     return (
-        _words_refusal(effect, axis_words)
+        _words_refusal(effect, axis_words, interpreted.settings.dialect)
         or _position_refusal(interpreted, effect, move)
         or _feed_refusal(interpreted, state)
     )
@@ -183,7 +183,9 @@ def _not_a_cut(move: Move | None, without: str) -> RefusalError:
     return RefusalError("VIB043", message, help_text)
 
 
-def _words_refusal(effect: BlockEffect, axis_words: AxisWords) -> tuple[RefusalError, tuple[int, int]] | None:
+def _words_refusal(
+    effect: BlockEffect, axis_words: AxisWords, dialect: Dialect
+) -> tuple[RefusalError, tuple[int, int]] | None:
     """Words that the expansion could not carry over."""
     foreign_letters = frozenset("TABCDHVOP") - {a for a, axis in axis_words.axes.items() if axis in AXES}
     for word in effect.block.words:
@@ -192,12 +194,17 @@ def _words_refusal(effect: BlockEffect, axis_words: AxisWords) -> tuple[RefusalE
         if word.expression is not None:
             message = f"{shown} is computed on the machine; the cut cannot be planned"
             return RefusalError("VIB047", message, "write the number itself"), at
-        late_m = word.address == "M" and word.number not in _SPEAKS_BEFORE
+        late_m = word.address == "M" and not _acts_before_its_move(word, dialect)
         foreign = word in effect.unread or word.address in foreign_letters or word.letter.startswith(",")
         if late_m or foreign or (word.address == "G" and effect.non_modal):
             message = f"{shown} cannot stand in a block that vibrates"
             return RefusalError("VIB048", message, _way_out_of(word)), at
     return None
+
+
+def _acts_before_its_move(word: Word, dialect: Dialect) -> bool:
+    code = None if word.number is None else dialect.m_codes.get(int(word.number))
+    return code is not None and code.before_move and word.number == int(word.number or 0)
 
 
 def _way_out_of(word: Word) -> str:

@@ -133,8 +133,8 @@ class RequestReader:
 
     def _calls_a_tool(self, effect: BlockEffect) -> bool:
         """True for the T word or the M6 that this control changes tools by, also to the tool it has."""
-        is_m6 = self.settings.dialect.tool_change == "M6"
-        return effect.block.has("M", 6) if is_m6 else effect.block.has("T")
+        by_word = self.settings.dialect.tool_by_word
+        return effect.block.has("T") if by_word else effect.does("tool", "change")
 
     def _cut(self, effect: BlockEffect) -> None:
         # An X, Y or Z that no axis of the profile has: refused later, with what the profile says.

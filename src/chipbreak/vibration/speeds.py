@@ -20,7 +20,6 @@ from chipbreak.text.diagnostics import RefusalError
 from chipbreak.vibration.chain import SPEED_MODES
 from chipbreak.vibration.plan import CutPlan
 
-_CALLS = (97.0, 98.0, 198.0, 2.0, 30.0, 99.0, 3.0, 4.0)
 _FREE_NON_MODAL = frozenset(
     {"dwell", "home", "machine", "exact-stop", "set-position", "data-setting", "shift"}
 )
@@ -171,4 +170,5 @@ def _depends_on_speed(effect: BlockEffect) -> bool:
         return True
     if effect.move is not None and effect.move.kind != "rapid":
         return True
-    return effect.block.has("M", *_CALLS)
+    leaves = effect.does("subprogram") or effect.does("program", "end")
+    return leaves or effect.does("spindle", "cw", "ccw")
