@@ -48,6 +48,7 @@ lint: $(VENV)/.dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check $(CODE)
 	$(BIN)/mypy
+	$(BIN)/complexipy --failed --color no $(CODE)
 
 test-pythons:
 	sh tests/pythons.sh $(VENV) $(FAST)
@@ -73,4 +74,4 @@ release-dry-run:
 	sh tests/release_dry_run.sh $(PYTHON) $(VERSION)
 
 clean:
-	rm -rf $(VENV) dist build .pytest_cache .hypothesis .mypy_cache .ruff_cache
+	rm -rf $(VENV) dist build .pytest_cache .hypothesis .mypy_cache .ruff_cache .complexipy_cache .coverage

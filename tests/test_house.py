@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from collections import defaultdict
 from pathlib import Path
@@ -9,6 +10,17 @@ from pathlib import Path
 import pytest
 
 CHECKOUT = Path(__file__).parents[1]
+PYTHON_FILES = sorted(
+    path
+    for folder in ("src", "tests", "benchmarks")
+    for path in (CHECKOUT / folder).rglob("*.py")
+    if path != Path(__file__)
+)
+EXEMPT = re.compile(
+    r"noqa[^\n]*C901|complexipy\s*:\s*ignore|ruff\s*:\s*noqa\s*(?:$|:[^\n]*C901)", re.MULTILINE
+)
+# Assignments of several values side by side (a, b = x, y) are read one by one anyway: at most so many of all.
+MOST_PARALLEL = 0.02
 SOURCES = sorted((CHECKOUT / "src").rglob("*.py"))
 
 # A path that is somebody's own works on no other computer.
@@ -67,6 +79,45 @@ def test_there_is_something_to_look_at() -> None:
     assert len(SOURCES) > 10
     assert CHECKOUT / "pyproject.toml" in our_text_files()
     assert CHECKOUT / "grammar" / "iso.lark" in our_text_files()
+
+
+def is_parallel(node: ast.Assign) -> bool:
+    """True for ``a, b = x, y``, and not for the swap ``a, b = b, a`` or an unpacked call."""
+    if not isinstance(node.value, ast.Tuple):
+        return False
+    values = {ast.unparse(value) for value in node.value.elts}
+    tuples = [target.elts for target in node.targets if isinstance(target, ast.Tuple)]
+    return any({ast.unparse(name) for name in names} != values for names in tuples)
+
+
+@pytest.mark.parametrize(
+    ("text", "parallel"),
+    [
+        ("a, b = x, y", True),
+        ("a.c, b[0] = b, y", True),
+        ("a, b = b, a", False),
+        ("a, b = f(x, y)", False),
+        ("a = x, y", False),
+        ("a = b = x", False),
+    ],
+)
+def test_a_parallel_assignment_is_found(text: str, parallel: bool) -> None:
+    (node,) = ast.parse(text).body
+    assert isinstance(node, ast.Assign)
+    assert is_parallel(node) == parallel
+
+
+def test_an_assignment_says_one_thing() -> None:
+    trees = [ast.parse(path.read_bytes()) for path in SOURCES]
+    nodes = [node for tree in trees for node in ast.walk(tree)]
+    assignments = [node for node in nodes if isinstance(node, ast.Assign | ast.AnnAssign | ast.AugAssign)]
+    parallel = [node for node in assignments if isinstance(node, ast.Assign) and is_parallel(node)]
+    assert len(parallel) < MOST_PARALLEL * len(assignments)
+
+
+@pytest.mark.parametrize("path", PYTHON_FILES, ids=_name)
+def test_nothing_is_exempt_from_being_easy_to_follow(path: Path) -> None:
+    assert not EXEMPT.search(path.read_text("utf-8"))
 
 
 @pytest.mark.parametrize("path", our_text_files(), ids=_name)

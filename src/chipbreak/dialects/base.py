@@ -128,6 +128,7 @@ class Dialect(NamedTuple):
     ``kept_variables`` first and last numbers of the variables in which programs may keep values
     ``retract_is_absolute`` these blocks must not stand in incremental mode
     ``axis_letters``  letters that can name a linear axis
+    ``set_off``       what stands between the letter of an axis and its value where it is written: "", or "="
     ``comment_marks`` how a comment is written: PARENTHESES or SEMICOLON; the way back reads both
     ``loop``          how blocks are repeated; None where the control has no way that is known
     ``place_variables`` numbers and names of the variables that hold the place where the tool stands
@@ -159,6 +160,7 @@ class Dialect(NamedTuple):
     dwell_word: str = "X"
     axis_letters: str = "XYZABC"
     reads_comments_in_lower_case: bool = False
+    set_off: str = ""
     comment_marks: CommentMarks = PARENTHESES
     loop: Loop | None = None
     place_variables: frozenset[int | str] = frozenset(range(5001, 5061))

@@ -152,4 +152,5 @@ class _Blocks:
         if axis == "X" and is_diameter(self.before, self.settings.control):
             value *= 2.0
         words = self.settings.axis_words
-        return words.letters[axis] + print_number(value * words.signs[axis], _DECIMALS)
+        number = print_number(value * words.signs[axis], _DECIMALS)
+        return words.letters[axis] + self.settings.dialect.set_off + number

@@ -50,7 +50,7 @@ class Columns:
     feed_decimals: int = 0
 
     def table(self, letters: Sequence[str], axis_columns: Floats) -> MoveTable:
-        """All blocks; ``axis_columns`` (n, axes)."""
+        """All blocks; ``letters`` as they are written, ``axis_columns`` (n, axes)."""
         columns = tuple(axis_columns.T)
         decimals = (self.words.decimals,) * len(letters)
         if self.feeds is None:
@@ -67,7 +67,7 @@ def block_text(
     """
     words = columns.words
     places = np.diff(words.absolute, axis=0) if words.incremental else words.absolute[1:]
-    table = columns.table(words.letters, places)
+    table = columns.table([letter + settings.dialect.set_off for letter in words.letters], places)
     last = len(table) - 1
     text: list[str | MoveTable] = ["G1 " + _row(table, 0)]
     if columns.feeds is None:
@@ -92,7 +92,8 @@ def _passes(columns: Columns, dwells: _Dwells, settings: Settings) -> Iterator[l
     words = columns.words
     if not words.loops:
         return
-    table = columns.table(words.distance_letters, np.diff(words.absolute, axis=0))
+    letters = [letter + settings.dialect.set_off for letter in words.distance_letters]
+    table = columns.table(letters, np.diff(words.absolute, axis=0))
     switch = _switch(words, settings)
     for number, loop in enumerate(words.loops):
         before, behind = columns.form.lines(number, loop.passes)

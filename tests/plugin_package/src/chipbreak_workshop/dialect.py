@@ -26,5 +26,6 @@ WORKSHOP_LATHE = Dialect(
     speed_limit=frozenset({920}),
     machine_retract=("G28 U=0", "G28 W=0"),
     axis_letters="XYZ",
+    set_off="=",
     comment_marks=SEMICOLON,
 )
