@@ -16,7 +16,8 @@ from chipbreak.text.diagnostics import SelfCheckError
 class MoveTable:
     """Many moves as columns of numbers, one row a block.
 
-    ``letters[i]``, such as ``Z`` or ``Z=``, is printed before ``columns[i]`` (shape (n,), program units) with ``decimals[i]`` places.
+    ``letters[i]``, such as ``Z`` or ``Z=``, is printed before ``columns[i]`` (shape (n,), program units) with
+    ``decimals[i]`` places.
     ``behind`` is a block of its own behind every row; empty for none.
     """
 

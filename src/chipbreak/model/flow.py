@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from itertools import chain
 from typing import NamedTuple
 
 from chipbreak.dialects import Dialect
@@ -36,21 +37,24 @@ class Flow(NamedTuple):
 
 def read_flow(program: Program, dialect: Dialect) -> Flow:
     """Find the jumps and the contours of a program."""
-    jumps: set[int] = set()
-    anywhere = False
+    labels: set[str] = set()
     cycles: list[tuple[Block, int, int]] = []
     for block in program.event_blocks():
-        for control in block.controls:
-            if control.keyword == "GOTO":
-                number = control.label.strip("Nn")
-                anywhere |= not number.isdigit()
-                jumps.add(int(number) if number.isdigit() else -1)
+        labels.update(control.label.strip("Nn") for control in block.controls if control.keyword == "GOTO")
         cycle = _contour_cycle(block, dialect)
         if cycle:
             cycles.append((block, *cycle))
-    numbers = _sequence_lines(program) if jumps or cycles else {}
-    targets = {line for number, lines in numbers.items() if anywhere or number in jumps for line in lines}
-    return Flow(frozenset(targets), _contours(cycles, numbers))
+    numbers = _sequence_lines(program) if labels or cycles else {}
+    return Flow(_targets(labels, numbers), _contours(cycles, numbers))
+
+
+def _targets(labels: set[str], numbers: dict[int, list[int]]) -> frozenset[int]:
+    """Lines that the jumps to these labels may reach: any numbered one where a label is worked out."""
+    if all(label.isdigit() for label in labels):
+        reached = [numbers.get(number, []) for number in set(map(int, labels))]
+    else:
+        reached = list(numbers.values())
+    return frozenset(chain.from_iterable(reached))
 
 
 def _contour_cycle(block: Block, dialect: Dialect) -> tuple[int, int] | None:

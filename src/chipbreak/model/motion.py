@@ -29,7 +29,6 @@ def move_of(
 ) -> Move:
     """The motion of a block.  Ends are NaN where a value or a start cannot be known."""
     words = settings.axis_words
-    control = settings.control
     ends = dict(zip(AXES, state.position, strict=True))
     starts = dict(ends)
     incremental = state.modes.distance == "incremental"
@@ -39,9 +38,7 @@ def move_of(
         axis = words.axes.get(word.address, "")
         if axis not in ends:
             continue
-        value = length_mm(word, state, control) * words.signs[axis]
-        if axis == "X" and is_diameter(state, control):
-            value /= 2.0
+        value = _along_axis_mm(word, axis, state, settings)
         is_distance = incremental or word.address in words.distances
         relative &= is_distance
         ends[axis] = starts[axis] + value if is_distance else value
@@ -58,6 +55,12 @@ def move_of(
     offsets, radius = _arc_words(block, state, settings)
     kind = _OTHER_WAY[kind] if is_mirrored else kind
     return Move(kind, state.position, move_end, named, relative, offsets, radius, plane)
+
+
+def _along_axis_mm(word: Word, axis: str, state: State, settings: Settings) -> float:
+    """What a word says along its axis, in the sense of the geometry; a diameter is halved."""
+    value_mm = length_mm(word, state, settings.control) * settings.axis_words.signs[axis]
+    return value_mm / 2.0 if axis == "X" and is_diameter(state, settings.control) else value_mm
 
 
 def _ends_of_other(
