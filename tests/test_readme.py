@@ -65,3 +65,37 @@ def test_every_key_of_a_profile_stands_in_the_docs(section: str) -> None:
 
 
 _WITH_KEYS = ("profiles", "checks", "macros")
+
+
+PAGES = [README, README.with_name("CONTRIBUTING.md"), README.with_name("CHANGELOG.md"), *DOCS]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_a_page_leads_to_what_is_there(page: Path) -> None:
+    links = re.findall(r"\]\(([^)\s]+)\)", page.read_text("utf-8"))
+    own = [link.partition("#")[0] for link in links if not link.startswith("http")]
+    assert [link for link in own if link and not (page.parent / link).exists()] == []
+
+
+def test_every_page_is_in_the_index() -> None:
+    index = README.parent / "docs" / "index.md"
+    said = index.read_text("utf-8")
+    assert [page.name for page in DOCS if page != index and f"({page.name})" not in said] == []
+
+
+def test_what_contributing_names_is_there() -> None:
+    said = README.with_name("CONTRIBUTING.md").read_text("utf-8")
+    named = re.findall(r"`((?:src|tests|docs|grammar)/[\w/.-]*)`", said)
+    assert named
+    assert [name for name in named if not (README.parent / name).exists()] == []
+    targets = set(re.findall(r"make ([a-z][a-z-]*)`", said))
+    makefile = README.with_name("Makefile").read_text("utf-8")
+    assert [name for name in targets if not re.search(rf"^{name}:", makefile, re.MULTILINE)] == []
+
+
+def test_the_listing_of_the_house_is_in_the_order_of_the_rooms() -> None:
+    page = (README.parent / "docs" / "architecture.md").read_text("utf-8")
+    rooms = re.findall(r"^\| `(\w+)` \|", page, re.MULTILINE)
+    listed = [word for line in shown(behind="and a test enforces it.") for word in line[:36].split()]
+    assert listed
+    assert listed == [room for room in rooms if room in listed]
