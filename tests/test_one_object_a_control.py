@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -33,30 +33,29 @@ def _asks_for_a_name(node: ast.AST) -> bool:
     )
 
 
+LOOKING_UP = ("get", "startswith", "endswith", "partition")
+
+
+def decided_by(node: ast.AST) -> Sequence[ast.AST | None]:
+    """What a statement compares, keeps as a key, or looks something up by."""
+    match node:
+        case ast.Compare():
+            return [node.left, *node.comparators]
+        case ast.Dict():
+            return node.keys
+        case ast.Subscript():
+            return [node.slice]
+        case ast.MatchValue():
+            return [node]
+        case ast.Call(func=ast.Attribute() as method) if method.attr in LOOKING_UP:
+            return [*node.args, method.value]
+    return []
+
+
 def decisions(tree: ast.AST) -> Iterator[int]:
     """The lines that compare with a control's name, keep one as a key, or look something up by it."""
     for node in ast.walk(tree):
-        if isinstance(node, ast.Compare):
-            sides = [node.left, *node.comparators]
-            found = any(_texts(side) & NAMES or _asks_for_a_name(side) for side in sides)
-        elif isinstance(node, ast.Dict):
-            found = any(_texts(key) & NAMES for key in node.keys)
-        elif isinstance(node, ast.Subscript):
-            found = bool(_texts(node.slice) & NAMES) or _asks_for_a_name(node.slice)
-        elif isinstance(node, ast.MatchValue):
-            found = bool(_texts(node) & NAMES)
-        elif isinstance(node, ast.Call):
-            looks_up = isinstance(node.func, ast.Attribute) and node.func.attr in (
-                "get",
-                "startswith",
-                "endswith",
-                "partition",
-            )
-            given = [*node.args, node.func.value] if looks_up and isinstance(node.func, ast.Attribute) else []
-            found = any(_asks_for_a_name(one) or _texts(one) & NAMES for one in given)
-        else:
-            continue
-        if found:
+        if any(_texts(part) & NAMES or _asks_for_a_name(part) for part in decided_by(node)):
             yield node.lineno
 
 
