@@ -1,16 +1,9 @@
-"""Expressions as Fanuc reads them.
-
-The grammar gives AND, OR and XOR the weakest place, as LinuxCNC does.  On Fanuc AND stands with ``*`` and
-``/``, and OR and XOR with ``+`` and ``-``; brackets leave no trace in the nodes, so text with one of these
-words is read again here.
-"""
+"""What expressions are worth on Fanuc, where a variable may be vacant."""
 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable
-from functools import lru_cache
 from operator import and_, or_, xor
 
 from chipbreak.model.evaluate import FUNCTIONS, OPERATORS
@@ -19,92 +12,6 @@ from macro_interpreter.faults import ARITHMETIC, UNREADABLE, VARIABLE, fault
 
 Value = float | None
 Read = Callable[[int], Value]
-
-_LOGIC = re.compile(r"(?<![A-Z])(?:AND|OR|XOR)(?![A-Z])", re.IGNORECASE)
-_TOKEN = re.compile(r"\s*([0-9]+\.?[0-9]*|\.[0-9]+|[A-Z]+|[\[\]#,+\-*/])", re.IGNORECASE)
-_STRENGTH = {"*": 3, "/": 3, "MOD": 3, "AND": 3, "+": 2, "-": 2, "OR": 2, "XOR": 2}
-_STRENGTH |= dict.fromkeys(("EQ", "NE", "GT", "GE", "LT", "LE"), 1)
-
-
-def has_logic(text: str) -> bool:
-    """True when the text holds AND, OR or XOR, whose place differs."""
-    return _LOGIC.search(text) is not None
-
-
-@lru_cache(maxsize=4096)
-def read_expression(text: str) -> Expression:
-    """Read an expression with Fanuc's precedence.
-
-    >>> read_expression("1+2 AND 3").operator
-    '+'
-    """
-    reader = _Reader(text)
-    found = reader.expression(0)
-    if reader.tokens:
-        raise fault(UNREADABLE, f"this expression cannot be read behind its value: {text}")
-    return found
-
-
-class _Reader:
-    """Reads by the strength of operators."""
-
-    def __init__(self, text: str) -> None:
-        self.text = text
-        self.tokens: list[str] = [token.upper() for token in _TOKEN.findall(text)]
-
-    def take(self, expected: str = "") -> str:
-        if not self.tokens or (expected and self.tokens[0] != expected):
-            raise fault(UNREADABLE, f"this expression cannot be read: {self.text}")
-        return self.tokens.pop(0)
-
-    def expression(self, weakest: int) -> Expression:
-        left = self.factor()
-        while self.tokens and _STRENGTH.get(self.tokens[0], -1) > weakest:
-            operator = self.take()
-            left = Operation(operator, left, self.expression(_STRENGTH[operator]))
-        return left
-
-    def bracket(self) -> Expression:
-        self.take("[")
-        inner = self.expression(0)
-        self.take("]")
-        return inner
-
-    def factor(self) -> Expression:
-        token = self.take()
-        if token == "-":
-            return Operation("-", Number(0.0), self.factor())
-        if token == "+":
-            return self.factor()
-        if token == "[":
-            self.tokens.insert(0, token)
-            return self.bracket()
-        if token == "#":
-            return self.variable()
-        if token.isalpha():
-            return self.call(token)
-        return Number(float(token))
-
-    def variable(self) -> Expression:
-        if self.tokens[:1] == ["["]:
-            return Variable(self.bracket())
-        if self.tokens[:1] == ["#"]:
-            self.take()
-            return Variable(self.variable())
-        return Variable(int(self.take()))
-
-    def call(self, name: str) -> Expression:
-        self.take("[")
-        arguments = [self.expression(0)]
-        while self.tokens[:1] == [","]:
-            self.take()
-            arguments.append(self.expression(0))
-        self.take("]")
-        call = Call(name, tuple(arguments))
-        if name == "ATAN" and len(arguments) == 1 and self.tokens[:2] == ["/", "["]:
-            self.take()
-            return Operation("/", call, self.bracket())
-        return call
 
 
 def evaluate(expression: Expression, read: Read) -> Value:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from chipbreak.syntax.nodes import Block, Control, Expression, Word
 from macro_interpreter.blocks import BlockRunner
-from macro_interpreter.expressions import Value, evaluate, has_logic, read_expression, variable_number
+from macro_interpreter.expressions import Value, evaluate, variable_number
 from macro_interpreter.faults import (
     ARGUMENT,
     ENDLESS,
@@ -109,13 +109,13 @@ class Interpreter:
         """Whether the block goes on behind a control word, and which block follows where it does not."""
         match control.keyword:
             case "IF":
-                return self._is_true(block, control), at + 1
+                return self._is_true(control), at + 1
             case "THEN" | "DO":
                 return True, None
             case "GOTO":
                 return False, self._jump(program, block, control)
             case "WHILE":
-                if self._is_true(block, control):
+                if self._is_true(control):
                     return True, None
                 if at not in program.partners:
                     raise fault(NO_LOOP, f"O{program.number:04}: WHILE without DO: {block.text}")
@@ -127,7 +127,7 @@ class Interpreter:
 
     def _words(self, block: Block, at: int, depth: int) -> int | None:
         """Calls, returns, and the codes of a block."""
-        words = [(word, self._word(block, word)) for word in block.words]
+        words = [(word, self._word(word)) for word in block.words]
         codes = {(word.address, value) for word, value in words if word.address in "GM"}
         if ("G", 65.0) in codes:
             self._call(block, words, depth)
@@ -187,8 +187,7 @@ class Interpreter:
     def _assign(self, block: Block) -> None:
         for assignment in block.assignments:
             number = variable_number(assignment.target, self.variables.read)
-            text = block.text[assignment.start : assignment.end].partition("=")[2]
-            value = self._value(_expression(text, assignment.value))
+            value = self._value(assignment.value)
             comments = [c.text for c in block.comments if c.start >= assignment.end]
             if number == ALARM:
                 raise Alarm(round(value or 0.0), comments[0] if comments else "")
@@ -198,20 +197,13 @@ class Interpreter:
                 continue
             self.variables.write(number, value)
 
-    def _is_true(self, block: Block, control: Control) -> bool:
-        text = block.text[control.start : control.end]
-        text = text[text.index("[") :]
-        return bool(self._value(_expression(text, control.arguments[0])))
+    def _is_true(self, control: Control) -> bool:
+        return bool(self._value(control.arguments[0]))
 
-    def _word(self, block: Block, word: Word) -> Value:
+    def _word(self, word: Word) -> Value:
         if word.number is not None or word.expression is None:
             return word.number
-        return self._value(_expression(word.value_text, word.expression))
+        return self._value(word.expression)
 
     def _value(self, expression: Expression) -> Value:
         return evaluate(expression, self.variables.read)
-
-
-def _expression(text: str, parsed: Expression) -> Expression:
-    """The parser's expression, or Fanuc's reading of it where the two may differ."""
-    return read_expression(text) if has_logic(text) else parsed
