@@ -111,8 +111,9 @@ def test_the_way_back_gives_every_byte(environment: Environment, filtered: bytes
 
 def test_each_part_does_its_own(filtered: bytes) -> None:
     assert b"\nG165 P=2 A=1 L=52.3\n" in filtered  # its calls, with a length that its reader read
-    assert filtered.count(b"; CHIPBREAK BEGIN STOP BEFORE FINISHING\nM1\n") == 1  # its pass
-    assert filtered.count(b"\nG165 P=3 ") == 2
+    assert filtered.count(b"; CHIPBREAK BEGIN STOP BEFORE FINISHING\nM1\n") == 2  # its pass
+    assert filtered.count(b"\nG165 P=3 ") == 3
+    assert b"\nG0 Z=5.\nG0 X=30.\n" in filtered  # given back in words as this control writes them
 
 
 def test_what_its_control_does_not_have_is_not_read(environment: Environment) -> None:
