@@ -128,6 +128,14 @@ def test_two_packages_with_one_name_are_refused(install: Install) -> None:
     assert "the profile 'acme-lathe' is offered twice" in refusal("acme-lathe")
 
 
+def test_a_control_may_read_numbers_in_fewer_ways(install: Install) -> None:
+    rules = 'number_rules={"required": GENERIC_LATHE.number_rules["required"]}'
+    install(ACME.replace('name="acme"', f'name="acme", {rules}'))
+    assert load("acme-lathe", ["control.decimal_point=required"]).number_rule.reads_whole is False
+    said = refusal("acme-lathe", "control.decimal_point=increment")
+    assert said.startswith("SET003 control.decimal_point 'increment': Acme lathe does not read numbers so")
+
+
 def test_an_unknown_control_is_refused_with_all_that_are_here(install: Install) -> None:
     install()
     said = refusal("generic-lathe", "control.dialect=acne")

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from chipbreak.dialects.check_programs import CallTemplates, MacroSet
 from chipbreak.dialects.modes import Modes, check_value
+from chipbreak.dialects.numbers import NUMBER_RULES, NumberRule
 from chipbreak.text.frozen_table import FrozenTable
 
 # Groups whose codes act in their own block only.  The interpreter and the refusals know them by value.
@@ -120,6 +121,7 @@ class Dialect(NamedTuple):
     ``initial``       what is in force at power-on
     ``incremental``   letters that always move incrementally -> the axis (U -> X); empty where they are axes
     ``tool_change``   "T" where a T word changes the tool at once, "M6" where an M code does
+    ``number_rules``  the values of ``control.decimal_point`` that it can have, and what each means
     ``offset_digits`` of a T word that changes the tool: its last digits name the offset
     ``speed_limit``   G codes (times ten) that limit the spindle when they stand with S
     ``surface_limit`` the letter that limits the spindle in the block of G96; without it there is no limit
@@ -149,6 +151,7 @@ class Dialect(NamedTuple):
     grammar: str | Path
     precedence: Precedence
     m_codes: Mapping[int, MCode] = COMMON_M_CODES
+    number_rules: Mapping[str, NumberRule] = NUMBER_RULES
     offset_digits: int = 2
     lathe_system: str = ""
     incremental: Mapping[str, str] = FrozenTable({})

@@ -11,6 +11,7 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from math import isnan
 from typing import NamedTuple
 
 from chipbreak.dialects import GENERIC_LATHE, NON_MODAL
@@ -19,6 +20,7 @@ from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Assignment, Block, Control, Word
 from chipbreak.syntax.parse import Program, parse
 from chipbreak.text.source import read
+from chipbreak.units import mm_per_unit
 
 # Letters whose number is a length, an angle, a feed or a time: there a control may read 5 and 5. differently.
 DIMENSIONS = frozenset("XYZUVWABCIJKRQEFHD")
@@ -88,15 +90,13 @@ class Reading:
             return word.expression
         if word.address not in DIMENSIONS or word.has_point or word.number == 0.0:
             return word.number
-        rule = self.settings.control.decimal_point if self.settings else "required"
-        whole_feed = self.settings is not None and word.address == "F" and not self.feeds_per_rev
-        if rule == "calculator" or whole_feed:
+        if self.settings is None:
+            return ("no point", word.number)
+        rule = self.settings.number_rule
+        if rule.reads_whole or (word.address == "F" and not self.feeds_per_rev):
             return word.number
-        if rule == "increment" and self.settings is not None:
-            return round(
-                word.number * self.settings.control.increment_mm / (10.0 if self.is_inch else 1.0), 9
-            )
-        return ("no point", word.number)
+        length_mm = rule.length_mm(word.number, self.settings.control.increment_mm, self.is_inch)
+        return ("no point", word.number) if isnan(length_mm) else _in_units(length_mm, self.is_inch)
 
     def calls_a_contour(self, block: Block) -> bool:
         """True for a cycle whose P and Q name the blocks of its shape."""
@@ -239,6 +239,10 @@ class _Reader:
         letter = part.address if part.letter != "f" else "f"
         is_named = part.number is not None and _as_written(part) in named
         return (letter, _NAMED if is_named else self.reading.value(part))
+
+
+def _in_units(length_mm: float, is_inch: bool) -> float:
+    return round(length_mm / mm_per_unit(is_inch=is_inch), 9)
 
 
 def _in_order(block: Block) -> list[Word | Assignment | Control]:

@@ -94,7 +94,7 @@ class Interpreter:
         mode_words = self._mode_words(codes)
         vibration = self._vibration_words(block, codes, has_mode_words=bool(mode_words))
         settings = self.settings
-        after = values_after(Said(block, codes, state, vibration, self.dialect, settings.control))
+        after = values_after(Said(block, codes, state, vibration, self.dialect, settings.number_rule))
         if "macro-call" not in codes.non_modal:  # T, M and S of a G65 block are arguments
             after = self._machine_functions(after, block)
         move = None

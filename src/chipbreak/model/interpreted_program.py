@@ -107,7 +107,7 @@ class InterpretedProgram(NamedTuple):
 
     def _values_are_plain(self, first: int, last: int) -> bool:
         """True when every number of a run means what it says."""
-        if self.settings.control.decimal_point == "calculator":
+        if self.settings.number_rule.reads_whole:
             return True
         return not _used(self.program.bits[first:last]) & NO_POINT
 
@@ -129,7 +129,7 @@ class InterpretedProgram(NamedTuple):
             ends[axis.lower()] = (ends[axis.lower()] if is_distance else 0.0) + float(total) * scale
         feed = word_of.get("F")
         if feed is not None:
-            state = state._replace(feed=feed_of(feed, state, control, last - 1))
+            state = state._replace(feed=feed_of(feed, state, self.settings.number_rule, last - 1))
         return state._replace(position=Position(**ends))
 
     def _jump(self, state: State, first: int, last: int) -> State:
@@ -149,9 +149,9 @@ class InterpretedProgram(NamedTuple):
             word = blocks[line].word(letter)
             assert word is not None
             if not axis:
-                state = state._replace(feed=feed_of(word, state, control, line))
+                state = state._replace(feed=feed_of(word, state, self.settings.number_rule, line))
                 continue
-            value = length_mm(word, state, control) * words.signs[axis]
+            value = length_mm(word, state, self.settings) * words.signs[axis]
             if axis == "X" and is_diameter(state, control):
                 value /= 2.0
             position[axis.lower()] = value

@@ -59,7 +59,7 @@ def move_of(
 
 def _along_axis_mm(word: Word, axis: str, state: State, settings: Settings) -> float:
     """What a word says along its axis, in the sense of the geometry; a diameter is halved."""
-    value_mm = length_mm(word, state, settings.control) * settings.axis_words.signs[axis]
+    value_mm = length_mm(word, state, settings) * settings.axis_words.signs[axis]
     return value_mm / 2.0 if axis == "X" and is_diameter(state, settings.control) else value_mm
 
 
@@ -87,9 +87,9 @@ def _arc_words(block: Block, state: State, settings: Settings) -> tuple[Position
     for word in block.words:
         if word.address in CENTRES:
             axis = words.centre_axis(word.address)
-            offsets[axis] = length_mm(word, state, settings.control) * words.signs[axis]
+            offsets[axis] = length_mm(word, state, settings) * words.signs[axis]
         elif word.address == "R":
-            radius_mm = length_mm(word, state, settings.control)
+            radius_mm = length_mm(word, state, settings)
     centre = Position(*offsets.values())
     if state.modes.arc_distance == "absolute":
         centre = Position(*(c - s for c, s in zip(centre, state.position, strict=True)))

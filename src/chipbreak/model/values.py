@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.modes import Group
+from chipbreak.dialects.numbers import NumberRule
 from chipbreak.model.codes import BlockCodes
 from chipbreak.model.modal import UNKNOWN, Setting, State
 from chipbreak.model.words import codes_of, feed_of, plain_value, speed_of, surface_limit
-from chipbreak.settings.sections import Control
 from chipbreak.syntax.nodes import Block, Word
 
 _COORDINATE_GROUPS: frozenset[Group] = frozenset(
@@ -29,7 +29,7 @@ class Said(NamedTuple):
     was: State
     vibration: tuple[Word, ...]
     dialect: Dialect
-    control: Control
+    number_rule: NumberRule
 
 
 def values_after(said: Said) -> State:
@@ -118,7 +118,7 @@ def _feed_and_speed(after: State, said: Said) -> State:
         if word in said.vibration:
             continue
         if word.address == "F":
-            after = after._replace(feed=feed_of(word, after, said.control, said.block.line))
+            after = after._replace(feed=feed_of(word, after, said.number_rule, said.block.line))
         elif limits:
             limit = Setting(plain_value(word), word.value_text, said.block.line)
             after = after._replace(speed_limit=limit)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.modes import UNSAID, Group, SpeedMode
+from chipbreak.dialects.numbers import NumberRule
 from chipbreak.model.evaluate import constant
 from chipbreak.model.modal import UNKNOWN, Setting, State
-from chipbreak.settings.sections import Control
+from chipbreak.settings.sections import Control, Settings
 from chipbreak.syntax.nodes import Block, Word
-from chipbreak.units import mm_per_step, surface_speed_m_min
+from chipbreak.units import surface_speed_m_min
 
 NO_POINT = "a number without a decimal point; this control may read it as increments"
 
@@ -49,20 +50,15 @@ def surface_limit(block: Block, mode: SpeedMode, dialect: Dialect) -> Setting | 
     return None if word is None else Setting(plain_value(word), word.value_text, block.line)
 
 
-def length_mm(word: Word, state: State, control: Control) -> float:
+def length_mm(word: Word, state: State, settings: Settings) -> float:
     """A length in mm under the control's decimal-point rule; NaN when it cannot be known."""
     value = plain_value(word)
-    scale = state.mm_per_unit
     if word.number is None or word.has_point or value == 0.0:
-        return value * scale
-    if control.decimal_point == "calculator":
-        return value * scale
-    if control.decimal_point == "increment":
-        return value * control.increment_mm * mm_per_step(is_inch=state.is_inch)
-    return UNKNOWN
+        return value * state.mm_per_unit
+    return settings.number_rule.length_mm(value, settings.control.increment_mm, state.is_inch)
 
 
-def feed_of(word: Word, state: State, control: Control, line: int) -> Setting:
+def feed_of(word: Word, state: State, rule: NumberRule, line: int) -> Setting:
     """What an F sets: mm/rev, mm/min or 1/min as the feed mode says; NaN where it may count increments.
 
     Feed per minute is a whole number on most controls, so only feed per revolution needs its point.
@@ -70,7 +66,7 @@ def feed_of(word: Word, state: State, control: Control, line: int) -> Setting:
     value = plain_value(word)
     if state.modes.feed_mode != "inverse":
         value *= state.mm_per_unit
-    may_count_increments = state.modes.feed_mode == "rev" and control.decimal_point != "calculator"
+    may_count_increments = state.modes.feed_mode == "rev" and not rule.reads_whole
     if may_count_increments and word.number is not None and not word.has_point and value != 0.0:
         value = UNKNOWN
     return Setting(value, word.value_text, line)

@@ -99,6 +99,10 @@ def _dialect(layer: Layer, control: Control) -> Dialect:
         raise layer.fail(IMPOSSIBLE, "control.dialect", message, known) from None
     except RefusalError as error:
         raise layer.fail(error.code, "control.dialect", error.message, error.help) from error
+    if control.decimal_point not in dialect.number_rules:
+        message = f"control.decimal_point {control.decimal_point!r}: {dialect.title} does not read numbers so"
+        known = f"one of {', '.join(dialect.number_rules)}"
+        raise layer.fail(IMPOSSIBLE, "control.decimal_point", message, known)
     return dialect._replace(dwell_word=control.dwell_word) if control.dwell_word else dialect
 
 

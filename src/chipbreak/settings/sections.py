@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from chipbreak.dialects import Dialect
+from chipbreak.dialects.numbers import NumberRule
 from chipbreak.kinematics.waves import WAVES
 from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.text.frozen_table import FrozenTable
@@ -264,6 +265,11 @@ class Settings:
 
     def __repr__(self) -> str:
         return f"<Settings {self.name!r}: {self.dialect.title}>"
+
+    @property
+    def number_rule(self) -> NumberRule:
+        """What a number without a decimal point is worth on this machine."""
+        return self.dialect.number_rules[self.control.decimal_point]
 
     def origin(self, key: str) -> str:
         """Where the value of ``section.key`` came from, for messages."""

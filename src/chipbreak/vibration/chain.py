@@ -265,7 +265,7 @@ def _without_point(interpreted: InterpretedProgram, effect: BlockEffect, axis: s
         word = interpreted.program.block(line).word(letter)
         if word is not None:
             is_last = interpreted.before(line).unknown_why == effect.before.unknown_why
-            is_unknown = math.isnan(length_mm(word, interpreted.before(line), interpreted.settings.control))
+            is_unknown = math.isnan(length_mm(word, interpreted.before(line), interpreted.settings))
             was = is_last and is_unknown and word.number is not None
             said = interpreted.program.source.place(line).line
             return f"{letter}{word.value_text} in line {said}" if was else ""
