@@ -8,6 +8,7 @@ import shlex
 import subprocess
 import sys
 import threading
+from importlib.metadata import version
 from pathlib import Path
 
 import click
@@ -110,9 +111,14 @@ def test_a_profile_by_its_path(tmp_path: Path) -> None:
     assert chipbreak.load(file) == chipbreak.load(str(file))
 
 
-@pytest.mark.parametrize("name", chipbreak.__all__)
+@pytest.mark.parametrize("name", [name for name in chipbreak.__all__ if name != "__version__"])
 def test_what_the_package_offers_is_there(name: str) -> None:
     assert getattr(chipbreak, name).__name__ == name
+
+
+def test_the_package_says_its_version() -> None:
+    assert "__version__" in chipbreak.__all__
+    assert chipbreak.__version__ == version("chipbreak")
 
 
 @pytest.mark.parametrize("command", ["filter", "explain", "verify", "tools", "restore"])

@@ -116,7 +116,10 @@ def check(result: Filtered) -> None:
     paired = pairs(result)
     same_states(paired)
     if not result.settings.dialect.is_lathe:  # a lathe comes down slanting from wherever it is
-        ends = result.settings.dialect.call_sets[result.settings.checks.calls].ends_offset
+        shipped = result.settings.dialect.call_sets.get(
+            result.settings.checks.calls
+        )  # none of the shop's own
+        ends = shipped is not None and shipped.ends_offset
         for home_ends in (True, False):
             same_cuts(paired, result.settings, home_ends=home_ends, calls_end=ends)
 
