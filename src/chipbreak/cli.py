@@ -6,7 +6,6 @@ Everything heavy is imported inside the commands, so that help and completion an
 from __future__ import annotations
 
 import os
-import shutil
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -164,6 +163,8 @@ def diff(
     profile, numbers are read as its control reads them; without one, X50 and X50. are different.  Exit 0: the
     same, 1: different, 2: trouble.
     """
+    import shutil
+
     from chipbreak.editing import diff_output
     from chipbreak.editing.diff import compare, differs, items_of
     from chipbreak.text.diagnostics import ProgramRejectedError

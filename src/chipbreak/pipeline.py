@@ -23,7 +23,7 @@ from chipbreak.syntax.parse import UNREADABLE, parse
 from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, RefusalError, has_errors
 from chipbreak.text.place_order import in_place_order
 from chipbreak.text.source import Source, read
-from chipbreak.tools.program import tool_table_for_checks
+from chipbreak.tools.merge import ToolTable
 
 if TYPE_CHECKING:
     from chipbreak.vibration.measure import CutReport
@@ -121,8 +121,21 @@ def _context(interpreted: InterpretedProgram, options: RunOptions) -> Context:
         operations = operations_of(interpreted, main, KindRules.from_profile(settings.operations))
     except RefusalError as error:
         raise SettingsError.of(error, settings.name) from None
-    tools = cache(partial(tool_table_for_checks, interpreted))
+    tools = cache(partial(_tools_for_checks, interpreted))
     return Context(interpreted, main, operations, tools, options)
+
+
+def _tools_for_checks(interpreted: InterpretedProgram) -> ToolTable:
+    """What is known about the tools, where checks will ask for it or files were given that must be right.
+
+    Raises ToolFileError.
+    """
+    settings = interpreted.settings
+    if not (settings.checks.enabled or settings.tools.files):
+        return ToolTable({}, ())
+    from chipbreak.tools.program import tool_table
+
+    return tool_table(interpreted)
 
 
 def _planned(passes: Iterable[Pass], context: Context) -> list[Planned]:

@@ -22,7 +22,8 @@ from chipbreak.settings.sections import Planner
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.trajectory import laws as module_of_laws
 from chipbreak.trajectory.law import AxisLimits, ControlLaw, Motion
-from chipbreak.trajectory.laws import LAWS, foreign_keys, law_named
+from chipbreak.trajectory.law_names import LAW_KEYS, foreign_keys
+from chipbreak.trajectory.laws import LAWS, law_named
 from strokes import on_z
 
 PACKAGE = Path(chipbreak.__file__).parent
@@ -61,7 +62,7 @@ def test_every_law_is_in_the_tuple_and_in_the_profile() -> None:
     names = [law.name for law in LAWS]
     assert len(set(names)) == len(names)
     field = Planner.__dataclass_fields__["model"]
-    assert tuple(names) == field.metadata["choices"]
+    assert tuple(names) == tuple(LAW_KEYS) == field.metadata["choices"]
     assert field.default == names[0]
     assert [law_named(name) for name in names] == list(LAWS)
     for law in LAWS:
@@ -73,9 +74,9 @@ def test_every_law_is_in_the_tuple_and_in_the_profile() -> None:
 
 @EVERY_LAW
 def test_a_key_that_means_nothing_to_a_law_is_refused(law: type[ControlLaw]) -> None:
-    keys = {key for one in LAWS for key in one.own_keys}
+    keys = {key for own_keys in LAW_KEYS.values() for key in own_keys}
     assert keys <= set(Planner.__dataclass_fields__)
-    assert set(foreign_keys(law.name)) == keys - set(law.own_keys)
+    assert set(foreign_keys(law.name)) == keys - set(LAW_KEYS[law.name])
     for key, others in foreign_keys(law.name).items():
         with pytest.raises(SettingsError, match=key) as refused:
             chipbreak.load("generic-lathe", [f"planner.model={law.name}", f"planner.{key}=3"])

@@ -29,7 +29,7 @@ from chipbreak.settings.tool_rules import check_macros, check_sisters
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.span import Place
-from chipbreak.trajectory.laws import foreign_keys
+from chipbreak.trajectory.law_names import foreign_keys
 
 
 def load(profile: str | os.PathLike[str], options: Sequence[str] = ()) -> Settings:

@@ -8,10 +8,10 @@ from typing import Any
 
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.numbers import NumberRule
-from chipbreak.kinematics.waves import WAVES
+from chipbreak.kinematics.wave_names import WAVE_NAMES
 from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.text.frozen_table import FrozenTable
-from chipbreak.trajectory.laws import LAWS
+from chipbreak.trajectory.law_names import LAW_KEYS
 from chipbreak.units import mm_per_step
 
 
@@ -69,7 +69,7 @@ class Vibration:
     q: float | None = _above(None)
     a_mm: float | None = _above(None)
     margin: float = _at_least(1.2, 1.0)
-    waveform: str = _one_of(*(wave.name for wave in WAVES))
+    waveform: str = _one_of(*WAVE_NAMES)
     alpha: float = field(default=0.5, metadata={"above": 0.0, "below": 1.0})
     phase: float | str = field(default="auto", metadata={"choices": ("auto",), "above": 0.0, "below": 1.0})
     pn: float | None = _at_least(None)
@@ -130,7 +130,7 @@ class Axis:
 class Planner:
     """How the control times blocks, and the path mode and smoothing it needs around a vibrated cut."""
 
-    model: str = _one_of(*(law.name for law in LAWS))
+    model: str = _one_of(*LAW_KEYS)
     servo_period_ms: float = _above(1.0)
     max_blocks_per_s: float | None = _above(None)
     reversal_stop_ms: float = _at_least(0.0)

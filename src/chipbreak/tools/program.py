@@ -36,15 +36,6 @@ def tool_table(interpreted: InterpretedProgram) -> ToolTable:
     return merge(files, comments, [*called_tools(interpreted), *(tool.number for tool in comments)])
 
 
-def tool_table_for_checks(interpreted: InterpretedProgram) -> ToolTable:
-    """The same where checks will ask for it, or where files were given that must be right.
-
-    Raises ToolFileError.
-    """
-    settings = interpreted.settings
-    return tool_table(interpreted) if settings.checks.enabled or settings.tools.files else ToolTable({}, ())
-
-
 def table_text(table: ToolTable) -> list[str]:
     """The tools as lines: what is known [mm, degrees], what said it, which check lacks what."""
     if not table.tools:

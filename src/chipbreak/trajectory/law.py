@@ -55,8 +55,9 @@ class ControlLaw(ABC):
     (LinuxCNC G64 with Q, or with P alone).  ``blocks_per_s``: the most the control reads, None for no limit.
     ``axis`` names the axis that limits, for messages.
 
-    A new kind of control is a subclass in its own module and a line in ``laws.LAWS``.  It says what it is
-    (the class variables) and answers the abstract methods; what the others answer is right for most.
+    A new kind of control is a subclass in its own module, a line in ``laws.LAWS`` and one in ``law_names``.
+    It says what it is (the class variables) and answers the abstract methods; what the others answer is right
+    for most.
     """
 
     name: ClassVar[str]
@@ -67,8 +68,6 @@ class ControlLaw(ABC):
     """Times are whole servo periods."""
     is_slow_to_try: ClassVar[bool] = False
     """Each stroke of several blocks takes milliseconds to plan."""
-    own_keys: ClassVar[tuple[str, ...]] = ()
-    """Keys of ``[planner]`` that have a meaning for few laws, this one among them."""
 
     velocity_mm_s: float = inf
     acceleration_mm_s2: float = inf

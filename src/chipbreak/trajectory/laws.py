@@ -17,14 +17,3 @@ LAWS: tuple[type[ControlLaw], ...] = (
 def law_named(name: str) -> type[ControlLaw]:
     """The law of this name.  Errors: KeyError."""
     return {law.name: law for law in LAWS}[name]
-
-
-def foreign_keys(name: str) -> dict[str, list[str]]:
-    """Keys of ``[planner]`` that mean nothing to this law, with the laws to which they mean something."""
-    own = law_named(name).own_keys
-    found: dict[str, list[str]] = {}
-    for law in LAWS:
-        for key in law.own_keys:
-            if key not in own:
-                found.setdefault(key, []).append(law.name)
-    return found

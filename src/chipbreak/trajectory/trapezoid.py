@@ -27,7 +27,6 @@ class Trapezoid(RestingLaw):
     """Even acceleration from rest to rest; ``reversal_stop_s`` is how long the control stops at each rest."""
 
     name: ClassVar[str] = "trapezoid"
-    own_keys: ClassVar[tuple[str, ...]] = ("reversal_stop_ms",)
 
     reversal_stop_s: float = 0.0
 

@@ -7,12 +7,12 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from chipbreak.kinematics.sourced_value import SourcedValue
-from chipbreak.kinematics.waves import WAVES
+from chipbreak.kinematics.wave_names import WAVE_NAMES
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.nearest import nearest
 
-WAVE_WORDS = tuple(wave.name.upper() for wave in WAVES)
+WAVE_WORDS = tuple(map(str.upper, WAVE_NAMES))
 # What each key means, for messages and the manual.
 KEYS = {
     "S": "spindle speed [rpm]",

@@ -1,0 +1,130 @@
+"""The insertions of tool checks: what stands before the calls, and what gives the machine back behind them.
+
+The tool goes up before anything else stops; X and Y come back at that height, with the spindle turning, and
+Z last.  The calls are macros that put back what they themselves change.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+
+from chipbreak.checks.plan import PlannedCheck, plan_checks
+from chipbreak.dialects.modes import UNSAID
+from chipbreak.editing.edits import Edit
+from chipbreak.editing.promise import SpindleRestarted
+from chipbreak.insertion.retract import retract_blocks
+from chipbreak.insertion.safe_points import SafePoint
+from chipbreak.model.flow import Flow
+from chipbreak.model.interpret import Interpreter
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.words import is_diameter
+from chipbreak.operations.main_program import MainProgram
+from chipbreak.operations.operations import Operation
+from chipbreak.settings.sections import Settings
+from chipbreak.syntax.numbers import print_number
+from chipbreak.syntax.parse import read_block
+from chipbreak.text.diagnostics import Diagnostic
+from chipbreak.tools.merge import ToolTable
+
+# As many as any program has: a position is printed back as it was programmed, never rounder.
+_DECIMALS = 6
+
+
+def edits_of_checks(
+    interpreted: InterpretedProgram, operations: Sequence[Operation], main: MainProgram, tools: ToolTable
+) -> tuple[list[Edit], list[Diagnostic]]:
+    """The insertions of all checks, and what could not be checked.
+
+    Raises RefusalError for calls that cannot be used.
+    """
+    settings = interpreted.settings
+    checks, found = plan_checks(operations, interpreted, main, settings, tools)
+    checks.sort(key=_line)
+    edits = [_edit(list(group), settings) for _, group in groupby(checks, _line)]
+    return edits, [*tools.diagnostics, *found]
+
+
+def _line(check: PlannedCheck) -> int:
+    return check.point.line
+
+
+def _edit(checks: Sequence[PlannedCheck], settings: Settings) -> Edit:
+    """One insertion for all checks of a safe point."""
+    point = checks[0].point
+    blocks = _Blocks(point, settings)
+    blocks.make_ready()
+    for check in checks:
+        for text in check.blocks:
+            blocks.write(text)
+    blocks.put_back()
+    title = ", ".join(check.title for check in checks)
+    reason = "; ".join(check.reason for check in checks)
+    return Edit(point.line, point.line, tuple(blocks.texts), title, reason, SpindleRestarted())
+
+
+class _Blocks:
+    """Writes blocks, and knows by the interpreter what each of them has changed."""
+
+    def __init__(self, point: SafePoint, settings: Settings) -> None:
+        self.point = point
+        self.settings = settings
+        self.dialect = settings.dialect
+        self.before = self.now = point.state
+        self.interpreter = Interpreter(settings, Flow(frozenset(), ()))
+        self.texts: list[str] = []
+
+    def write(self, text: str) -> None:
+        """Add a block."""
+        self.texts.append(text)
+        self.now = self.interpreter.advance(self.now, read_block(0, text, self.dialect)).after
+
+    def make_ready(self) -> None:
+        """Coolant off, tool up, spindle off."""
+        if self.before.coolant:
+            self.write(self.dialect.m_code("coolant", "off"))
+        # A move in machine coordinates is absolute, and some controls want that said.
+        if self.dialect.retract_is_absolute and self.now.modes.distance == "incremental":
+            self.write(self.dialect.code("distance", "absolute"))
+        for text in retract_blocks(self.settings):
+            self.write(text)
+        if self.before.turns:
+            self.write(self.dialect.m_code("spindle", "stop"))
+
+    def put_back(self) -> None:
+        """Speed and spindle, the position from above, coolant, and the modal groups."""
+        self._put_back_spindle()
+        self._put_back_position_and_coolant()
+        for group in self.now.modes.changed(self.before.modes):
+            value = self.before.modes.value(group)
+            # A block that gives one group back may give another back with it.
+            if value != UNSAID and self.now.modes.value(group) != value:
+                self.write(self.dialect.code(group, value))
+
+    def _put_back_spindle(self) -> None:
+        if self.point.needs_speed and self.before.speed:
+            starts = [self.dialect.m_code("spindle", self.before.spindle)] if self.before.turns else []
+            self.write(" ".join([f"S{self.before.speed.text}", *starts]))
+
+    def _put_back_position_and_coolant(self) -> None:
+        """The axis that comes down to the work is the last, and the coolant flows by then."""
+        last = "X" if self.dialect.is_lathe else "Z"
+        first_axes = [axis for axis in self.point.axes if axis != last]
+        if self.point.axes and self.now.modes.distance != "absolute":
+            self.write(self.dialect.code("distance", "absolute"))
+        if first_axes:
+            self.write(" ".join(["G0", *map(self._word, first_axes)]))
+        for name in sorted(self.before.coolant):
+            self.write(self.dialect.m_code("coolant", name))
+        if last in self.point.axes:
+            offset = [self.point.length_offset] if self.point.length_offset else []
+            self.write(" ".join(["G0", *offset, self._word(last)]))
+
+    def _word(self, axis: str) -> str:
+        """Where an axis stood, as a word."""
+        value = getattr(self.before.position, axis.lower()) / self.before.mm_per_unit
+        if axis == "X" and is_diameter(self.before, self.settings.control):
+            value *= 2.0
+        words = self.settings.axis_words
+        number = print_number(value * words.signs[axis], _DECIMALS)
+        return words.letters[axis] + self.settings.dialect.set_off + number
