@@ -206,7 +206,7 @@ def test_the_corpus_comes_out_byte_for_byte(profile: str, corpus: list[Path]) ->
 def planned(data: bytes, *sets: str) -> tuple[InterpretedProgram, list[Edit], bytes]:
     settings = chipbreak.load("generic-lathe", sets)
     interpreted = interpret(parse(read(data), settings.dialect), settings)
-    edits, _ = edits_of_cuts(interpreted, requests_of(interpreted)[0])
+    edits = edits_of_cuts(interpreted, requests_of(interpreted).requests).edits
     return interpreted, edits, b"".join(render(interpreted.program, edits, settings))
 
 

@@ -20,10 +20,18 @@ from chipbreak.passes.base import Context, Planned, RunOptions
 from chipbreak.self_check import Kept, verify
 from chipbreak.settings import Settings, SettingsError
 from chipbreak.syntax.parse import UNREADABLE, parse
-from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, RefusalError, has_errors
+from chipbreak.text.diagnostics import (
+    Diagnostic,
+    ProgramRejectedError,
+    RefusalError,
+    SelfCheckError,
+    has_errors,
+)
+from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.place_order import in_place_order
 from chipbreak.text.source import Source, read
 from chipbreak.tools.merge import ToolTable
+from chipbreak.vibration.left_cut import LeftCut
 
 if TYPE_CHECKING:
     from chipbreak.vibration.measure import CutReport
@@ -33,7 +41,8 @@ class Result(NamedTuple):
     """What became of a program.
 
     ``data`` is the new program.  ``changed`` says whether it differs from what came in.  ``reports`` are what
-    was found when the promises of the edits were looked after, in the order of the program.
+    was found when the promises of the edits were looked after, in the order of the program.  ``left`` are the
+    cuts that were asked to vibrate and stay as they are, with the reason.
     """
 
     source: Source
@@ -43,6 +52,7 @@ class Result(NamedTuple):
     reports: tuple[object, ...]
     operations: tuple[Operation, ...]
     edits: tuple[Edit, ...]
+    left: tuple[LeftCut, ...] = ()
 
     def __repr__(self) -> str:
         state = "changed" if self.changed else "not changed"
@@ -80,7 +90,23 @@ def verify_filtered(data: bytes, settings: Settings, name: str = "<stdin>") -> R
     written, whose changes are not those that would be made now.
     """
     source = restore(read(data, name))
-    return _run(source, data, settings, data, RunOptions(allow_unbroken=True))
+    try:
+        return _run(source, data, settings, data, RunOptions(allow_unbroken=True))
+    except SelfCheckError:
+        # Cuts that did not break their chips may have been left as they were.
+        again = _filtered_again(source, data, settings)
+        if again is None:
+            raise
+        return again
+
+
+def _filtered_again(source: Source, data: bytes, settings: Settings) -> Result | None:
+    """The result of filtering anew, where that gives the very bytes of ``data``."""
+    try:
+        again = _run(source, data, settings, None, RunOptions())
+    except (ProgramRejectedError, SelfCheckError):
+        return None
+    return None if again.changed else again
 
 
 def _run(
@@ -88,29 +114,63 @@ def _run(
 ) -> Result:
     """All stages on an unfiltered source; ``output`` is the program to judge, None to write one."""
     interpreted = interpret(parse(source, settings.dialect), settings)
-    diagnostics = interpreted.program.unreadable() + unread_words(interpreted)
     context = _context(interpreted, options)
     passes = passes_of(settings)
+    while True:
+        tried = _tried(context, passes, output)
+        given_up = _given_up(context, passes, tried.kept)
+        if not given_up:
+            break
+        # Each round gives up one edit more, so there is a last one.
+        context = replace(context, given_up=FrozenTable({**context.given_up, **given_up}))
+    diagnostics = list(tried.diagnostics)
+    for one in passes:
+        diagnostics += one.findings(context, _reports_of(tried.kept, one))
+    _reject_wrong(diagnostics)
+    return Result(
+        source=source,
+        data=tried.output,
+        changed=tried.output != data,
+        diagnostics=_ordered(diagnostics),
+        reports=tuple(one.report for one in tried.kept),
+        operations=tuple(context.operations),
+        edits=tuple(tried.edits),
+        left=tuple(tried.left),
+    )
+
+
+class _Tried(NamedTuple):
+    """What one round of planning has led to."""
+
+    edits: list[Edit]
+    diagnostics: list[Diagnostic]
+    left: list[LeftCut]
+    output: bytes
+    kept: list[Kept]
+
+
+def _tried(context: Context, passes: Sequence[Pass], output: bytes | None) -> _Tried:
+    """Plan, write (or take the ``output`` there is) and look after every promise."""
+    interpreted = context.interpreted
+    diagnostics = interpreted.program.unreadable() + unread_words(interpreted)
     planned = _planned(passes, context)
     diagnostics += [diagnostic for one in planned for diagnostic in one.diagnostics]
     _reject_wrong(diagnostics)
     # Of two insertions before one line, what was planned later stands first.
     edits = [edit for one in reversed(planned) for edit in one.edits]
+    source = interpreted.program.source
     if output is None:
-        output = b"".join(render(interpreted.program, edits, settings)) if edits else source.data
+        output = b"".join(render(interpreted.program, edits, context.settings)) if edits else source.data
     kept = verify(interpreted, output, edits) if edits or output != source.data else []
+    return _Tried(edits, diagnostics, [cut for one in planned for cut in one.left], output, kept)
+
+
+def _given_up(context: Context, passes: Iterable[Pass], kept: Sequence[Kept]) -> dict[int, Diagnostic]:
+    """What the passes give up now that they see the output, and had not before."""
+    found: dict[int, Diagnostic] = {}
     for one in passes:
-        diagnostics += one.findings(context, _reports_of(kept, one))
-    _reject_wrong(diagnostics)
-    return Result(
-        source=source,
-        data=output,
-        changed=output != data,
-        diagnostics=_ordered(diagnostics),
-        reports=tuple(one.report for one in kept),
-        operations=tuple(context.operations),
-        edits=tuple(edits),
-    )
+        found |= one.gives_up(context, _reports_of(kept, one))
+    return {line: why for line, why in found.items() if line not in context.given_up}
 
 
 def _context(interpreted: InterpretedProgram, options: RunOptions) -> Context:
@@ -142,10 +202,10 @@ def _planned(passes: Iterable[Pass], context: Context) -> list[Planned]:
     """What each pass plans; each sees in its context what the ones before it have planned."""
     planned: list[Planned] = []
     for one in passes:
-        edits, diagnostics = one.plan(context)
+        edits, diagnostics, left = one.plan(context)
         named = [edit._replace(pass_name=one.name) for edit in edits]
         context = replace(context, planned=(*context.planned, *named))
-        planned.append(Planned(named, diagnostics))
+        planned.append(Planned(named, diagnostics, left))
     return planned
 
 

@@ -51,7 +51,7 @@ def test_refused_whoever_asks(before: str, cut: str, code: str, how: str) -> Non
     before = before and before + "\n"
     ask = "(VIB N1.5)\n" if how == "directive" else ""
     word = " N1.5" if how == "word" else ""
-    sets = ("vibration.n=1.5",) if how == "profile" else ()
+    sets = ("vibration.n=1.5", "vibration.refused=error") if how == "profile" else ()
     errors = rejected(f"{HEAD}{before}{ask}{cut}{word}\nM30\n", "generic-lathe", *sets)
     line = 3 + before.count("\n") + ask.count("\n")
     assert [(found, at) for found, at, _ in errors] == [(code, line)]

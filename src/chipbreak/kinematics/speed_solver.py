@@ -158,7 +158,7 @@ def solve(
     """
     _check_given({"S": speed, "N": per_rev, "f": frequency})
     reasons: list[str] = []
-    period = _period(speed, per_rev, frequency, group, reasons)
+    period = _period(speed, per_rev, frequency, group, rules, reasons)
     wanted = _wanted(speed, per_rev, period, rules, reasons)
     speed_rpm = _speed(speed, wanted, period, rules, reasons)
     reached = _ratio(period, speed_rpm)
@@ -175,9 +175,10 @@ def _period(
     per_rev: SourcedValue | None,
     frequency: SourcedValue | None,
     group: CommandGroup,
+    rules: SolverRules,
     reasons: list[str],
 ) -> Period:
-    """What the control can command nearest the f that was given, or that S and N make."""
+    """What the control can command nearest the f that was given, or that S and N make below the clamp."""
     if frequency is not None:
         asked_hz = frequency.value
         _check_near(frequency, group)
@@ -185,12 +186,37 @@ def _period(
         assert speed is not None and per_rev is not None
         asked_hz = per_rev.value * speed.value / S_PER_MIN
     period = group.nearest(asked_hz)
+    why = "nearest the control can command"
+    if frequency is None and speed is not None and per_rev is not None:
+        slower = _below_clamp(period, speed.value, per_rev.value, group, rules)
+        if slower is not None:
+            period = slower
+            why = f"the next below the clamp of {shown(rules.max_rpm or 0.0)} rpm that the control can command"
     # 41.667 Hz is how people write 1 / 24 ms; that is no correction.
     if not math.isclose(asked_hz, period.frequency_hz, rel_tol=1e-4):
         size = f"{shown(period.period_s * MS_PER_S)} ms" if group.periods_s else f"n = {period.ticks}"
-        near = f"{shown(period.frequency_hz)} Hz, nearest the control can command ({size})"
+        near = f"{shown(period.frequency_hz)} Hz, {why} ({size})"
         reasons.append(f"f {shown(asked_hz)} -> {near}")
     return period
+
+
+def _below_clamp(
+    period: Period, given_rpm: float, count: float, group: CommandGroup, rules: SolverRules
+) -> Period | None:
+    """The next slower period where this one would take an allowed speed above the clamp; else None."""
+    if rules.max_rpm is None or given_rpm > rules.max_rpm + _FUZZ or rules.correct == "count":
+        return None
+    if _printed(_ratio(period, count), rules) <= rules.max_rpm + _FUZZ:
+        return None
+    most_hz = rules.max_rpm * count / S_PER_MIN
+    slower = [one for one in group.around(most_hz) if one.frequency_hz <= most_hz + _FUZZ]
+    return slower[0] if slower else None
+
+
+def _printed(speed_rpm: float, rules: SolverRules) -> float:
+    """A speed to the resolution of the control."""
+    # Rounded again because 25862 * 0.1 is not 2586.2 in binary.
+    return round(math.floor(speed_rpm / rules.resolution_rpm + 0.5) * rules.resolution_rpm, 9)
 
 
 def _check_near(frequency: SourcedValue, group: CommandGroup) -> None:
@@ -253,8 +279,7 @@ def _speed(
     if given is not None and _prints_as(given, wanted, period, rules):
         return given.value
     exact_rpm = _ratio(period, wanted)
-    # Rounded again because 25862 * 0.1 is not 2586.2 in binary.
-    printed_rpm = round(math.floor(exact_rpm / rules.resolution_rpm + 0.5) * rules.resolution_rpm, 9)
+    printed_rpm = _printed(exact_rpm, rules)
     if printed_rpm <= 0.0:
         raise RefusalError("VIB007", f"S {shown(exact_rpm)} rpm prints as zero", "give a smaller N")
     if given is not None:

@@ -6,8 +6,8 @@ A pass sees the work of others only in its context, and there only where edits s
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from chipbreak.editing.edits import Edit
@@ -17,7 +17,9 @@ from chipbreak.operations.main_program import MainProgram
 from chipbreak.operations.operations import Operation
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import Diagnostic
+from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.tools.merge import ToolTable
+from chipbreak.vibration.left_cut import LeftCut
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,7 @@ class Context:
     """All that a pass may look at.
 
     ``read_tools`` gives the tool table, read when it is first asked for.  ``planned`` are the edits of the
-    passes before.
+    passes before.  ``given_up`` are edits, by their first line, that were tried and must not be planned again.
     """
 
     interpreted: InterpretedProgram
@@ -44,6 +46,7 @@ class Context:
     read_tools: Callable[[], ToolTable]
     options: RunOptions = RunOptions()
     planned: tuple[Edit, ...] = ()
+    given_up: Mapping[int, Diagnostic] = field(default_factory=FrozenTable)
 
     @property
     def settings(self) -> Settings:
@@ -61,10 +64,14 @@ class Context:
 
 
 class Planned(NamedTuple):
-    """What a pass wants to change, and what it found.  With an error among it, no edit is used."""
+    """What a pass wants to change, and what it found.  With an error among it, no edit is used.
+
+    ``left`` are cuts that were asked to vibrate and stay as they are.
+    """
 
     edits: Sequence[Edit] = ()
     diagnostics: Sequence[Diagnostic] = ()
+    left: Sequence[LeftCut] = ()
 
 
 class Pass(ABC):
@@ -82,3 +89,10 @@ class Pass(ABC):
     def findings(self, context: Context, reports: Sequence[object]) -> Sequence[Diagnostic]:
         """What the reports of this pass's promises say about the output; nothing, if it does not look."""
         return ()
+
+    def gives_up(self, context: Context, reports: Sequence[object]) -> Mapping[int, Diagnostic]:
+        """Edits, by their first line, that what they do in the output speaks against, with the reason.
+
+        All is then planned again without them.  Nothing, if the pass keeps what it planned.
+        """
+        return {}

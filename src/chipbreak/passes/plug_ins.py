@@ -6,7 +6,7 @@ applied, and their promises looked after, as those of all others.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from chipbreak.editing.edits import Edit, MoveTable
@@ -46,10 +46,10 @@ class PlugIn(Pass):
         """What the pass plans, when it can be used; a refusal is an error without a place."""
         with _blamed(self.name):
             try:
-                edits, diagnostics = self.inner.plan(context)
+                edits, diagnostics, left = Planned(*self.inner.plan(context))
             except RefusalError as error:
                 return Planned((), [_without_place(error)])
-            planned = Planned(list(edits), _all_diagnostics(diagnostics))
+            planned = Planned(list(edits), _all_diagnostics(diagnostics), list(left))
             for edit in planned.edits:
                 _check_edit(edit, context.interpreted.program.source.line_count)
         return planned
@@ -61,6 +61,11 @@ class PlugIn(Pass):
                 return _all_diagnostics(self.inner.findings(context, reports))
             except RefusalError as error:
                 return [_without_place(error)]
+
+    def gives_up(self, context: Context, reports: Sequence[object]) -> Mapping[int, Diagnostic]:
+        """What the pass does not want to keep of what it planned."""
+        with _blamed(self.name):
+            return dict(self.inner.gives_up(context, reports))
 
 
 @contextmanager

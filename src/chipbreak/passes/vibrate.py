@@ -13,11 +13,13 @@ What plans and judges these cuts is imported when a program asks for one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
+from chipbreak.editing.edits import Edit
 from chipbreak.editing.promise import SpindleRestarted
 from chipbreak.passes.base import Context, Pass, Planned
 from chipbreak.text.diagnostics import Diagnostic
+from chipbreak.vibration.left_cut import said_of_left
 from chipbreak.vibration.request import requests_of
 
 
@@ -28,18 +30,26 @@ class Vibrate(Pass):
 
     def plan(self, context: Context) -> Planned:
         """The blocks of every vibrated cut, and the programmed spindle speed where it is needed again."""
-        requests, diagnostics = requests_of(context.interpreted)
-        if not requests:
-            return Planned((), diagnostics)
-        from chipbreak.vibration.cuts import edits_of_cuts
+        asked = requests_of(context.interpreted, context.operations)
+        left = asked.left
+        edits: Sequence[Edit] = ()
+        diagnostics = asked.diagnostics
+        if asked.requests:
+            from chipbreak.vibration.cuts import edits_of_cuts
 
-        edits, found = edits_of_cuts(
-            context.interpreted,
-            requests,
-            restarted_at=context.lines_of(SpindleRestarted),
-            allow_unbroken=context.options.allow_unbroken,
-        )
-        return Planned(edits, diagnostics + found)
+            cuts = edits_of_cuts(
+                context.interpreted,
+                asked.requests,
+                restarted_at=context.lines_of(SpindleRestarted),
+                air_lines=asked.air_lines,
+                given_up=context.given_up,
+                allow_unbroken=context.options.allow_unbroken,
+            )
+            edits = cuts.edits
+            diagnostics = diagnostics + cuts.diagnostics
+            left = left + cuts.left
+        left = sorted(left, key=lambda cut: cut.first)
+        return Planned(edits, [*diagnostics, *said_of_left(context.interpreted.program, left)], left)
 
     def findings(self, context: Context, reports: Sequence[object]) -> Sequence[Diagnostic]:
         """What the emitted moves of the cuts do not do, and how it would work."""
@@ -48,6 +58,19 @@ class Vibrate(Pass):
         from chipbreak.vibration.findings import findings_of_cuts
 
         return findings_of_cuts(
+            context.interpreted,
+            context.operations,
+            reports,
+            allow_unbroken=context.options.allow_unbroken,
+        )
+
+    def gives_up(self, context: Context, reports: Sequence[object]) -> Mapping[int, Diagnostic]:
+        """Cuts that would not break their chips, or not run as planned, and may stay as they are."""
+        if not reports:
+            return {}
+        from chipbreak.vibration.findings import errors_of_cuts
+
+        return errors_of_cuts(
             context.interpreted,
             context.operations,
             reports,

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from chipbreak.settings.checking import IMPOSSIBLE, Layer
-from chipbreak.settings.sections import Command, Spindle
+import re
+
+from chipbreak.settings.checking import IMPOSSIBLE, Layer, hint_at
+from chipbreak.settings.sections import OPERATION_KINDS, Command, Spindle, Vibration
 
 
 def check_ranges(layer: Layer, command: Command, spindle: Spindle) -> None:
@@ -20,3 +22,12 @@ def check_ranges(layer: Layer, command: Command, spindle: Spindle) -> None:
         message = f"spindle.max_rpm = {spindle.max_rpm:g} lies below min_rpm"
         hint = f"{spindle.min_rpm:g} or more, or another spindle.min_rpm"
         raise layer.fail(IMPOSSIBLE, "spindle.max_rpm", message, hint)
+
+
+def check_only(layer: Layer, vibration: Vibration) -> None:
+    """``vibration.only`` names kinds of operations, and tools as T and a number."""
+    for name in vibration.only:
+        if name not in OPERATION_KINDS and not re.fullmatch(r"T[1-9][0-9]*", name):
+            message = f'vibration.only: "{name}" is no kind of operation and no tool'
+            hint = hint_at(name, OPERATION_KINDS)
+            raise layer.fail(IMPOSSIBLE, "vibration.only", message, f'{hint}; a tool is "T3"')

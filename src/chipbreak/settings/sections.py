@@ -59,9 +59,18 @@ class Command:
     periods_ms: tuple[float, ...] | None = _above(None)
 
 
+# The kinds of operations, as `(OP ...)` and the rules of the profile name them.
+OPERATION_KINDS = ("rough", "semi-finish", "finish", "drill", "thread", "probe", "unknown")
+
+
 @dataclass(frozen=True)
 class Vibration:
-    """Defaults for what a program does not say about its vibrated cuts."""
+    """Defaults for what a program does not say about its vibrated cuts.
+
+    ``only`` names the operations for whose cuts the profile asks, kinds or tools (``T3``).  ``refused`` says
+    what becomes of a cut that cannot vibrate: ``auto`` leaves those that only the profile asks for.  ``air``
+    is what becomes of a feed back through what was just cut.
+    """
 
     n: float | None = _above(None)
     e: float | None = _above(None)
@@ -83,6 +92,9 @@ class Vibration:
     end: str = _one_of("feed", "dwell")
     chord_mm: float = _above(0.001)
     edges: int = _at_least(1, 1)
+    only: tuple[str, ...] = ()
+    refused: str = _one_of("auto", "error", "leave")
+    air: str = _one_of("leave", "vibrate")
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.modes import Group
@@ -17,6 +18,7 @@ from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.text.diagnostics import Diagnostic, RefusalError
 from chipbreak.vibration.directive import KEYS
+from chipbreak.vibration.left_cut import NO_SPINDLE, LeftCut
 from chipbreak.vibration.request import Request
 
 # Modal groups that must be at rest, with what the user knows them as.
@@ -76,6 +78,14 @@ class Chain:
         named = {axis for move in self.moves for axis in move.axes + move.plane}
         return "".join(axis for axis in AXES if axis in named)
 
+    def may_be_left(self, refused: str) -> bool:
+        """True where the chain stays as it was when it cannot vibrate; ``refused`` is the profile's key."""
+        return all(request.may_be_left(refused) for request in self.requests)
+
+    def left(self, said: Diagnostic) -> LeftCut:
+        """The chain as a cut that stays as it was, and what stood in its way."""
+        return LeftCut(self.first, self.last, said, self.requests[0].asked_by)
+
     @property
     def asked_by_word(self) -> bool:
         """True when words of its blocks ask for the vibration, and no comment or profile alone."""
@@ -92,25 +102,42 @@ def _preamble_words(block: Block) -> list[Word]:
     return [w for w in block.words_of("GM") if w.address == "M" or w.number not in _MOTION_CODES]
 
 
+class Chains(NamedTuple):
+    """The chains of a program; the cuts that stay as they are; what is an error."""
+
+    chains: list[Chain]
+    left: list[LeftCut]
+    refused: list[Diagnostic]
+
+
 def chains_of(
-    interpreted: InterpretedProgram, requests: Sequence[Request]
-) -> tuple[list[Chain], list[Diagnostic]]:
-    """Group requests into chains, and say which of them must not vibrate."""
-    diagnostics: list[Diagnostic] = []
+    interpreted: InterpretedProgram, requests: Sequence[Request], given_up: Mapping[int, Diagnostic]
+) -> Chains:
+    """Group requests into chains, and say which of them must not vibrate.
+
+    ``given_up`` are chains, by their first line, that were tried and are to stay as they are.
+    """
+    key = interpreted.settings.vibration.refused
+    refused: list[Diagnostic] = []
+    left: list[LeftCut] = []
     groups: list[list[Request]] = []
     for request in requests:
         refusal = refusal_of(request, interpreted)
         if refusal is not None:
             error, at = refusal
             line = request.effect.block.line
-            diagnostics.append(
-                interpreted.program.diagnose(line, error.code, error.message, error.help, at=at)
-            )
+            said = interpreted.program.diagnose(line, error.code, error.message, error.help, at=at)
+            if request.may_be_left(key):
+                left.append(Chain((request,)).left(said))
+            else:
+                refused.append(said)
         elif groups and _joins(interpreted, groups[-1][-1], request):
             groups[-1].append(request)
         else:
             groups.append([request])
-    return [Chain(tuple(group)) for group in groups], diagnostics
+    chains = [Chain(tuple(group)) for group in groups]
+    left += [chain.left(given_up[chain.first]) for chain in chains if chain.first in given_up]
+    return Chains([chain for chain in chains if chain.first not in given_up], left, refused)
 
 
 def _joins(interpreted: InterpretedProgram, one: Request, other: Request) -> bool:
@@ -150,7 +177,7 @@ def refusal_of(
             return RefusalError(code, f"{what}; a cut cannot vibrate in it", help_text), at
     if not state.turns:
         message = "the spindle is not turning (no M3 or M4 before this block)"
-        return RefusalError("VIB046", message, "start the spindle before the cut"), at
+        return RefusalError(NO_SPINDLE, message, "start the spindle before the cut"), at
     return (
         _words_refusal(effect, axis_words, interpreted.settings.dialect)
         or _position_refusal(interpreted, effect, move)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,19 +17,30 @@ from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
+from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.vibration.advice import with_advice
 from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.chain import Chain, chains_of, legs_of
 from chipbreak.vibration.cut_edit import cut_edit, settling
+from chipbreak.vibration.left_cut import LeftCut
 from chipbreak.vibration.loop_names import LoopNames, free_names
 from chipbreak.vibration.plan import CutPlan, plan_cut
 from chipbreak.vibration.request import Request
-from chipbreak.vibration.speeds import SpeedChange, speed_changes
+from chipbreak.vibration.speeds import SpeedChange, UnknownSpeedError, speed_changes
 
 _MOST_ADVISED = 3  # what works is tried for the first refused cuts; the others fail alike
 SMOOTHED = "VIB063"
 _OFF = re.compile(r"[PQ]\s*0\b")
 _NO_KNOTS = np.empty(0)
+NONE_GIVEN_UP: Mapping[int, Diagnostic] = FrozenTable({})
+
+
+class Cuts(NamedTuple):
+    """The edits of every vibrated cut, what is to be said, and the cuts that stay as they are."""
+
+    edits: list[Edit]
+    diagnostics: list[Diagnostic]
+    left: list[LeftCut]
 
 
 def edits_of_cuts(
@@ -36,45 +48,87 @@ def edits_of_cuts(
     requests: Sequence[Request],
     *,
     restarted_at: Collection[int] = (),
+    air_lines: Collection[int] = (),
+    given_up: Mapping[int, Diagnostic] = NONE_GIVEN_UP,
     allow_unbroken: bool = False,
-) -> tuple[list[Edit], list[Diagnostic]]:
+) -> Cuts:
     """The edits of every vibrated cut.  Errors are diagnostics; with one, there are no edits.
 
-    ``restarted_at`` are the lines before which an edit starts the spindle as programmed.
+    ``restarted_at`` are the lines before which an edit starts the spindle as programmed; ``air_lines`` those
+    of moves that do not depend on its speed.  ``given_up`` are cuts, by their first line, that were tried and
+    stay as they are.
     ``allow_unbroken``: cuts too short to vibrate stay as they are, with a warning, where no word of theirs
     asks for vibration (it would reach the control).
     """
-    chains, refused = chains_of(interpreted, requests)
+    chains, left, refused = chains_of(interpreted, requests, given_up)
     try:
         names = free_names(interpreted.program, interpreted.settings) if chains else None
     except RefusalError as error:
-        return [], [_at_chain(interpreted, chains[0], error)]
+        return _without_loops(interpreted, chains, left, refused, error)
     made = _made(interpreted, chains, names, len(refused), allow_unbroken=allow_unbroken)
     refused += made.refused
+    left += made.left
     if refused:
         # A refused cut leaves the speeds around it open: nothing more can be said honestly.
-        return [], sorted(refused, key=_by_line)
+        return Cuts([], sorted(refused, key=_by_line), left)
     plans = [plan for plan, _ in made.cuts]
     try:
-        changes = speed_changes(interpreted, plans, interpreted.settings, restarted_at)
-    except RefusalError as error:
-        chain = next(chain for chain in chains if chain.before.speed is None)
-        return [], [_at_chain(interpreted, chain, error)]
+        changes = speed_changes(interpreted, plans, interpreted.settings, restarted_at, air_lines)
+    except UnknownSpeedError as error:
+        said = _at_chain(interpreted, error.chain, error)
+        if not error.chain.may_be_left(interpreted.settings.vibration.refused):
+            return Cuts([], [said], left)
+        return edits_of_cuts(
+            interpreted,
+            requests,
+            restarted_at=restarted_at,
+            air_lines=air_lines,
+            given_up={**given_up, error.chain.first: said},
+            allow_unbroken=allow_unbroken,
+        )
     own = {change.line: change.text for change in changes if change.for_cut is not None}
     edits = [
         cut_edit(plan, expansion, own.get(plan.chain.first, ""), interpreted) for plan, expansion in made.cuts
     ]
     back = [_speed_back(change, interpreted) for change in changes if change.for_cut is None]
-    return edits + back, [*made.warnings, *_smoothed(interpreted, chains)]
+    return Cuts(
+        edits + back, [*made.warnings, *_smoothed(interpreted, [plan.chain for plan in plans])], left
+    )
+
+
+def _without_loops(
+    interpreted: InterpretedProgram,
+    chains: Sequence[Chain],
+    left: list[LeftCut],
+    refused: list[Diagnostic],
+    error: RefusalError,
+) -> Cuts:
+    """No cut can be a loop: those that may stay as they were do, and the first of the others is refused."""
+    key = interpreted.settings.vibration.refused
+    stay = [chain for chain in chains if chain.may_be_left(key)]
+    left += [chain.left(_at_chain(interpreted, chain, error)) for chain in stay]
+    others = [chain for chain in chains if chain not in stay]
+    said = [_at_chain(interpreted, others[0], error)] if others else refused
+    return Cuts([], said, left)
 
 
 @dataclass(frozen=True)
 class _Made:
-    """What became of the chains: cuts with their blocks, errors, warnings."""
+    """What became of the chains: cuts with their blocks, errors, warnings, cuts that stay as they are."""
 
     cuts: list[tuple[CutPlan, Expansion]] = field(default_factory=list)
     refused: list[Diagnostic] = field(default_factory=list)
     warnings: list[Diagnostic] = field(default_factory=list)
+    left: list[LeftCut] = field(default_factory=list)
+
+    def give_up(self, chain: Chain, found: Diagnostic, refused: str, *, may_warn: bool) -> None:
+        """A chain that cannot vibrate: a cut that stays as it was, a warning, or an error."""
+        if chain.may_be_left(refused):
+            self.left.append(chain.left(found))
+        elif may_warn and found.code == TOO_SHORT and not chain.asked_by_word:
+            self.warnings.append(found._replace(severity=Severity.WARNING))
+        else:
+            self.refused.append(found)
 
 
 def _made(
@@ -87,16 +141,13 @@ def _made(
 ) -> _Made:
     """Plan every chain and make its blocks."""
     made = _Made()
+    key = interpreted.settings.vibration.refused
     for chain in chains:
-        advise = refused_before + len(made.refused) < _MOST_ADVISED
+        advise = refused_before + len(made.refused) + len(made.left) < _MOST_ADVISED
         try:
             plan, expansion = _cut(interpreted, chain, names, advise=advise)
         except RefusalError as error:
-            found = _at_chain(interpreted, chain, error)
-            if allow_unbroken and error.code == TOO_SHORT and not chain.asked_by_word:
-                made.warnings.append(found._replace(severity=Severity.WARNING))
-            else:
-                made.refused.append(found)
+            made.give_up(chain, _at_chain(interpreted, chain, error), key, may_warn=allow_unbroken)
             continue
         made.cuts.append((plan, expansion))
         names = names.behind(len(expansion.loops or ())) if names is not None else None

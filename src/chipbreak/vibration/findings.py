@@ -10,11 +10,11 @@ from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.kinds import Kind
 from chipbreak.operations.operations import Operation
 from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.vibration.left_cut import FINISHING
 from chipbreak.vibration.measure import CutReport
 from chipbreak.vibration.ways_out import ways_out
 
 UNBROKEN = "VIB060"
-FINISHING = "VIB061"
 SERVO = "VIB062"
 MISSED = "VIB034"
 TOO_FAST = "VIB064"
@@ -62,6 +62,28 @@ def findings_of_cuts(
             judged = _Judged(interpreted, operations, report, allow_unbroken, advise)
             said = (rule(judged) for rule in _RULES)
             found += [diagnostic for diagnostic in said if diagnostic is not None]
+    return found
+
+
+def errors_of_cuts(
+    interpreted: InterpretedProgram,
+    operations: Sequence[Operation],
+    reports: Sequence[object],
+    *,
+    allow_unbroken: bool,
+) -> dict[int, Diagnostic]:
+    """The first error of each cut that may stay as it was, by the first line of the cut."""
+    found: dict[int, Diagnostic] = {}
+    for report in reports:
+        if isinstance(report, CutReport):
+            chain = report.plan.chain
+            if not chain.may_be_left(interpreted.settings.vibration.refused):
+                continue
+            judged = _Judged(interpreted, operations, report, allow_unbroken, advise=len(found) < _MOST_ADVISED)
+            said = (rule(judged) for rule in _CAN_BE_ERRORS)
+            error = next((d for d in said if d is not None and d.severity is Severity.ERROR), None)
+            if error is not None:
+                found[chain.first] = error
     return found
 
 
@@ -153,10 +175,5 @@ def _finishing(judged: _Judged) -> Diagnostic | None:
     return judged.diagnose(FINISHING, message, help_text, Severity.WARNING)
 
 
-_RULES: tuple[Callable[[_Judged], Diagnostic | None], ...] = (
-    _missed,
-    _unbroken,
-    _weak_servo,
-    _surface_speed,
-    _finishing,
-)
+_CAN_BE_ERRORS: tuple[Callable[[_Judged], Diagnostic | None], ...] = (_missed, _unbroken, _weak_servo)
+_RULES = (*_CAN_BE_ERRORS, _surface_speed, _finishing)

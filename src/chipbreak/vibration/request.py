@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from chipbreak.kinematics.sourced_value import SourcedValue
 from chipbreak.model.block_effect import CUTTING, BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
+from chipbreak.operations.operations import Operation
 from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
-from chipbreak.text.diagnostics import Diagnostic, RefusalError
+from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
+from chipbreak.vibration.cut_path import CutPath
 from chipbreak.vibration.directive import KEYS, Directive, read_directive
+from chipbreak.vibration.left_cut import FINISHING, LeftCut
+from chipbreak.vibration.near_miss import NEAR_MISS, counts_as_block_numbers, meant_directive
+from chipbreak.vibration.scope import Scope
+from chipbreak.vibration.wish import AskedBy, Wish, said_of
 
 OUT_OF_RANGE = "VIB017"
+UNREADABLE = "VIB018"
 _FROM_PROFILE = {
     "N": "n",
     "E": "e",
@@ -29,10 +36,18 @@ _FROM_PROFILE = {
 }
 _INSTEAD = {"N": "E", "E": "N", "Q": "A", "A": "Q"}
 _OFF = Directive(False)
+_CODE = re.compile(r"[GMSTF]\s*\d", re.IGNORECASE)
 _AXIS = re.compile(r"[XYZUVWABC]\s*[-+.\d]")
 _COUNT = re.compile(r"N\s*[-+]?[.\d]")
 _FEED = re.compile(r"F\s*[.\d]")
 _FREQUENCY = re.compile(r"f\s*[-+]?[.\d]")
+
+
+def may_be_left(asked_by: AskedBy, refused: str) -> bool:
+    """True where a wish that cannot be met leaves the cut as it was; ``refused`` is the profile's key."""
+    if refused == "auto":
+        return asked_by == "profile"
+    return refused == "leave" and asked_by != "word"
 
 
 class _Range(NamedTuple):
@@ -63,15 +78,24 @@ class Request(NamedTuple):
     """A block that is asked to vibrate.
 
     ``values`` holds what was said, by the keys of directives; ``speed`` is an S of the block or directive.
-    ``by_word`` is True when the block's own words ask.  ``speed_line`` is where the active S stands in the
-    user's file, 0 without one.
+    ``asked_by`` is ``word`` when the block's own words ask, else ``directive`` or ``profile``.
+    ``speed_line`` is where the active S stands in the user's file, 0 without one.
     """
 
     effect: BlockEffect
     values: dict[str, SourcedValue]
     waveform: str
-    by_word: bool
+    asked_by: AskedBy
     speed_line: int
+
+    @property
+    def by_word(self) -> bool:
+        """True when the block's own words ask: they would reach the control if the cut stayed as it is."""
+        return self.asked_by == "word"
+
+    def may_be_left(self, refused: str) -> bool:
+        """True where the cut stays as it was when it cannot vibrate; ``refused`` is the profile's key."""
+        return may_be_left(self.asked_by, refused)
 
     def same_wish(self, other: Request) -> bool:
         """True when both ask for the same vibration, so that they can be one chain."""
@@ -79,21 +103,39 @@ class Request(NamedTuple):
         return self.waveform == other.waveform and mine == {k: v.value for k, v in other.values.items()}
 
 
+class Requests(NamedTuple):
+    """The cuts that are asked to vibrate, in order; those that a wish does not reach; what is to be said.
+
+    ``air_lines`` (from 0) are moves back through what was just cut: they need no spindle speed.
+    """
+
+    requests: list[Request]
+    left: list[LeftCut]
+    air_lines: frozenset[int]
+    diagnostics: list[Diagnostic]
+
+
 class RequestReader:
     """Walks through the program once and collects requests and complaints."""
 
-    def __init__(self, interpreted: InterpretedProgram) -> None:
+    def __init__(self, interpreted: InterpretedProgram, operations: Sequence[Operation] = ()) -> None:
         self.interpreted = interpreted
         self.program = interpreted.program
         self.settings = interpreted.settings
-        self.default = profile_directive(interpreted.settings)
-        self.directive = self.default
+        self.scope = Scope(self.settings.vibration.only, operations)
+        self.default = Wish("profile", profile_directive(interpreted.settings))
+        self.wish = self.default
+        self.wishes = [self.default]
+        self.path = CutPath()
+        self.has_moved = False
         self.requests: list[Request] = []
+        self.left: list[LeftCut] = []
+        self.air_lines: list[int] = []
         self.diagnostics: list[Diagnostic] = []
         self.stray: list[tuple[int, tuple[int, int]]] = []
 
     def read(self) -> None:
-        """Fill ``requests`` and ``diagnostics``."""
+        """Fill ``requests``, ``left`` and ``diagnostics``."""
         line = self.program.source.body.start
         events = {effect.block.line: effect for effect in self.interpreted.effects}
         for event in self.program.special_lines.tolist():
@@ -107,23 +149,33 @@ class RequestReader:
             elif block.opaque:
                 self._opaque(event)
         self._run(line, self.program.source.body.stop)
-        if self.requests:
+        if any(request.asked_by != "profile" for request in self.requests):
             self._complain_of_stray()
+        self._complain_of_silence()
 
     def _run(self, first: int, last: int) -> None:
-        if self.directive.on and last > first:
-            for effect in self.interpreted.effects_of(first, last):
-                self._cut(effect)
+        if last <= first:
+            return
+        self.has_moved = self.has_moved or bool((self.program.plain[first:last] >= 0).any())
+        if not self.wish.on:
+            self.path.forget()
+            return
+        for effect in self.interpreted.effects_of(first, last):
+            self._cut(effect)
 
     def _event(self, effect: BlockEffect) -> None:
         if effect.block.opaque:
             self._opaque(effect.block.line)
             return
+        self.has_moved = self.has_moved or effect.move is not None
         if self._calls_a_tool(effect):
-            self.directive = self.default
+            self._begin(self.default, effect.block.line)
+            self.default.blocked = None
         if effect.vibration:
+            self.path.is_way_back(effect.move)
+            self.wish.reached += 1
             self._asked_by_words(effect)
-        elif self.directive.on:
+        elif self.wish.on:
             self._cut(effect)
         if not effect.vibration:
             for word in effect.block.words:
@@ -131,28 +183,83 @@ class RequestReader:
                 if word.letter == "f" and (has_feed or (effect.move and effect.move.is_cut)):
                     self.stray.append((effect.block.line, (word.start, word.end)))
 
+    def _begin(self, wish: Wish, line: int) -> None:
+        """Another wish is in force from a line on."""
+        if self.wish.ended_at is None and self.wish is not self.default:
+            self.wish.ended_at = line
+        self.wish = wish
+        if wish is not self.default:
+            self.wishes.append(wish)
+
     def _calls_a_tool(self, effect: BlockEffect) -> bool:
         """True for the T word or the M6 that this control changes tools by, also to the tool it has."""
         by_word = self.settings.dialect.tool_by_word
         return effect.block.has("T") if by_word else effect.does("tool", "change")
 
     def _cut(self, effect: BlockEffect) -> None:
+        """A block under a wish: a cut is asked, and what the control moves by itself is noted."""
+        is_back = self.path.is_way_back(effect.move)
         # An X, Y or Z that no axis of the profile has: refused later, with what the profile says.
         is_foreign = any(w.address in AXES for w in effect.unread) and effect.after.modes.motion in CUTTING
         is_cut = is_foreign if effect.move is None else effect.move.is_cut
-        if is_cut and not effect.in_contour:
-            self.requests.append(self._request(effect, {}, by_word=False))
+        if not is_cut or effect.in_contour:
+            self.wish.pass_over(effect)
+            return
+        wish = self.wish
+        line = effect.block.line
+        if is_back and self.settings.vibration.air == "leave":
+            self.air_lines.append(line)
+            self._leave(line, "", "feeds back through what was just cut", 'vibration.air = "vibrate"')
+        elif wish.asked_by == "profile" and not self.scope.is_asked(line):
+            self._leave_unasked(line)
+        elif wish.blocked is not None:
+            wish.reached += 1
+            self.left.append(LeftCut(line, line + 1, wish.blocked, wish.asked_by))
+        else:
+            wish.reached += 1
+            self.requests.append(self._request(effect, {}, wish.asked_by))
+
+    def _leave_unasked(self, line: int) -> None:
+        """A cut of an operation that the profile's wish is not for; finishing is said where nobody chose."""
+        self.wish.unasked += 1
+        if not self.settings.vibration.only and self.scope.is_finishing(line):
+            message = "finishing vibrates only when it is asked for by name"
+            way_out = 'name it, vibration.only = ["rough", "finish"], or write (VIB) before the cut'
+            self._leave(line, FINISHING, message, way_out)
+
+    def _leave(self, line: int, code: str, message: str, help_text: str) -> None:
+        said = self.program.diagnose(line, code, message, help_text, severity=Severity.WARNING)
+        self.left.append(LeftCut(line, line + 1, said, self.wish.asked_by))
 
     def _comments(self, line: int) -> None:
         for comment in self.program.block(line).comments:
+            at = (comment.start, comment.end)
             try:
                 found = read_directive(comment.text, int(self.program.source.place(line).line))
             except RefusalError as error:
-                self._error(line, error, (comment.start, comment.end))
+                self._error(line, error, at)
                 found = _OFF  # one fault, one error: the cuts behind it are not judged by it
-            if found is not None:
-                fits = self._check_values(line, found.values, (comment.start, comment.end))
-                self.directive = found if fits else _OFF
+            if found is None:
+                self._complain_of_near_miss(line, comment.text, at)
+                continue
+            fits = self._check_values(line, found.values, at)
+            self._begin(Wish("directive", found if fits else _OFF, line, at), line)
+
+    def _complain_of_near_miss(self, line: int, text: str, at: tuple[int, int]) -> None:
+        meant = meant_directive(text)
+        if meant:
+            message = "this comment is no wish for vibration, though it looks like one"
+            help_text = f"a wish is written {meant}"
+            self.diagnostics.append(
+                self.program.diagnose(line, NEAR_MISS, message, help_text, at=at, severity=Severity.WARNING)
+            )
+
+    def _complain_of_silence(self) -> None:
+        """Wishes that nothing answered, and counts that are block numbers."""
+        is_strict = self.settings.checks.strict
+        said = [said_of(wish, self.program, is_strict=is_strict) for wish in self.wishes]
+        self.diagnostics += [diagnostic for diagnostic in said if diagnostic is not None]
+        self.diagnostics += counts_as_block_numbers(self.interpreted)
 
     def _asked_by_words(self, effect: BlockEffect) -> None:
         values: dict[str, SourcedValue] = {}
@@ -176,11 +283,11 @@ class RequestReader:
         is_rpm = effect.after.modes.speed_mode == "rpm"  # under G96 an S is metres per minute
         if speed is not None and is_rpm:
             values["S"] = SourcedValue(speed, f"S word, line {line_number}")
-        self.requests.append(self._request(effect, values, by_word=True))
+        self.requests.append(self._request(effect, values, "word"))
 
-    def _request(self, effect: BlockEffect, words: dict[str, SourcedValue], *, by_word: bool) -> Request:
+    def _request(self, effect: BlockEffect, words: dict[str, SourcedValue], asked_by: AskedBy) -> Request:
         """Merge block over directive over profile; N and E, Q and A stand for each other."""
-        said = self.directive if self.directive.on else Directive(True)
+        said = self.wish.directive if self.wish.on else Directive(True)
         merged: dict[str, SourcedValue] = {}
         for source in (words, said.values):
             for key, given in source.items():
@@ -190,7 +297,7 @@ class RequestReader:
         waveform = said.waveform or self.settings.vibration.waveform
         speed = effect.after.speed
         speed_line = self.program.source.place(speed.line).line if speed is not None else 0
-        return Request(effect, merged, waveform, by_word, speed_line)
+        return Request(effect, merged, waveform, asked_by, speed_line)
 
     def _check_values(self, line: int, values: Mapping[str, SourcedValue], at: tuple[int, int]) -> bool:
         for key, given in values.items():
@@ -203,15 +310,29 @@ class RequestReader:
         return True
 
     def _opaque(self, line: int) -> None:
+        """An unreadable line where cuts are asked to vibrate."""
         block = self.program.block(line)
-        if self.directive.on or _looks_asking(block.text):
-            message = f"this line cannot be read ({block.opaque}) and stands where cuts are asked to vibrate"
-            help_text = "correct the line, or take N, f and the wish for vibration out of it"
-            if self.directive.on:
-                help_text = "correct the line, or write (VIB OFF) before it"
-            at = (block.opaque_column, block.opaque_column + 1)
-            self.diagnostics.append(self.program.diagnose(line, "VIB018", message, help_text, at=at))
-            self.directive = _OFF
+        self.path.forget()
+        if not self.wish.on and not _looks_asking(block.text):
+            return
+        if self._cannot_matter(block.text):
+            return
+        message = f"this line cannot be read ({block.opaque}) and stands where cuts are asked to vibrate"
+        help_text = "correct the line, or take N, f and the wish for vibration out of it"
+        if self.wish.on:
+            help_text = "correct the line, or write (VIB OFF) before it"
+        at = (block.opaque_column, block.opaque_column + 1)
+        said = self.program.diagnose(line, UNREADABLE, message, help_text, at=at)
+        if self.wish.on and may_be_left(self.wish.asked_by, self.settings.vibration.refused):
+            self.wish.blocked = self.wish.blocked or said
+            return
+        self.diagnostics.append(said)
+        self._begin(Wish("directive", _OFF, line), line)
+
+    def _cannot_matter(self, text: str) -> bool:
+        """True before any motion for a line without a code, where nothing but the profile asks."""
+        asks = self.wish.asked_by == "directive" or _looks_asking(text)
+        return not (asks or self.has_moved or _CODE.search(text))
 
     def _complain_of_stray(self) -> None:
         """In a program that vibrates, a lone lower-case f is a feed to the control: say so, do not guess."""
@@ -267,11 +388,11 @@ def solver_inputs(
     return speed, per_rev, frequency
 
 
-def requests_of(interpreted: InterpretedProgram) -> tuple[list[Request], list[Diagnostic]]:
+def requests_of(interpreted: InterpretedProgram, operations: Sequence[Operation] = ()) -> Requests:
     """All requests of a program in order, and what is wrong with them."""
-    reader = RequestReader(interpreted)
+    reader = RequestReader(interpreted, operations)
     reader.read()
-    return reader.requests, reader.diagnostics
+    return Requests(reader.requests, reader.left, frozenset(reader.air_lines), reader.diagnostics)
 
 
 def _looks_asking(text: str) -> bool:

@@ -17,7 +17,7 @@ from chipbreak.model.modal import Setting, State
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.text.diagnostics import RefusalError
-from chipbreak.vibration.chain import SPEED_MODES
+from chipbreak.vibration.chain import SPEED_MODES, Chain
 from chipbreak.vibration.plan import CutPlan
 
 _FREE_NON_MODAL = frozenset(
@@ -39,11 +39,13 @@ def speed_changes(
     cuts: Sequence[CutPlan],
     settings: Settings,
     restarted_at: Collection[int] = (),
+    air_lines: Collection[int] = (),
 ) -> list[SpeedChange]:
     """All speed commands that the vibrated cuts need, in order.
 
     ``restarted_at`` are the lines before which the spindle will be stopped and started as programmed, as for
-    a tool check.  Errors: VIB057 when the programmed speed must come back and is not known.
+    a tool check; ``air_lines`` those of feed moves that cut nothing.  Raises UnknownSpeedError, VIB057, when the
+    programmed speed must come back and is not known.
     """
     changes: list[SpeedChange] = []
     commanded: tuple[str, float] | None = None  # mode and speed, None while the program's own is active
@@ -57,7 +59,11 @@ def speed_changes(
         if wanted == _programmed(cut.chain.after):
             commanded = None
             continue
-        back = _needs_programmed(interpreted, cut.chain.last, stop, restarted_at)
+        around = _Around(interpreted, frozenset(restarted_at), frozenset(air_lines))
+        try:
+            back = _needs_programmed(around, cut.chain.last, stop)
+        except RefusalError as error:
+            raise UnknownSpeedError(error, cut.chain) from None
         commanded = wanted if back is None else None
         if back is not None and back.text:
             changes.append(back)
@@ -79,14 +85,30 @@ def speed_words(now: tuple[str, float] | None, wanted: tuple[str, float], settin
     return f"{settings.dialect.code('speed_mode', wanted[0])} {speed}"
 
 
-def _needs_programmed(
-    interpreted: InterpretedProgram, first: int, stop: int, restarted_at: Collection[int]
-) -> SpeedChange | None:
+class UnknownSpeedError(RefusalError):
+    """Behind ``chain`` the programmed speed must come back, and the program does not say it."""
+
+    def __init__(self, error: RefusalError, chain: Chain) -> None:
+        super().__init__(error.code, error.message, error.help)
+        self.chain = chain
+
+
+class _Around(NamedTuple):
+    """The program around the cuts: see :func:`speed_changes`."""
+
+    interpreted: InterpretedProgram
+    restarted_at: frozenset[int]
+    air_lines: frozenset[int]
+
+
+def _needs_programmed(around: _Around, first: int, stop: int) -> SpeedChange | None:
     """Where the programmed speed must be back; an empty text where the program commands a speed itself."""
-    restart = min((line for line in restarted_at if first <= line <= stop), default=None)
+    interpreted = around.interpreted
+    restart = min((line for line in around.restarted_at if first <= line <= stop), default=None)
     state = interpreted.before(first)
     for effect in interpreted.effects_of(first, stop):
-        at = _Place(effect, state, is_restarted=effect.block.line == restart, interpreted=interpreted)
+        line = effect.block.line
+        at = _Place(effect, state, line == restart, line in around.air_lines, interpreted)
         found = next((text for rule in _NEEDS if (text := rule(at)) is not None), None)
         if found is not None:
             return SpeedChange(effect.block.line, found, None)
@@ -102,6 +124,7 @@ class _Place(NamedTuple):
     effect: BlockEffect
     state: State
     is_restarted: bool
+    is_air: bool
     interpreted: InterpretedProgram
 
     @property
@@ -133,7 +156,7 @@ def _before_own_speed(at: _Place) -> str | None:
 
 def _before_dependent(at: _Place) -> str | None:
     """What the block does depends on the speed.  Errors: VIB057."""
-    if not _depends_on_speed(at.effect):
+    if at.is_air or not _depends_on_speed(at.effect):
         return None
     if at.effect.before.speed is None and at.effect.move is not None:
         said = at.interpreted.program.source.place(at.effect.block.line).line

@@ -1,3 +1,4 @@
+; flags: --set vibration.air=vibrate
 G97 S1000 M3
 G0 X20. Z0.
 (VIB N1.5)
@@ -6,6 +7,7 @@ Z0.
 (VIB OFF)
 M30
 ; --- output
+; flags: --set vibration.air=vibrate
 G97 S1000 M3
 G0 X20. Z0.
 (VIB N1.5)
