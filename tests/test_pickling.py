@@ -22,6 +22,7 @@ from chipbreak.syntax.expressions import UnreadableError
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.span import Place
+from chipbreak.vibration.speeds import UnknownSpeedError
 
 FOUND = Diagnostic("VIB001", Severity.ERROR, "N is wrong", "write another", Place("a.nc", 3, 2, 5), "G1 N2")
 EDIT = Edit(0, 4, ("G4 X1.",), "title", "reason", Promise(), "vibrate")
@@ -33,6 +34,7 @@ ERRORS = [
     chipbreak.ToolFileError([FOUND]),
     OverlapError(EDIT, EDIT._replace(first=2, pass_name="check_tools")),
     RefusalError("VIB030", "too fast", "be slower"),
+    UnknownSpeedError("VIB057", "no speed", "give one", 7),
     UnreadableError("too deep", 7),
     UnsetError("MCR001", "no beam", "measure it"),
 ]

@@ -71,10 +71,16 @@ def test_threads_beside_cuts_are_no_news() -> None:
     [
         pytest.param(f"{HEAD}(VIB N1.5)\nG0 X30.\nM30\n", 3, "no cut stands behind it", id="no cut"),
         pytest.param(
-            f"{HEAD}(VIB N1.5)\nT0101\nG0 X20. Z2.\nG1 Z-30. F0.05\nM30\n", 3, "line 4 ends it", id="tool call"
+            f"{HEAD}(VIB N1.5)\nT0101\nG0 X20. Z2.\nG1 Z-30. F0.05\nM30\n",
+            3,
+            "line 4 ends it",
+            id="tool call",
         ),
         pytest.param(
-            f"{HEAD}(VIB N1.5)\n(VIB OFF)\nG1 Z-30. F0.05\nM30\n", 3, "line 4 ends it", id="turned off at once"
+            f"{HEAD}(VIB N1.5)\n(VIB OFF)\nG1 Z-30. F0.05\nM30\n",
+            3,
+            "line 4 ends it",
+            id="turned off at once",
         ),
     ],
 )

@@ -191,7 +191,9 @@ def _period(
         slower = _below_clamp(period, speed.value, per_rev.value, group, rules)
         if slower is not None:
             period = slower
-            why = f"the next below the clamp of {shown(rules.max_rpm or 0.0)} rpm that the control can command"
+            why = (
+                f"the next below the clamp of {shown(rules.max_rpm or 0.0)} rpm that the control can command"
+            )
     # 41.667 Hz is how people write 1 / 24 ms; that is no correction.
     if not math.isclose(asked_hz, period.frequency_hz, rel_tol=1e-4):
         size = f"{shown(period.period_s * MS_PER_S)} ms" if group.periods_s else f"n = {period.ticks}"

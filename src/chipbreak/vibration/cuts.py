@@ -75,15 +75,16 @@ def edits_of_cuts(
     try:
         changes = speed_changes(interpreted, plans, interpreted.settings, restarted_at, air_lines)
     except UnknownSpeedError as error:
-        said = _at_chain(interpreted, error.chain, error)
-        if not error.chain.may_be_left(interpreted.settings.vibration.refused):
+        chain = next(plan.chain for plan in plans if plan.chain.first == error.first)
+        said = _at_chain(interpreted, chain, error)
+        if not chain.may_be_left(interpreted.settings.vibration.refused):
             return Cuts([], [said], left)
         return edits_of_cuts(
             interpreted,
             requests,
             restarted_at=restarted_at,
             air_lines=air_lines,
-            given_up={**given_up, error.chain.first: said},
+            given_up={**given_up, error.first: said},
             allow_unbroken=allow_unbroken,
         )
     own = {change.line: change.text for change in changes if change.for_cut is not None}
@@ -91,9 +92,7 @@ def edits_of_cuts(
         cut_edit(plan, expansion, own.get(plan.chain.first, ""), interpreted) for plan, expansion in made.cuts
     ]
     back = [_speed_back(change, interpreted) for change in changes if change.for_cut is None]
-    return Cuts(
-        edits + back, [*made.warnings, *_smoothed(interpreted, [plan.chain for plan in plans])], left
-    )
+    return Cuts(edits + back, [*made.warnings, *_smoothed(interpreted, [plan.chain for plan in plans])], left)
 
 
 def _without_loops(

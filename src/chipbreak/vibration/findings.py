@@ -79,7 +79,9 @@ def errors_of_cuts(
             chain = report.plan.chain
             if not chain.may_be_left(interpreted.settings.vibration.refused):
                 continue
-            judged = _Judged(interpreted, operations, report, allow_unbroken, advise=len(found) < _MOST_ADVISED)
+            judged = _Judged(
+                interpreted, operations, report, allow_unbroken, advise=len(found) < _MOST_ADVISED
+            )
             said = (rule(judged) for rule in _CAN_BE_ERRORS)
             error = next((d for d in said if d is not None and d.severity is Severity.ERROR), None)
             if error is not None:

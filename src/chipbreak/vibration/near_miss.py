@@ -47,7 +47,9 @@ def counts_as_block_numbers(interpreted: InterpretedProgram) -> list[Diagnostic]
     assert word is not None
     number = f"N{word.value_text}"
     more = f" (and of {len(found) - 1} more)" if len(found) > 1 else ""
-    message = f"{number} stands first in this block{more}, so it is the block number and no wish for vibration"
+    message = (
+        f"{number} stands first in this block{more}, so it is the block number and no wish for vibration"
+    )
     help_text = f"vibrations per revolution stand behind the axis words: G1 Z-30. F0.05 {number}"
     at = (word.start, word.end)
     warning = interpreted.program.diagnose(

@@ -17,7 +17,7 @@ from chipbreak.model.modal import Setting, State
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.text.diagnostics import RefusalError
-from chipbreak.vibration.chain import SPEED_MODES, Chain
+from chipbreak.vibration.chain import SPEED_MODES
 from chipbreak.vibration.plan import CutPlan
 
 _FREE_NON_MODAL = frozenset(
@@ -63,7 +63,7 @@ def speed_changes(
         try:
             back = _needs_programmed(around, cut.chain.last, stop)
         except RefusalError as error:
-            raise UnknownSpeedError(error, cut.chain) from None
+            raise UnknownSpeedError(error.code, error.message, error.help, cut.chain.first) from None
         commanded = wanted if back is None else None
         if back is not None and back.text:
             changes.append(back)
@@ -86,11 +86,12 @@ def speed_words(now: tuple[str, float] | None, wanted: tuple[str, float], settin
 
 
 class UnknownSpeedError(RefusalError):
-    """Behind ``chain`` the programmed speed must come back, and the program does not say it."""
+    """Behind the cut at line ``first`` the programmed speed must come back, and the program does not say it."""
 
-    def __init__(self, error: RefusalError, chain: Chain) -> None:
-        super().__init__(error.code, error.message, error.help)
-        self.chain = chain
+    def __init__(self, code: str, message: str, help: str, first: int) -> None:
+        super().__init__(code, message, help)
+        self.first = first
+        self.args = (code, message, help, first)
 
 
 class _Around(NamedTuple):
