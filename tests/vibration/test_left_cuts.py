@@ -1,12 +1,12 @@
-"""Wishes that cannot be met: what stays as it was, at which speed and feed it runs, and what is said of it."""
+"""Wishes that cannot be met: what stays as it was, how it runs, and what is said of it."""
 
 from __future__ import annotations
 
 import pytest
+from test_refusals import REFUSED
 
 import chipbreak
 from machine_reader import filtered, rejected, run_program
-from test_refusals import REFUSED
 
 HEAD = "G97 S3000 M3\nG0 X20. Z2.\n"
 PROFILE = ("vibration.n=1.5",)
@@ -111,7 +111,8 @@ def test_many_alike_are_said_once() -> None:
     ("program", "codes", "cuts"),
     [
         pytest.param(
-            f"{HEAD}G1 Z-20. F0.1\nG0 X30. Z50.\nM5\nT0505 (BAR PULLER)\nG94\nG0 X0. Z10.\nG1 Z-1. F2000.\nM30\n",
+            f"{HEAD}G1 Z-20. F0.1\nG0 X30. Z50.\nM5\nT0505 (BAR PULLER)\nG94\nG0 X0. Z10.\n"
+            "G1 Z-1. F2000.\nM30\n",
             [("VIB046", 9)],
             1,
             id="bar puller",
@@ -132,7 +133,8 @@ def test_many_alike_are_said_once() -> None:
             id="a head that may say codes",
         ),
         pytest.param(
-            f"{HEAD}G1 Z-20. F0.1\nX2O.\nG0 X20. Z2.\nS3000\nG1 Z-20. F0.1\nT0202\nG0 X20. Z2.\nG1 Z-20. F0.1\nM30\n",
+            f"{HEAD}G1 Z-20. F0.1\nX2O.\nG0 X20. Z2.\nS3000\nG1 Z-20. F0.1\nT0202\nG0 X20. Z2.\n"
+            "G1 Z-20. F0.1\nM30\n",
             [("SYN001", 4), ("VIB018", 4)],
             2,
             id="behind a line that cannot be read, up to the next tool",

@@ -158,7 +158,8 @@ def solve(
     """
     _check_given({"S": speed, "N": per_rev, "f": frequency})
     reasons: list[str] = []
-    period = _period(speed, per_rev, frequency, group, rules, reasons)
+    period, why = _period(speed, per_rev, frequency, group, rules)
+    reasons += why
     wanted = _wanted(speed, per_rev, period, rules, reasons)
     speed_rpm = _speed(speed, wanted, period, rules, reasons)
     reached = _ratio(period, speed_rpm)
@@ -176,30 +177,25 @@ def _period(
     frequency: SourcedValue | None,
     group: CommandGroup,
     rules: SolverRules,
-    reasons: list[str],
-) -> Period:
-    """What the control can command nearest the f that was given, or that S and N make below the clamp."""
+) -> tuple[Period, list[str]]:
+    """What the control can command nearest the f that was given or that S and N make; why, if another."""
     if frequency is not None:
         asked_hz = frequency.value
         _check_near(frequency, group)
+        slower = None
     else:
         assert speed is not None and per_rev is not None
         asked_hz = per_rev.value * speed.value / S_PER_MIN
-    period = group.nearest(asked_hz)
-    why = "nearest the control can command"
-    if frequency is None and speed is not None and per_rev is not None:
-        slower = _below_clamp(period, speed.value, per_rev.value, group, rules)
-        if slower is not None:
-            period = slower
-            why = (
-                f"the next below the clamp of {shown(rules.max_rpm or 0.0)} rpm that the control can command"
-            )
+        slower = _below_clamp(group.nearest(asked_hz), speed.value, per_rev.value, group, rules)
+    period = slower or group.nearest(asked_hz)
     # 41.667 Hz is how people write 1 / 24 ms; that is no correction.
-    if not math.isclose(asked_hz, period.frequency_hz, rel_tol=1e-4):
-        size = f"{shown(period.period_s * MS_PER_S)} ms" if group.periods_s else f"n = {period.ticks}"
-        near = f"{shown(period.frequency_hz)} Hz, {why} ({size})"
-        reasons.append(f"f {shown(asked_hz)} -> {near}")
-    return period
+    if math.isclose(asked_hz, period.frequency_hz, rel_tol=1e-4):
+        return period, []
+    size = f"{shown(period.period_s * MS_PER_S)} ms" if group.periods_s else f"n = {period.ticks}"
+    why = "nearest the control can command"
+    if slower is not None:
+        why = f"the next that the clamp of {shown(rules.max_rpm or 0.0)} rpm allows"
+    return period, [f"f {shown(asked_hz)} -> {shown(period.frequency_hz)} Hz, {why} ({size})"]
 
 
 def _below_clamp(

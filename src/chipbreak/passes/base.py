@@ -37,7 +37,7 @@ class Context:
     """All that a pass may look at.
 
     ``read_tools`` gives the tool table, read when it is first asked for.  ``planned`` are the edits of the
-    passes before.  ``given_up`` are edits, by their first line, that were tried and must not be planned again.
+    passes before.  ``given_up`` are edits, by their first line, that were tried and are not planned again.
     """
 
     interpreted: InterpretedProgram

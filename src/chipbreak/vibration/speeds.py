@@ -44,8 +44,8 @@ def speed_changes(
     """All speed commands that the vibrated cuts need, in order.
 
     ``restarted_at`` are the lines before which the spindle will be stopped and started as programmed, as for
-    a tool check; ``air_lines`` those of feed moves that cut nothing.  Raises UnknownSpeedError, VIB057, when the
-    programmed speed must come back and is not known.
+    a tool check; ``air_lines`` those of feed moves that cut nothing.  Raises UnknownSpeedError, VIB057, when
+    the programmed speed must come back and is not known.
     """
     changes: list[SpeedChange] = []
     commanded: tuple[str, float] | None = None  # mode and speed, None while the program's own is active
@@ -86,7 +86,7 @@ def speed_words(now: tuple[str, float] | None, wanted: tuple[str, float], settin
 
 
 class UnknownSpeedError(RefusalError):
-    """Behind the cut at line ``first`` the programmed speed must come back, and the program does not say it."""
+    """Behind the cut at line ``first`` the programmed speed must come back, and nobody knows it."""
 
     def __init__(self, code: str, message: str, help: str, first: int) -> None:
         super().__init__(code, message, help)

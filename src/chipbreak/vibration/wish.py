@@ -21,7 +21,7 @@ PASSED_OVER = "VIB067"
 AskedBy = Literal["word", "directive", "profile"]
 
 _CONTOUR_CYCLES = frozenset({"rough-cycle", "finish-cycle"})
-_CALLS = (97.0, 98.0, 198.0)
+_CALLS = ("call", "local-call", "external-call")
 _CYCLES = ("cycle", "turning-cycle")
 _THREADS = ("thread", "threading-cycle", "thread-cycle")
 
@@ -146,7 +146,7 @@ def _begins(effect: BlockEffect, motions: tuple[str, ...]) -> bool:
 
 def _is_call(effect: BlockEffect) -> bool:
     by_word = any(control.keyword == "O-CALL" for control in effect.block.controls)
-    return by_word or "macro-call" in effect.non_modal or effect.block.has("M", *_CALLS)
+    return by_word or "macro-call" in effect.non_modal or effect.does("subprogram", *_CALLS)
 
 
 _OBSTACLES: tuple[tuple[str, Callable[[BlockEffect], bool]], ...] = (
