@@ -135,3 +135,20 @@ def test_no_verdict_of_an_edge_where_its_figure_cannot_be_written(tmp_path: Path
     done = shell("inspect edge.csv edge.csv --next rough -o none/edge.svg", tmp_path)
     assert (done.returncode, done.stdout) == (2, b"")
     assert b"cannot write none/edge.svg" in done.stderr
+
+
+@pytest.mark.parametrize("mask", [0o022, 0o027, 0o077])
+def test_a_new_file_gets_the_mode_of_new_files_and_an_old_one_keeps_its_own(
+    mask: int, tmp_path: Path
+) -> None:
+    old = tmp_path / "old.nc"
+    old.write_bytes(b"")
+    old.chmod(0o640)
+    before = os.umask(mask)
+    try:
+        for name in ("old.nc", "new.nc"):
+            replace_file(tmp_path / name, [b"M30\n"])
+    finally:
+        os.umask(before)
+    modes = {name: (tmp_path / name).stat().st_mode & 0o777 for name in ("old.nc", "new.nc")}
+    assert modes == {"old.nc": 0o640, "new.nc": 0o666 & ~mask}

@@ -231,16 +231,14 @@ def macros(asked: Asked, output: str) -> None:
 
     What they must know about the laser barrier stands in [macros] of the profile, their limits in [checks].
     """
-    from chipbreak.macros import check_axes, macro_files
-    from chipbreak.macros.parameters import MacroSettings
-    from chipbreak.text.diagnostics import RefusalError
+    from chipbreak.api import macro_programs
+    from chipbreak.settings import SettingsError
 
     settings = settings_of(asked, "-")
     try:
-        check_axes(settings.axis_words)
-        files = macro_files(settings.dialect, MacroSettings.of(settings))
-    except RefusalError as error:
-        click.echo(f"error {error.code}: {error.message}\n  help: {error.help}", err=True)
+        files = macro_programs(settings)
+    except SettingsError as error:
+        asked.reporter.show([error.diagnostic])
         sys.exit(USAGE)
     folder = Path(output)
     try:

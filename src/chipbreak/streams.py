@@ -100,14 +100,16 @@ def replace_file(target: Path, pieces: Iterable[bytes]) -> None:
         if real.exists() and not os.access(real, os.W_OK):  # renaming would not ask
             raise OSError(errno.EACCES, os.strerror(errno.EACCES))
         temporary = real.with_name(f".{real.name}.{os.getpid()}")
+        mode = real.stat().st_mode & 0o7777 if real.exists() else None
         # "x": never into a file that is there, or through a link somebody put there.
-        with open(temporary, "xb", opener=_private) as file:
+        # A new file gets the mode that the system gives to new files.
+        with open(temporary, "xb", opener=None if mode is None else _private) as file:
             try:
                 file.writelines(pieces)
                 file.flush()
                 os.fsync(file.fileno())
-                mode = real.stat().st_mode & 0o7777 if real.exists() else 0o666 & ~_umask()
-                temporary.chmod(mode)
+                if mode is not None:
+                    temporary.chmod(mode)
                 temporary.replace(real)
             except BaseException:
                 temporary.unlink(missing_ok=True)
@@ -119,9 +121,3 @@ def replace_file(target: Path, pieces: Iterable[bytes]) -> None:
 def _private(path: str, flags: int) -> int:
     """Open for nobody else, until the file has the mode of the one it replaces."""
     return os.open(path, flags, 0o600)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

@@ -294,6 +294,30 @@ def test_another_program_behind_the_end() -> None:
     assert only_code(result, "CHK005").startswith("24: another program")
 
 
+@pytest.mark.parametrize("end", ["T0", "T0100"])
+def test_an_offset_that_ends_on_the_way_home_changes_no_limit(end: str) -> None:
+    program = (
+        "G21 G40 G99\nN1 (ROUGHING OD)\nG28 U0 W0 {end}\nT0101\nG97 S800 M3\nG54 G0 X80. Z2.\nG1 Z-50. F0.3\n"
+        "G0 X90. Z2.\nG28 U0 W0 {end}\nM1\nN2 (FINISHING OD)\nG28 U0 W0 {end}\nT0101\nG97 S900 M3\n"
+        "G54 G0 X78. Z2.\nG1 Z-50. F0.1\nG0 X90. Z2.\nG28 U0 W0 {end}\nM30\n"
+    )
+    with_end = filtered(program.format(end=end).encode(), "fanuc-lathe", "checks.enabled=true")
+    without = filtered(program.format(end="").encode(), "fanuc-lathe", "checks.enabled=true")
+    check(with_end)
+    assert limits(with_end) == limits(without) == ["CHIP CHECK T1 W0.02", "CHIP CHECK T1 W0.05"]
+    assert with_end.titles == without.titles
+
+
+@pytest.mark.parametrize("change", ["T0 M6", "T5 M6"])
+def test_a_tool_is_checked_before_another_takes_its_place_even_if_that_one_cuts_nothing(change: str) -> None:
+    blocked = f"T1 M6\nS1000 M3\n(ROUGH)\n{WORK}G41 D1 X1.\n{change}\nG40 X0.\nG0 Z50.\n"
+    result = run(blocked, visit(2, "FINISH"))
+    call = result.data.decode().splitlines().index(change)
+    places = {title: edit.first for edit in result.edits for title in [edit.title]}
+    assert [title for title in places if title.startswith("CHIP CHECK T1")]
+    assert all(line <= call for title, line in places.items() if title.startswith("CHIP CHECK T1"))
+
+
 def test_a_tool_zero_is_nobody_s_sister() -> None:
     assert "CHK008" not in run(visit(0, "FACE1")).codes
 

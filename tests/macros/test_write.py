@@ -56,7 +56,10 @@ def test_the_command_writes_subroutines(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("args", "said"),
     [
-        (OPTIONS[1:], "MCR001: the macros need 1 more values\n  help: macros.beam_x_mm: machine X"),
+        (
+            OPTIONS[1:],
+            "MCR001: fanuc-mill: the macros need 1 more values\n  help: macros.beam_x_mm: machine X",
+        ),
         ([*OPTIONS, "--set=macros.beam_x=1"], "SET001: there is no key macros.beam_x"),
         ([*OPTIONS, "--set=macros.slow_feed=0"], "SET003: macros.slow_feed = 0.0 is not possible"),
         ([*OPTIONS, "--set=checks.retries=many"], "SET002"),

@@ -16,6 +16,7 @@ from chipbreak.operations.operations import Operation, operations_of
 from chipbreak.syntax.parse import parse
 from chipbreak.text.diagnostics import ProgramRejectedError
 from chipbreak.text.source import read
+from chipbreak.tools.program import called_tools
 
 SAMPLE = Path(__file__).parents[2] / "samples" / "fusion-mill.nc"
 
@@ -97,6 +98,56 @@ def test_a_tool_in_the_magazine_is_no_tool_in_the_spindle() -> None:
 def test_an_offset_that_ends_is_no_tool_call() -> None:
     found = operations("T0101\nG1 Z-1. F0.1\nG0 Z5. T0100\nG28 U0 W0\nM30\n", "fanuc-lathe")
     assert [(op.tool, op.call_line) for op in found] == [(1, 0)]
+
+
+HAAS = """O00078
+N1 (O.D. ROUGHING)
+G53 G0 X0. Z0. {end}
+T101 (O.D. TOOL 0.031 TNR)
+G97 S500 M3
+G54 G0 X3.1 Z0.1
+G1 Z-2.5 F0.012
+G53 G0 X0. Z0. {end}
+M1
+N2 (O.D. FINISHING)
+G53 G0 X0. Z0. {end}
+T202
+G97 S800 M3
+G54 G0 X3. Z0.1
+G1 Z-2.5 F0.004
+G53 G0 X0. Z0. {end}
+M30
+"""
+
+
+@pytest.mark.parametrize("end", ["T0", "T00", "T0000", ""])
+def test_t0_on_a_way_home_is_no_tool_and_the_title_before_it_names_what_follows(end: str) -> None:
+    interpreted = traced(HAAS.format(end=end), "fanuc-lathe")
+    found = operations_of(interpreted, main_program(interpreted), KindRules())
+    assert short(found) == [(1, "rough", "O.D. ROUGHING"), (2, "finish", "O.D. FINISHING")]
+    assert [(op.first_line, op.call_line) for op in found] == [(1, 3), (9, 11)]
+    assert called_tools(interpreted) == [1, 2]
+    assert [effect.after.tool for effect in interpreted.effects][-1] == 2
+
+
+def test_an_empty_spindle_is_no_tool_and_what_is_cut_after_it_is_cut_by_nobody() -> None:
+    interpreted = traced(f"T1 M6\n(ROUGH A)\n{CUT}(FINISH B)\nT0 M6\nT2 M6\n{CUT}T0 M6\n{CUT}M30\n")
+    found = operations_of(interpreted, main_program(interpreted), KindRules())
+    assert short(found) == [
+        (1, "rough", "ROUGH A"),
+        (2, "finish", "FINISH B"),
+        (None, "unknown", "spindle left empty"),
+    ]
+    assert called_tools(interpreted) == [1, 2]
+
+
+@pytest.mark.parametrize("head", ["O7 (FINISH SIDE 2)", "(FINISH SIDE 2) O7", "O7 (SIDE 2) (ROUGH)"])
+def test_the_name_of_the_program_is_no_operation_of_its_first_tool(head: str) -> None:
+    found = one(f"%\n{head}\nT1 M6\n{CUT}M30\n%\n")
+    assert (found.kind, found.label) == (Kind.UNKNOWN, "T1")
+    below = one(f"%\nO7\n(FINISH SIDE 2)\nT1 M6\n{CUT}M30\n%\n")
+    assert (below.kind, below.label) == (Kind.FINISH, "FINISH SIDE 2")
+    assert one(f"O7 (OP FINISH)\nT1 M6\n{CUT}").kind is Kind.FINISH
 
 
 def test_freecad_ends_an_operation_with_finish() -> None:

@@ -121,7 +121,7 @@ class CallSet(NamedTuple):
         return any(field in _fields(block) for block in self.blocks.get(kind, ()))
 
     def counts_on(self, kind: CheckKind) -> tuple[CheckKind, ...]:
-        """The events whose values a call needs: a TRACE counts on what the TOOL CHECK before it said."""
+        """The checks whose values a call needs: a TRACE counts on what the TOOL CHECK before it said."""
         return (CheckKind.TOOL_CHECK, kind) if kind is CheckKind.TRACE else (kind,)
 
     def lacking(self, kind: CheckKind, values: CallValues) -> list[str]:

@@ -101,9 +101,9 @@ class _Planner:
         self.checks = settings.checks
         self.operations = operations
         self.calls: CallSet = calls_of(settings)
-        self.finder = SafePointFinder(
-            interpreted, Obstacles(interpreted, self.main), calls_end_offset=self.calls.ends_offset
-        )
+        obstacles = Obstacles(interpreted, self.main)
+        self.tool_changes = obstacles.tool_changes
+        self.finder = SafePointFinder(interpreted, obstacles, calls_end_offset=self.calls.ends_offset)
         # How many workpieces a check is for; the control counts them where the beam is measured.
         self.every = self.checks.every
         self.uses = Uses(operations, interpreted)
@@ -215,16 +215,16 @@ class _Planner:
         )
         if not self.coverage.allows(CheckKind.CHIP_CHECK, values, operation.last_cut):
             return
-        where = Range(operation.last_cut + 1, operation.last_line, self._last_place_after(operation))
+        last = self._last_place_after(operation.last_cut, operation)
+        where = Range(operation.last_cut + 1, min(operation.last_line, last), last)
         self._place(where, _Wish(CheckKind.CHIP_CHECK, values, limit.reason))
 
-    def _last_place_after(self, operation: Operation) -> int:
-        """The line of the next tool call or the next cut."""
-        for later in self.operations[operation.index + 1 :]:
-            for line in (later.call_line, later.first_cut):
-                if line is not None:
-                    return line
-        return self.main.last
+    def _last_place_after(self, last_cut: int, operation: Operation) -> int:
+        """The line of the next tool change, also of one after which nothing is cut, or of the next cut."""
+        cuts = (later.first_cut for later in self.operations[operation.index + 1 :])
+        next_cut = next((line for line in cuts if line is not None), self.main.last)
+        changes = (line for line in self.tool_changes if last_cut < line < next_cut and self.main.has(line))
+        return next(changes, next_cut)
 
     def _place(self, where: Range, *wishes: _Wish) -> bool:
         """Plan checks at the first safe point of a range, or say why there is none."""

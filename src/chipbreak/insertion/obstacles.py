@@ -48,7 +48,10 @@ _PLACING: frozenset[Group] = frozenset({"distance", "units", "work_offset", "len
 
 
 class Obstacles:
-    """What is known about the lines of a program before any candidate is looked at."""
+    """What is known about the lines of a program before any candidate is looked at.
+
+    ``tool_changes``: the lines that change the tool, in order.
+    """
 
     def __init__(self, interpreted: InterpretedProgram, main: MainProgram) -> None:
         self.interpreted = interpreted
@@ -59,7 +62,7 @@ class Obstacles:
         self._jumps = jumps_of(interpreted)
         self._unreadable = list(unreadable_lines(interpreted, subprograms))
         calls = (effect for effect in interpreted.effects if calls_tool(effect, self.dialect))
-        self._tool_calls = [effect.block.line for effect in calls]
+        self.tool_changes = [effect.block.line for effect in calls]
         parts = optional_parts(interpreted, self._nests, self._jumps)
         self._conditional = list(conditional_state(interpreted, main, subprograms, parts))
         self._through = list(coolant_through(interpreted))
@@ -119,8 +122,8 @@ class Obstacles:
 
     def _behind_what_is_unreadable(self, line: int, _: State) -> str:
         """A tool call ends what an unreadable line or a call may have switched, as far as it matters here."""
-        at = bisect_right(self._tool_calls, line - 1) - 1
-        since = self._tool_calls[at] if at >= 0 else self.main.first
+        at = bisect_right(self.tool_changes, line - 1) - 1
+        since = self.tool_changes[at] if at >= 0 else self.main.first
         passed = bisect_right(self._unreadable, line - 1, key=lambda one: one.line) - 1
         if passed < 0 or self._unreadable[passed].line < since:
             return ""

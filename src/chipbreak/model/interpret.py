@@ -142,6 +142,7 @@ class Interpreter:
         number = None if math.isnan(value) else self.dialect.tool_of(int(value))
         if not self.dialect.tool_by_word:
             return state._replace(next_tool=number)
+        number = state.tool if number == 0 else number  # T0 ends the offset of the tool that is in the turret
         return state._replace(tool=number, next_tool=None).lost("a tool or its offset changed")
 
     def _motion(self, state: State, block: Block, codes: BlockCodes) -> tuple[State, Move | None]:

@@ -31,6 +31,7 @@ from chipbreak.operations.main_program import MainProgram
 from chipbreak.syntax.nodes import Block, Comment
 from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, RefusalError
 
+_EMPTY = 0  # the tool that T0 M6 leaves in the spindle
 # Canned cycles that do not drill: tapping, and the boring that leaves a finished bore.
 # Where one operation has several cycles, the one that asks most of the edge names it.
 _CYCLE_ORDER = (Kind.FINISH, Kind.ROUGH, Kind.THREAD, Kind.DRILL, Kind.PROBE)
@@ -41,7 +42,9 @@ class Operation:
     """One operation; lines count from 0, ``last_line`` is exclusive.
 
     ``reason``     why it is of this kind: the words, and their line
-    ``call_line``  where its tool is called, None where it goes on with the tool of the one before
+    ``tool``       None where no tool with a number is in the spindle
+    ``call_line``  where its tool is called or the spindle left empty, None where it goes on with the tool of
+                   the one before
     ``first_cut``  first line that cuts (or calls a subprogram, which may cut), None where none does
     ``speed_rpm``  at the first cut, None where it cannot be known;  ``spindle``  its direction there
     """
@@ -96,7 +99,11 @@ class _Said(NamedTuple):
 
 @dataclass(eq=False)
 class _Draft:
-    """An operation while it is read; ``named`` is False for what comes before the first start."""
+    """An operation while it is read.
+
+    ``named``  False for what comes before the first start
+    ``tool``   0 where the spindle was left empty, None where it cannot be known
+    """
 
     first: int
     tool: int | None
@@ -153,6 +160,8 @@ class _Scan:
         # Beside a block that does something else a comment explains that block.
         may_name = called or effect is None or not (effect.move or effect.non_modal)
         said = [self._said(block, comment, may_name=may_name) for comment in block.comments]
+        if _names_the_program(block):  # "O7 (FINISH SIDE 2)" is the name of the program
+            said = [one for one in said if one.ordered]
         for one in said:
             if call or one.begins:
                 self._start(block.line, call)
@@ -210,7 +219,7 @@ class _Scan:
             first = self.above[0].line if self.above else line
             draft = _Draft(first, draft.tool, named=True, remarks=list(self.above))
             self.drafts.append(draft)
-        elif call and draft.call is not None:
+        elif call and draft.call is not None and draft.tool != _EMPTY:
             # The tool before did nothing; only what was said after its call is about this one.
             self._forget(draft, draft.call + 1)
             draft.first = line
@@ -236,8 +245,16 @@ class _Scan:
         return bool((self.interpreted.program.plain[first:last] >= 0).any())
 
 
+def _names_the_program(block: Block) -> bool:
+    """``O7``: a comment beside it is about the whole program."""
+    return block.word("O") is not None and not block.controls
+
+
 def calls_tool(effect: BlockEffect, dialect: Dialect) -> bool:
-    """True where a tool comes into the spindle: M6, or T on a turret (but not T0100, which ends offsets)."""
+    """True where the tool changes: M6, or T on a turret (but not T0 and T0100, which only end offsets).
+
+    ``T0 M6`` leaves the spindle empty: the tool after it is 0, and no tool is that.
+    """
     if "macro-call" in effect.non_modal:  # T is an argument there
         return False
     if not dialect.tool_by_word:
@@ -246,7 +263,7 @@ def calls_tool(effect: BlockEffect, dialect: Dialect) -> bool:
     if word is None or word.number is None:
         return word is not None
     offsets = 10.0**dialect.offset_digits
-    return word.number < offsets or word.number % offsets != 0.0
+    return 0.0 < word.number < offsets or word.number % offsets != 0.0
 
 
 class _Judge:
@@ -269,14 +286,15 @@ class _Judge:
             state = self.interpreted.effect(first_cut).after
             speed_rpm = _speed_rpm(state)
             spindle = state.spindle
-        label = f"T{draft.tool}" if draft.tool is not None else "no tool called"
+        tool = draft.tool or None
+        label = f"T{tool}" if tool else "spindle left empty" if draft.tool == _EMPTY else "no tool called"
         if draft.titles:
             title = operation_title(draft.titles[-1].text)
             label = title.label if title else draft.titles[-1].text.strip()
         first = draft.first
         return Operation(
             index,
-            draft.tool,
+            tool,
             kind,
             reason,
             label,

@@ -20,7 +20,7 @@ def called_tools(interpreted: InterpretedProgram) -> list[int]:
     """The numbers of the tools that a program calls, in its order."""
     dialect = interpreted.settings.dialect
     numbers = [s.after.tool for s in interpreted.effects if calls_tool(s, dialect)]
-    return list(dict.fromkeys(n for n in numbers if n is not None))
+    return list(dict.fromkeys(n for n in numbers if n))  # T0 M6 calls none
 
 
 def tool_table(interpreted: InterpretedProgram) -> ToolTable:
