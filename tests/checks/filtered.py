@@ -84,7 +84,9 @@ def filtered(data: bytes, profile: str = "fanuc-mill", *options: str) -> Filtere
     interpreted = traced(data, rules)
     main = main_program(interpreted)
     operations = operations_of(interpreted, main, KindRules.from_profile(rules.operations))
-    edits, diagnostics = CheckTools().plan(Context(interpreted, main, operations, lambda: EveryTool({}, ())))
+    planned = CheckTools().plan(Context(interpreted, main, operations, lambda: EveryTool({}, ())))
+    edits = planned.edits
+    diagnostics = planned.diagnostics
     output = b"".join(render(interpreted.program, edits, rules))
     return Filtered(rules, data, output, interpreted, operations, list(edits), list(diagnostics))
 
