@@ -18,7 +18,7 @@ import pytest
 import chipbreak
 
 CHECKOUT = Path(__file__).parents[1]
-PAGE = CHECKOUT / "docs" / "python.md"
+PAGE = CHECKOUT / "docs" / "api.md"
 PROGRAM = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nM30\n"
 
 
@@ -146,3 +146,9 @@ def test_macro_programs() -> None:
     assert "O9810.nc" in files
     with pytest.raises(chipbreak.SettingsError, match="fanuc-mill: "):
         chipbreak.macro_programs(chipbreak.load("fanuc-mill"))
+
+
+def test_a_program_is_explained_as_the_result_of_its_run() -> None:
+    settings = chipbreak.load("generic-lathe")
+    result = chipbreak.rewrite(PROGRAM, settings, "part.nc")
+    assert str(chipbreak.explain(PROGRAM, settings, "part.nc")) == str(chipbreak.explain(result, settings))

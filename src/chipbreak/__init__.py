@@ -13,7 +13,7 @@ cannot be used :class:`SettingsError`, a file of tools :class:`ToolFileError`, a
 Traceback (most recent call last):
 chipbreak.ProgramRejectedError: N 2 (N word, line 3) is a whole number, ...
 
-``docs/python.md`` shows each name at work.  Everything may be called from several threads at once; settings,
+``docs/api.md`` shows each name at work.  Everything may be called from several threads at once; settings,
 results and errors pickle.
 """
 

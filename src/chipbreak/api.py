@@ -60,11 +60,13 @@ def restore(data: bytes, name: str = "<stdin>") -> bytes:
     return put_back(read(data, name)).data
 
 
-def explain(result: Result, settings: Settings) -> Report:
+def explain(program: bytes | Result, settings: Settings, name: str = "<stdin>") -> Report:
     """What a run did and why: each vibrated cut, operation and check, lengths in mm, times in s.
 
-    ``str()`` of the report is the text that ``chipbreak explain`` prints, ``as_dict()`` its JSON.
+    ``program`` is what :func:`rewrite` takes, or what it gave.  ``str()`` of the report is the text that
+    ``chipbreak explain`` prints, ``as_dict()`` its JSON.  Raises what :func:`rewrite` raises.
     """
+    result = program if isinstance(program, Result) else rewrite(program, settings, name)
     return report_of(result, settings)
 
 
