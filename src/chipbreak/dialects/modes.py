@@ -127,13 +127,19 @@ class Modes(NamedTuple):
     def replace(self, changes: Mapping[str, str]) -> Modes:
         """The same with some groups set, as a dialect's table says; the table's values have been checked."""
         # Most blocks change nothing, and then nothing is made anew.
-        new: dict[str, Any] = {g: value for g, value in changes.items() if self.value(g) != value}
+        new = {g: value for g, value in changes.items() if self.value(g) != value}
         if not new:
             return self
-        foreign = {group: new.pop(group) for group in changes if group in new and group not in VALUES}
+        values: list[Any] = list(self)
+        foreign = {}
+        for group, value in new.items():
+            if group in _PLACES:
+                values[_PLACES[group]] = value
+            else:
+                foreign[group] = value
         if foreign:
-            new["others"] = tuple(sorted({**dict(self.others), **foreign}.items()))
-        return self._replace(**new)
+            values[-1] = tuple(sorted({**dict(self.others), **foreign}.items()))
+        return Modes._make(values)
 
 
 def _values() -> dict[str, frozenset[str]]:
@@ -143,6 +149,7 @@ def _values() -> dict[str, frozenset[str]]:
 
 # Group -> the values it may have; a group of none is open (an offset's code with its words).
 VALUES: Mapping[str, frozenset[str]] = _values()
+_PLACES: Mapping[str, int] = {group: place for place, group in enumerate(VALUES)}
 
 
 def check_value(group: str, value: str) -> None:

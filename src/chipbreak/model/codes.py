@@ -42,17 +42,14 @@ class BlockCodes(NamedTuple):
     ``modes``     what is in force with them
     ``non_modal`` what they do in this block only (dwell, home, macro-call, ...)
     ``unknown``   True with a G code that the dialect does not know
+    ``reads_all`` True where a code gives the block's other words a meaning of their own
     """
 
     changes: Mapping[str, str]
     modes: Modes
     non_modal: frozenset[str]
     unknown: bool
-
-    @property
-    def reads_all(self) -> bool:
-        """True where a code gives the block's other words a meaning of their own."""
-        return not self.non_modal.isdisjoint(_READS_ALL)
+    reads_all: bool
 
 
 def read_codes(block: Block, modes: Modes, dialect: Dialect) -> BlockCodes:
@@ -73,4 +70,5 @@ def read_codes(block: Block, modes: Modes, dialect: Dialect) -> BlockCodes:
         changes["cylinder"] = cylinder_of(block)
     if "work_offset" in changes:
         changes["work_offset"] = offset_of(block, changes["work_offset"])
-    return BlockCodes(changes, modes.replace(changes), frozenset(non_modal), unknown)
+    reads_all = not non_modal.isdisjoint(_READS_ALL)
+    return BlockCodes(changes, modes.replace(changes), frozenset(non_modal), unknown, reads_all)

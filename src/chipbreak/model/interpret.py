@@ -52,6 +52,7 @@ class Interpreter:
         self.settings = settings
         self.flow = flow
         self.dialect = settings.dialect
+        self.number_rule = settings.number_rule
         self.axis_letters = frozenset(settings.axis_words.axes)
         self.any_axis = self.axis_letters | frozenset(AXES)
 
@@ -77,6 +78,8 @@ class Interpreter:
 
     def _with_cutting_speed(self, effect: BlockEffect) -> BlockEffect:
         """V and D set the speed; a fault in them is the speeds pass's to report."""
+        if not (effect.block.comments or effect.block.has_any("VD")):
+            return effect
         try:
             starts = effect.does("spindle", "cw", "ccw")
             asked = cutting_speed_of(effect.block, effect.after, starts_spindle=starts)
@@ -93,22 +96,20 @@ class Interpreter:
         codes = read_codes(block, state.modes, self.dialect)
         mode_words = self._mode_words(codes)
         vibration = self._vibration_words(block, codes, has_mode_words=bool(mode_words))
-        settings = self.settings
-        after = values_after(Said(block, codes, state, vibration, self.dialect, settings.number_rule))
+        after = values_after(Said(block, codes, state, vibration, self.dialect, self.number_rule))
+        functions = self._functions(block)
         if "macro-call" not in codes.non_modal:  # T, M and S of a G65 block are arguments
-            after = self._machine_functions(after, block)
+            after = self._machine_functions(after, block, functions)
         move = None
         has_centre = _names_a_centre(codes)
         if not has_centre:
             after, move = self._motion(after, block, codes)
-        functions = self._functions(block)
         after = self._flow_of_control(after, block, functions)
         mode_words += "P" if " P" in codes.changes.get("work_offset", "") else ""
-        seen = (*vibration, *block.words_of(mode_words))
+        seen = (*vibration, *block.words_of(mode_words)) if mode_words else vibration
         all_read = codes.reads_all or has_centre or block.has_macro
         unread = () if all_read else self._unread(block, seen, after, move)
-        effect = BlockEffect(block, state, after, move, codes.non_modal, vibration, unread)
-        return effect._replace(functions=functions) if functions else effect
+        return BlockEffect(block, state, after, move, codes.non_modal, vibration, unread, functions=functions)
 
     def _mode_words(self, codes: BlockCodes) -> str:
         return "PQR" if codes.changes.keys() & _MODES_WITH_WORDS else ""
@@ -121,7 +122,7 @@ class Interpreter:
         cuts = motion in CUTTING and not (codes.unknown or has_mode_words)
         return vibration_words(block, moving, cuts=cuts, has_once=codes.reads_all)
 
-    def _machine_functions(self, state: State, block: Block) -> State:
+    def _machine_functions(self, state: State, block: Block, functions: tuple[MCode, ...]) -> State:
         """(4) tool, (5) spindle, (6) coolant, (10) stop."""
         for word in block.words_of("TM"):
             value = plain_value(word)
@@ -129,7 +130,7 @@ class Interpreter:
                 state = self._tool_word(state, value)
             elif not math.isnan(value) and int(value) in self.dialect.m_codes:
                 state = m_code(state, self.dialect.m_codes[int(value)])
-        if any(code.group == "tool" for code in self._functions(block)):
+        if any(code.group == "tool" for code in functions):
             state = state._replace(tool=state.next_tool).lost("a tool change moves the machine")
         return state
 
@@ -164,6 +165,8 @@ class Interpreter:
 
     def _lost_by_codes(self, state: State, axis_words: Words, codes: BlockCodes) -> State:
         if "set-position" in codes.non_modal and not axis_words:  # G50 S2000
+            return state
+        if not codes.non_modal:
             return state
         axes = [self.settings.axis_words.axes[word.address] for word in axis_words]
         for name in sorted(codes.non_modal & LOSES.keys()):

@@ -82,6 +82,8 @@ def _own_words(said: Said, group: Group) -> str:
 
 def _coordinates(after: State, said: Said) -> State:
     """Another origin or another direction of the axes: the numbers of a position mean another place."""
+    if _COORDINATE_GROUPS.isdisjoint(said.codes.changes):
+        return after
     worked_out = "work_offset" in said.codes.changes and said.block.has_macro
     if worked_out or _COORDINATE_GROUPS.intersection(said.was.modes.changed(after.modes)):
         return after.lost("the coordinate system changed")

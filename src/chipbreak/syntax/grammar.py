@@ -52,6 +52,8 @@ class Grammar:
         try:
             own = self.file.read_text("ascii")
             found = _terminals(self._texts(own, set()))
+            for name in found.keys() & {*_NEEDED, *_OPTIONAL}:  # the others are for lark to try
+                re.compile(found[name])
         except (OSError, ValueError, re.error) as error:
             raise self._unusable(str(error)) from None
         # An imported file may have these for others; a block has them where its own grammar says so.
@@ -134,13 +136,11 @@ class Grammar:
 
 
 def _terminals(texts: Iterable[str]) -> dict[str, str]:
-    """The terminals of some files by name, the first of each; raises re.error for one that is none."""
+    """The terminals of some files by name, the first of each."""
     found: dict[str, str] = {}
     for text in texts:
         for match in _TERMINAL.finditer(text):
-            pattern = match[2].replace("\\/", "/")
-            re.compile(pattern)
-            found.setdefault(match[1], pattern)
+            found.setdefault(match[1], match[2].replace("\\/", "/"))
     return found
 
 

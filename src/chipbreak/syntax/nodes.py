@@ -124,13 +124,14 @@ class Block(NamedTuple):
     def word(self, address: str) -> Word | None:
         """The last word with this address (upper case), as controls take it."""
         for word in reversed(self.words):
-            if word.address == address:
+            if word.letter.upper() == address:
                 return word
         return None
 
     def words_of(self, addresses: Collection[str]) -> tuple[Word, ...]:
         """The words with one of these addresses, in the block's order."""
-        return tuple([word for word in self.words if word.address in addresses])
+        # The letter itself, here and below: a property costs more than all that is done with it.
+        return tuple([word for word in self.words if word.letter.upper() in addresses])
 
     def has(self, address: str, *numbers: float) -> bool:
         """True with a word of this address; with ``numbers``, only one that is written as one of them.
@@ -138,7 +139,7 @@ class Block(NamedTuple):
         >>> Block(0, "M6", (Word("M", "6", 6.0, None, 0, 2),)).has("M", 3, 6)
         True
         """
-        # A plain loop: every block of a program is asked this several times.
+        # Plain loops: every block of a program is asked such things several times.
         for word in self.words:
             if word.letter.upper() == address and (not numbers or word.number in numbers):
                 return True
@@ -146,7 +147,10 @@ class Block(NamedTuple):
 
     def has_any(self, addresses: Collection[str]) -> bool:
         """True with a word of one of these addresses."""
-        return any(word.letter.upper() in addresses for word in self.words)
+        for word in self.words:  # noqa: SIM110
+            if word.letter.upper() in addresses:
+                return True
+        return False
 
     def has_letter(self, letter: str) -> bool:
         """True with a word whose letter is written so: ``f`` is not ``F``."""
@@ -159,7 +163,7 @@ class Block(NamedTuple):
 
     def numbers(self, address: str) -> tuple[float, ...]:
         """All numbers at this address, without expressions: the G codes of a block, or its M codes."""
-        return tuple([w.number for w in self.words if w.address == address and w.number is not None])
+        return tuple([w.number for w in self.words if w.letter.upper() == address and w.number is not None])
 
     def text_of(self, word: Word) -> str:
         """A word as it is written."""
