@@ -64,19 +64,25 @@ def filter_command(
     if backup is not None and (not in_place or not backup or "/" in backup):
         raise click.UsageError("--backup goes with -i and takes a suffix such as .bak")
     data = read_input(source)
-    result = run_filter(data, settings_of(asked, source), source, asked)
+    settings = settings_of(asked, source)
+    result = run_filter(data, settings, source, asked)
     asked.reporter.show(result.diagnostics)
-    if check:
-        sys.exit(DIFFERENT if result.changed else DONE)
     target = source if in_place else output
+    if not check:
+        if backup is not None and result.changed:
+            replace_file(Path(source + backup), [data])
+        _write(result, target, only_changed=in_place)
+    if check or target not in (None, "-"):
+        _print_summary(result, settings, asked)
+    sys.exit(DIFFERENT if check and result.changed else DONE)
+
+
+def _write(result: Result, target: str | None, *, only_changed: bool) -> None:
+    """The program to a file or, without one, to stdout; a file that would not change is left alone."""
     if target is None or target == "-":
         write_stdout([result.data])
-        return
-    if in_place and not result.changed:
-        return
-    if backup is not None:
-        replace_file(Path(source + backup), [data])
-    replace_file(Path(target), [result.data])
+    elif result.changed or not only_changed:
+        replace_file(Path(target), [result.data])
 
 
 @cli.command()
@@ -106,6 +112,15 @@ def explain(asked: Asked, source: str) -> None:
     """Show each vibrated cut, operation and check, with its reasons."""
     settings = settings_of(asked, source)
     _print_report(run_filter(read_input(source), settings, source, asked), settings, asked)
+
+
+def _print_summary(result: Result, settings: Settings, asked: Asked) -> None:
+    """One line to stderr; none where only errors, or only JSON, may stand there."""
+    if asked.quiet or asked.as_json:
+        return
+    from chipbreak.report.build import report_of
+
+    click.echo(f"{result.source.name}: {report_of(result, settings).summary()}", err=True)
 
 
 def _print_report(result: Result, settings: Settings, asked: Asked) -> None:

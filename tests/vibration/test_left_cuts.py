@@ -176,7 +176,7 @@ def test_only_these_operations(only: list[str], lines: list[int]) -> None:
 
 def test_finishing_that_nobody_named_is_said() -> None:
     result = result_of(OPERATIONS, *PROFILE, profile="fanuc-lathe")
-    assert ("VIB061", 8) in warned(result)
+    assert ("VIB068", 8) in warned(result)
 
 
 def test_words_and_comments_ask_whatever_only_says() -> None:
@@ -222,7 +222,7 @@ def test_the_way_back_through_air(moves: list[str], vibrated: list[int], how: st
     result = result_of(program, *sets, *(PROFILE if how == "profile" else ()))
     lines = [line for cut in result.cuts for line in range(cut.plan.chain.first, cut.plan.chain.last)]
     assert lines == [3 + n for n in vibrated]
-    assert not any(left.is_refused for left in result.left)
+    assert not any(left.is_cut for left in result.left)
     every = result_of(program, "vibration.air=vibrate", *sets, *(PROFILE if how == "profile" else ()))
     assert sum(cut.plan.chain.last - cut.plan.chain.first for cut in every.cuts) == len(moves)
 
@@ -232,3 +232,48 @@ def test_no_speed_is_changed_for_the_way_back() -> None:
     out = filtered(program, "generic-lathe", *PROFILE)
     speeds = [line for line in out.splitlines() if line.startswith("S")]
     assert speeds == ["S2500", "S3000"]
+
+
+# --- what is said of it -----------------------------------------------------------------------------------
+
+MIXED = f"{HEAD}G1 Z-30. F0.05\nG1 Z2.\nG41\nG1 Z-30.\nX24.\nG40\nG0 X20. Z2.\nG1 Z-30. F0.05\nM30\n"
+
+
+def test_explain_lists_what_stays() -> None:
+    settings = chipbreak.load("generic-lathe", PROFILE)
+    report = chipbreak.explain(chipbreak.rewrite(MIXED.encode(), settings), settings)
+    left = report.as_dict()["left"]
+    assert [(one["code"], one["first_line"], one["last_line"], one["is_cut"]) for one in left] == [
+        ("", 4, 4, False),
+        ("VIB040", 6, 7, True),
+    ]
+    assert {one["asked_by"] for one in left} == {"profile"}
+    text = str(report)
+    assert "Left as they were: 2" in text
+    assert "lines 6 to 7: G1 Z-30." in text
+    assert "because  VIB040, tool nose or cutter compensation (G41, G42) is active" in text
+
+
+@pytest.mark.parametrize(
+    ("program", "sets", "line"),
+    [
+        pytest.param(
+            MIXED,
+            PROFILE,
+            "2 cuts vibrate, all break; 1 left as it was; these cuts take 0:25.6 -> 0:30.7;"
+            " profile names no axis data",
+            id="all of it",
+        ),
+        pytest.param(
+            MIXED,
+            (*PROFILE, "axes.Z.max_acceleration_mm_s2=50000"),
+            "2 cuts vibrate, all break; 1 left as it was; these cuts take 0:25.6 -> 0:30.7",
+            id="with axis data",
+        ),
+        pytest.param(f"{HEAD}M30\n", PROFILE, "no cut vibrates", id="nothing"),
+    ],
+)
+def test_the_summary(program: str, sets: tuple[str, ...], line: str) -> None:
+    settings = chipbreak.load("generic-lathe", sets)
+    report = chipbreak.explain(chipbreak.rewrite(program.encode(), settings), settings)
+    assert report.summary() == line

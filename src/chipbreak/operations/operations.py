@@ -35,6 +35,7 @@ _EMPTY = 0  # the tool that T0 M6 leaves in the spindle
 # Canned cycles that do not drill: tapping, and the boring that leaves a finished bore.
 # Where one operation has several cycles, the one that asks most of the edge names it.
 _CYCLE_ORDER = (Kind.FINISH, Kind.ROUGH, Kind.THREAD, Kind.DRILL, Kind.PROBE)
+_BY_CYCLE = "cycle "  # how such a reason begins
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +62,11 @@ class Operation:
     last_cut: int | None
     speed_rpm: float | None
     spindle: str
+
+    @property
+    def by_cycle(self) -> bool:
+        """True where no words say the kind but a cycle that stands in the operation."""
+        return self.reason.startswith(_BY_CYCLE)
 
     @property
     def cuts(self) -> bool:
@@ -335,7 +341,7 @@ class _Judge:
         for effect in self.interpreted.effects[at:end]:
             kind = kind_by_cycle(effect)
             if kind and kind not in found:
-                found[kind] = f"cycle {effect.block.text.strip()[:40]}, {self._line(effect.block.line)}"
+                found[kind] = f"{_BY_CYCLE}{effect.block.text.strip()[:40]}, {self._line(effect.block.line)}"
         return next(((kind, found[kind]) for kind in _CYCLE_ORDER if kind in found), None)
 
     def _unknown(self, titles: Sequence[_Remark], tools: Sequence[_Remark]) -> str:

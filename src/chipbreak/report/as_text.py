@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 from chipbreak.units import MS_PER_S, S_PER_MIN
 
 if TYPE_CHECKING:
-    from chipbreak.report.model import ExplainedCheck, ExplainedCut, ExplainedLoop, ExplainedOperation, Report
+    from chipbreak.report.model import (
+        ExplainedCheck,
+        ExplainedCut,
+        ExplainedLeft,
+        ExplainedLoop,
+        ExplainedOperation,
+        Report,
+    )
 
 # Chips of the ramps are said where they are thicker than the others by more than rounding makes them.
 _MUCH_THICKER = 1.01
@@ -23,6 +30,11 @@ def report_lines(report: Report) -> Iterator[str]:
     yield f"Vibrated cuts: {len(report.cuts) or 'none'}"
     for cut in report.cuts:
         yield from _cut(cut)
+    if report.left:
+        yield ""
+        yield f"Left as they were: {len(report.left)}"
+        for left in report.left:
+            yield from _left(left)
     yield ""
     yield f"Operations: {len(report.operations) or 'none'}"
     for number, operation in enumerate(report.operations, 1):
@@ -31,6 +43,18 @@ def report_lines(report: Report) -> Iterator[str]:
     yield f"Tool checks: {len(report.checks) or 'none'}"
     for check in report.checks:
         yield f"  {_check(check)}"
+
+
+def _left(left: ExplainedLeft) -> Iterator[str]:
+    why = f"{left.code}, {left.reason}" if left.code else left.reason
+    yield f"  {_lines(left.first_line, left.last_line)}: {left.block}"
+    yield f"    {'asked':9}by {'a comment' if left.asked_by == 'directive' else 'the profile'}"
+    yield f"    {'because':9}{why}"
+    yield f"    {'way out':9}{left.way_out}"
+
+
+def _lines(first: int, last: int) -> str:
+    return f"line {first}" if first == last else f"lines {first} to {last}"
 
 
 def _operation(operation: ExplainedOperation) -> str:
@@ -46,9 +70,7 @@ def _check(check: ExplainedCheck) -> str:
 
 
 def _cut(cut: ExplainedCut) -> Iterator[str]:
-    one_line = cut.first_line == cut.last_line
-    lines = f"line {cut.first_line}" if one_line else f"lines {cut.first_line} to {cut.last_line}"
-    yield f"  {lines}: {cut.block}"
+    yield f"  {_lines(cut.first_line, cut.last_line)}: {cut.block}"
     for word, rule in _RULES:
         yield from (f"    {word or cut.motion.name:9}{text}" for text in rule(cut))
 
@@ -130,7 +152,8 @@ def _moved(cut: ExplainedCut) -> Iterator[str]:
 def _output(cut: ExplainedCut) -> Iterator[str]:
     ends = f", stands {cut.end_stand_s * MS_PER_S:.0f} ms at its end" if cut.end_stand_s else ""
     peak_mm_min = cut.verdict.peak_speed_mm_s * S_PER_MIN
-    yield f"{cut.moves} moves, {cut.duration_s:.2f} s, axis up to {peak_mm_min:.0f} mm/min{ends}"
+    was = "" if cut.programmed_s is None else f" ({cut.programmed_s:.2f} s as programmed)"
+    yield f"{cut.moves} moves, {cut.duration_s:.2f} s{was}, axis up to {peak_mm_min:.0f} mm/min{ends}"
 
 
 def _loop(cut: ExplainedCut) -> Iterator[str]:

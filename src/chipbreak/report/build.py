@@ -10,6 +10,7 @@ from chipbreak.pipeline import Result
 from chipbreak.report.model import (
     ExplainedCheck,
     ExplainedCut,
+    ExplainedLeft,
     ExplainedLoop,
     ExplainedOperation,
     FlankClearance,
@@ -20,6 +21,7 @@ from chipbreak.report.model import (
 from chipbreak.settings import Settings
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.source import Source
+from chipbreak.vibration.left_cut import LeftCut, joined
 
 if TYPE_CHECKING:
     from chipbreak.vibration.measure import CutReport
@@ -45,6 +47,25 @@ def report_of(result: Result, settings: Settings) -> Report:
             for edit in checks
         ),
         diagnostics=result.diagnostics,
+        left=tuple(_left(cut, source) for cut in joined(result.left)),
+        without_axis_data=any(
+            settings.axes[axis].max_acceleration_mm_s2 is None
+            for cut in result.cuts
+            for axis in cut.plan.chain.axes
+        ),
+    )
+
+
+def _left(cut: LeftCut, source: Source) -> ExplainedLeft:
+    return ExplainedLeft(
+        first_line=source.place(cut.first).line,
+        last_line=source.place(cut.last - 1).line,
+        block=source.text(cut.first).strip(),
+        code=cut.said.code,
+        reason=cut.said.message,
+        way_out=cut.said.help,
+        asked_by=cut.asked_by,
+        is_cut=cut.is_cut,
     )
 
 
@@ -83,6 +104,7 @@ def _cut(cut: CutReport, source: Source, settings: Settings) -> ExplainedCut:
         advance_mm=wave.speed_mm_s * wave.period_s,
         output_form="expanded" if loops is None else "loop",
         motion=_motion(cut),
+        programmed_s=cut.programmed_s,
     )
 
 

@@ -14,6 +14,7 @@ from chipbreak.kinematics.chip_model import Verdict
 from chipbreak.kinematics.sourced_value import SourcedValue
 from chipbreak.report.as_text import report_lines
 from chipbreak.report.schema import SCHEMA
+from chipbreak.report.summary import summary_line
 from chipbreak.text.diagnostics import Diagnostic
 
 
@@ -75,6 +76,7 @@ class ExplainedCut:
                    the end of the cut
     ``moves``      blocks of motion that the control runs
     ``output_form``  ``expanded`` or ``loop``;  ``loops``  what repeats
+    ``duration_s``  of the cut as it is now;  ``programmed_s``  as it was written, None where nobody knows
     ``control``    the law by which the control times the moves
     ``acceleration_mm_s2``  the least that an axis must have
     ``servo_share``  what the position loop leaves of the stroke, None where no gain is known
@@ -108,11 +110,32 @@ class ExplainedCut:
     advance_mm: float
     output_form: str
     motion: ToldMotion
+    programmed_s: float | None = None
 
     @property
     def written_moves(self) -> int:
         """Blocks of motion that stand in the program: what repeats stands there once."""
         return self.moves - sum(loop.blocks * (loop.passes - 1) for loop in self.loops)
+
+
+@dataclass(frozen=True)
+class ExplainedLeft:
+    """A cut that was asked to vibrate and stays as it was.
+
+    ``code``      of what stood in its way, empty for a feed back through air
+    ``reason``, ``way_out``  that in words
+    ``asked_by``  ``directive`` or ``profile``
+    ``is_cut``    False for a move that cuts nothing
+    """
+
+    first_line: int
+    last_line: int
+    block: str
+    code: str
+    reason: str
+    way_out: str
+    asked_by: str
+    is_cut: bool
 
 
 @dataclass(frozen=True)
@@ -139,7 +162,11 @@ class ExplainedCheck:
 
 @dataclass(frozen=True)
 class Report:
-    """All that is said of a run.  ``str()`` of it is what ``chipbreak explain`` prints."""
+    """All that is said of a run.  ``str()`` of it is what ``chipbreak explain`` prints.
+
+    ``left`` are the cuts that were asked to vibrate and stay as they were.  ``without_axis_data``: an axis of
+    a vibrated cut has no acceleration in the profile.
+    """
 
     file: str
     profile: str
@@ -148,6 +175,8 @@ class Report:
     operations: tuple[ExplainedOperation, ...]
     checks: tuple[ExplainedCheck, ...]
     diagnostics: tuple[Diagnostic, ...]
+    left: tuple[ExplainedLeft, ...] = ()
+    without_axis_data: bool = False
 
     def as_dict(self) -> dict[str, Any]:
         """The facts as plain values, in a stable order, ready for JSON; ``schema`` is their version."""
@@ -156,6 +185,10 @@ class Report:
     def lines(self) -> Iterator[str]:
         """The facts as lines of text."""
         return report_lines(self)
+
+    def summary(self) -> str:
+        """The run in one line: what vibrates, what stays as it was, checks, time before and after."""
+        return summary_line(self)
 
     def __str__(self) -> str:
         return "\n".join(self.lines())

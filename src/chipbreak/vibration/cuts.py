@@ -60,12 +60,36 @@ def edits_of_cuts(
     ``allow_unbroken``: cuts too short to vibrate stay as they are, with a warning, where no word of theirs
     asks for vibration (it would reach the control).
     """
+    up = dict(given_up)
+    around = _Around(restarted_at, air_lines, allow_unbroken)
+    while True:  # each round gives up one cut more
+        found = _tried(interpreted, requests, around, up)
+        if isinstance(found, Cuts):
+            return found
+        up |= found
+
+
+class _Around(NamedTuple):
+    """What :func:`edits_of_cuts` was told of the run."""
+
+    restarted_at: Collection[int]
+    air_lines: Collection[int]
+    allow_unbroken: bool
+
+
+def _tried(
+    interpreted: InterpretedProgram,
+    requests: Sequence[Request],
+    around: _Around,
+    given_up: Mapping[int, Diagnostic],
+) -> Cuts | dict[int, Diagnostic]:
+    """The edits; or, by its first line, a cut that must be given up for the spindle speed behind it."""
     chains, left, refused = chains_of(interpreted, requests, given_up)
     try:
         names = free_names(interpreted.program, interpreted.settings) if chains else None
     except RefusalError as error:
         return _without_loops(interpreted, chains, left, refused, error)
-    made = _made(interpreted, chains, names, len(refused), allow_unbroken=allow_unbroken)
+    made = _made(interpreted, chains, names, len(refused), allow_unbroken=around.allow_unbroken)
     refused += made.refused
     left += made.left
     if refused:
@@ -73,26 +97,29 @@ def edits_of_cuts(
         return Cuts([], sorted(refused, key=_by_line), left)
     plans = [plan for plan, _ in made.cuts]
     try:
-        changes = speed_changes(interpreted, plans, interpreted.settings, restarted_at, air_lines)
+        changes = speed_changes(
+            interpreted, plans, interpreted.settings, around.restarted_at, around.air_lines
+        )
     except UnknownSpeedError as error:
         chain = next(plan.chain for plan in plans if plan.chain.first == error.first)
         said = _at_chain(interpreted, chain, error)
-        if not chain.may_be_left(interpreted.settings.vibration.refused):
-            return Cuts([], [said], left)
-        return edits_of_cuts(
-            interpreted,
-            requests,
-            restarted_at=restarted_at,
-            air_lines=air_lines,
-            given_up={**given_up, error.first: said},
-            allow_unbroken=allow_unbroken,
-        )
+        may_be_left = chain.may_be_left(interpreted.settings.vibration.refused)
+        return {error.first: said} if may_be_left else Cuts([], [said], left)
+    edits = _edits(interpreted, made.cuts, changes)
+    return Cuts(edits, [*made.warnings, *_smoothed(interpreted, [plan.chain for plan in plans])], left)
+
+
+def _edits(
+    interpreted: InterpretedProgram,
+    cuts: Sequence[tuple[CutPlan, Expansion]],
+    changes: Sequence[SpeedChange],
+) -> list[Edit]:
+    """An edit for every cut, and for every place where the programmed speed comes back."""
     own = {change.line: change.text for change in changes if change.for_cut is not None}
     edits = [
-        cut_edit(plan, expansion, own.get(plan.chain.first, ""), interpreted) for plan, expansion in made.cuts
+        cut_edit(plan, expansion, own.get(plan.chain.first, ""), interpreted) for plan, expansion in cuts
     ]
-    back = [_speed_back(change, interpreted) for change in changes if change.for_cut is None]
-    return Cuts(edits + back, [*made.warnings, *_smoothed(interpreted, [plan.chain for plan in plans])], left)
+    return edits + [_speed_back(change, interpreted) for change in changes if change.for_cut is None]
 
 
 def _without_loops(

@@ -4,47 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.kinds import Kind
 from chipbreak.operations.operations import Operation
 from chipbreak.text.diagnostics import Diagnostic, Severity
-from chipbreak.vibration.left_cut import FINISHING
+from chipbreak.vibration.judged import Judged
+from chipbreak.vibration.large_changes import LARGE_CHANGES
 from chipbreak.vibration.measure import CutReport
-from chipbreak.vibration.ways_out import ways_out
 
 UNBROKEN = "VIB060"
+FINISHING = "VIB061"
 SERVO = "VIB062"
 MISSED = "VIB034"
 TOO_FAST = "VIB064"
 _MOST_ADVISED = 3  # what works is tried for the first of many cuts that fail alike
 # How much more surface speed than G96 asked for is said aloud.
 _MUCH_FASTER = 1.25
-
-
-class _Judged(NamedTuple):
-    """A cut with all that is asked of it; ``advise``: what would work may be tried, which takes time."""
-
-    interpreted: InterpretedProgram
-    operations: Sequence[Operation]
-    report: CutReport
-    allow_unbroken: bool
-    advise: bool
-
-    def diagnose(self, code: str, message: str, help_text: str, severity: Severity) -> Diagnostic:
-        """A diagnostic at the first line of the cut."""
-        line = self.report.plan.chain.first
-        return self.interpreted.program.diagnose(line, code, message, help_text, severity=severity)
-
-    @property
-    def unbroken_severity(self) -> Severity:
-        """How much whole chips weigh in this run."""
-        return Severity.WARNING if self.allow_unbroken else Severity.ERROR
-
-    def ways_out(self) -> str:
-        """What has been tried and works; empty where nothing does, or nothing may be tried."""
-        return ways_out(self.interpreted, self.report) if self.advise else ""
 
 
 def findings_of_cuts(
@@ -59,7 +35,7 @@ def findings_of_cuts(
     for report in reports:
         if isinstance(report, CutReport):
             advise = sum(d.code in (UNBROKEN, MISSED) for d in found) < _MOST_ADVISED
-            judged = _Judged(interpreted, operations, report, allow_unbroken, advise)
+            judged = Judged(interpreted, operations, report, allow_unbroken, advise)
             said = (rule(judged) for rule in _RULES)
             found += [diagnostic for diagnostic in said if diagnostic is not None]
     return found
@@ -74,22 +50,23 @@ def errors_of_cuts(
 ) -> dict[int, Diagnostic]:
     """The first error of each cut that may stay as it was, by the first line of the cut."""
     found: dict[int, Diagnostic] = {}
+    key = interpreted.settings.vibration.refused
     for report in reports:
-        if isinstance(report, CutReport):
-            chain = report.plan.chain
-            if not chain.may_be_left(interpreted.settings.vibration.refused):
-                continue
-            judged = _Judged(
-                interpreted, operations, report, allow_unbroken, advise=len(found) < _MOST_ADVISED
-            )
-            said = (rule(judged) for rule in _CAN_BE_ERRORS)
-            error = next((d for d in said if d is not None and d.severity is Severity.ERROR), None)
-            if error is not None:
-                found[chain.first] = error
+        if not isinstance(report, CutReport) or not report.plan.chain.may_be_left(key):
+            continue
+        advise = len(found) < _MOST_ADVISED
+        error = _first_error(Judged(interpreted, operations, report, allow_unbroken, advise))
+        if error is not None:
+            found[report.plan.chain.first] = error
     return found
 
 
-def _missed(judged: _Judged) -> Diagnostic | None:
+def _first_error(judged: Judged) -> Diagnostic | None:
+    said = (rule(judged) for rule in _CAN_BE_ERRORS)
+    return next((one for one in said if one is not None and one.severity is Severity.ERROR), None)
+
+
+def _missed(judged: Judged) -> Diagnostic | None:
     """The control cannot keep to the plan: corners and bends of the path cost it time."""
     report = judged.report
     plan = judged.report.plan
@@ -109,7 +86,7 @@ def _missed(judged: _Judged) -> Diagnostic | None:
     return judged.diagnose(MISSED, message, help_text, Severity.ERROR)
 
 
-def _unbroken(judged: _Judged) -> Diagnostic | None:
+def _unbroken(judged: Judged) -> Diagnostic | None:
     """Why the chips stay whole, and what would break them."""
     plan = judged.report.plan
     verdict = judged.report.verdict
@@ -127,7 +104,7 @@ def _unbroken(judged: _Judged) -> Diagnostic | None:
     return judged.diagnose(UNBROKEN, message, help_text, judged.unbroken_severity)
 
 
-def _weak_servo(judged: _Judged) -> Diagnostic | None:
+def _weak_servo(judged: Judged) -> Diagnostic | None:
     """A cut whose stroke would break chips, if the servo did not leave too little of it."""
     share = judged.report.servo_share
     margin = judged.report.verdict.margin
@@ -141,7 +118,7 @@ def _weak_servo(judged: _Judged) -> Diagnostic | None:
     return judged.diagnose(SERVO, message, help_text, judged.unbroken_severity)
 
 
-def _surface_speed(judged: _Judged) -> Diagnostic | None:
+def _surface_speed(judged: Judged) -> Diagnostic | None:
     """A cut of G96 grows in diameter, and the speed of its start is far too high for that."""
     report = judged.report
     state = judged.report.plan.chain.before
@@ -161,7 +138,7 @@ def _surface_speed(judged: _Judged) -> Diagnostic | None:
     return judged.diagnose(TOO_FAST, message, help_text, Severity.WARNING)
 
 
-def _finishing(judged: _Judged) -> Diagnostic | None:
+def _finishing(judged: Judged) -> Diagnostic | None:
     """Vibration on a finishing operation leaves its marks."""
     line = judged.report.plan.chain.first
     verdict = judged.report.verdict
@@ -177,5 +154,5 @@ def _finishing(judged: _Judged) -> Diagnostic | None:
     return judged.diagnose(FINISHING, message, help_text, Severity.WARNING)
 
 
-_CAN_BE_ERRORS: tuple[Callable[[_Judged], Diagnostic | None], ...] = (_missed, _unbroken, _weak_servo)
-_RULES = (*_CAN_BE_ERRORS, _surface_speed, _finishing)
+_CAN_BE_ERRORS: tuple[Callable[[Judged], Diagnostic | None], ...] = (_missed, _unbroken, _weak_servo)
+_RULES = (*_CAN_BE_ERRORS, _surface_speed, _finishing, *LARGE_CHANGES)

@@ -11,7 +11,7 @@ from chipbreak.text.diagnostics import Diagnostic, Severity
 # Codes of moves that remove nothing: leaving them is no wish refused.
 NO_SPINDLE = "VIB046"
 NO_LENGTH = "VIB023"
-FINISHING = "VIB061"
+UNASKED_FINISHING = "VIB068"
 _NO_CUTS = (NO_SPINDLE, NO_LENGTH)
 
 
@@ -28,8 +28,8 @@ class LeftCut(NamedTuple):
     asked_by: str
 
     @property
-    def is_refused(self) -> bool:
-        """True for a cut that was to vibrate and cannot; a move that cuts nothing is none."""
+    def is_cut(self) -> bool:
+        """False for a move that cuts nothing, and so breaks no chip."""
         return bool(self.said.code) and self.said.code not in _NO_CUTS
 
 
@@ -50,3 +50,16 @@ def said_of_left(program: Program, left: Iterable[LeftCut]) -> Iterator[Diagnost
 
 def _more(count: int) -> str:
     return "one more" if count == 1 else f"{count} more"
+
+
+def joined(left: Iterable[LeftCut]) -> list[LeftCut]:
+    """Blocks in a row that stay for one reason as one cut."""
+    found: list[LeftCut] = []
+    for cut in left:
+        before = found[-1] if found else None
+        same = before is not None and before.last == cut.first and before.asked_by == cut.asked_by
+        if before is not None and same and before.said.code == cut.said.code:
+            found[-1] = before._replace(last=cut.last)
+        else:
+            found.append(cut)
+    return found

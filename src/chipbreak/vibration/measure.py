@@ -21,6 +21,7 @@ from chipbreak.units import MS_PER_S
 from chipbreak.vibration.blocks import Expansion
 from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.plan import CutPlan
+from chipbreak.vibration.programmed import programmed
 from chipbreak.vibration.readback import ReadBack, read_moves
 from chipbreak.vibration.tolerances import TIME_SHARE
 
@@ -67,6 +68,12 @@ class CutReport:
     def wave(self) -> WaveformParameters:
         """The waveform as it was planned."""
         return self.plan.wave
+
+    @property
+    def programmed_s(self) -> float | None:
+        """How long the cut would have taken as it was written, None where nobody knows."""
+        was = programmed(self.plan)
+        return None if was is None else was.duration_s
 
     @property
     def each_dwell_s(self) -> float:

@@ -16,7 +16,7 @@ from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.vibration.cut_path import CutPath
 from chipbreak.vibration.directive import KEYS, Directive, read_directive
-from chipbreak.vibration.left_cut import FINISHING, LeftCut
+from chipbreak.vibration.left_cut import UNASKED_FINISHING, LeftCut
 from chipbreak.vibration.near_miss import NEAR_MISS, counts_as_block_numbers, meant_directive
 from chipbreak.vibration.scope import Scope
 from chipbreak.vibration.wish import AskedBy, Wish, said_of
@@ -223,9 +223,9 @@ class RequestReader:
         """A cut of an operation that the profile's wish is not for; finishing is said where nobody chose."""
         self.wish.unasked += 1
         if not self.settings.vibration.only and self.scope.is_finishing(line):
-            message = "finishing vibrates only when it is asked for by name"
+            message = "a finishing cut, which vibrates only when it is asked for by name"
             way_out = 'name it, vibration.only = ["rough", "finish"], or write (VIB) before the cut'
-            self._leave(line, FINISHING, message, way_out)
+            self._leave(line, UNASKED_FINISHING, message, way_out)
 
     def _leave(self, line: int, code: str, message: str, help_text: str) -> None:
         said = self.program.diagnose(line, code, message, help_text, severity=Severity.WARNING)

@@ -29,7 +29,7 @@ class Scope:
         """True where the profile asks this cut to vibrate."""
         operation = self.operation_of(line)
         if not self.only:
-            return operation is None or operation.kind not in _FINISHING
+            return not self.is_finishing(line)
         if operation is None:
             return Kind.UNKNOWN.value in self.only
         return operation.kind.value in self.only or f"T{operation.tool}" in self.only
@@ -37,4 +37,7 @@ class Scope:
     def is_finishing(self, line: int) -> bool:
         """True in an operation that finishes."""
         operation = self.operation_of(line)
-        return operation is not None and operation.kind in _FINISHING
+        # One tool that roughs and finishes by cycles: what stands between the cycles may be either.
+        if operation is None or operation.by_cycle:
+            return False
+        return operation.kind in _FINISHING

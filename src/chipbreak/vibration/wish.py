@@ -92,7 +92,7 @@ def _reasons(wish: Wish, program: Program) -> Iterator[str]:
         yield f"{_counted(wish.passed)} not vibrated (the first in line {where}, {first.text})"
     if wish.unasked:
         cuts = "1 cut is" if wish.unasked == 1 else f"{wish.unasked} cuts are"
-        yield f"{cuts} of operations that vibration.only does not name"
+        yield f"{cuts} of finishing operations, or of others that vibration.only does not name"
     if not wish.passed and not wish.unasked:
         ended = wish.ended_at
         yield (

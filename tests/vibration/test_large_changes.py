@@ -1,0 +1,82 @@
+"""Changes so large that nobody should find them out at the machine are said, each with its limit."""
+
+from __future__ import annotations
+
+import pytest
+
+import chipbreak
+
+CUT = "G97 S{s} M3\nG0 X20. Z2.\n(VIB {wish})\nG1 Z-30. F{f}\nM30\n"
+AXES = ("axes.Z.max_acceleration_mm_s2=50000",)
+
+
+def said(
+    wish: str, *sets: str, s: str = "3000", f: str = "0.05", profile: str = "generic-lathe"
+) -> list[chipbreak.Diagnostic]:
+    program = CUT.format(wish=wish, s=s, f=f)
+    return list(chipbreak.rewrite(program.encode(), chipbreak.load(profile, sets)).diagnostics)
+
+
+def codes(*args: str, **values: str) -> list[str]:
+    return [found.code for found in said(*args, **values)]
+
+
+@pytest.mark.parametrize(
+    ("n", "s", "is_said"),
+    [
+        pytest.param("1.5", "3000", False, id="3000 becomes 2500"),
+        pytest.param("1.5", "3125", False, id="a fifth less"),
+        pytest.param("1.5", "3200", True, id="more than a fifth less"),
+        pytest.param("1.5 F62.5", "2000", True, id="N and f fix another speed"),
+    ],
+)
+def test_spindle_speed(n: str, s: str, is_said: bool) -> None:
+    found = said(f"N{n}", *AXES, s=s)
+    assert [one.code for one in found] == ["VIB074"] * is_said
+    assert all("instead of" in one.message and one.place and one.place.line == 4 for one in found)
+
+
+def test_speed_under_constant_surface_speed() -> None:
+    """What counts is the speed at the diameter where the cut starts."""
+    program = "G96 S{s} M3\nG0 X20. Z2.\n(VIB N1.5)\nG1 Z-30. F0.05\nM30\n"
+    for surface, is_said in (("188", False), ("157", False), ("220", True)):
+        data = program.format(s=surface).encode()
+        found = chipbreak.check(data, chipbreak.load("generic-lathe", AXES))
+        assert [one.code for one in found if one.code == "VIB074"] == ["VIB074"] * is_said, surface
+
+
+def test_time() -> None:
+    assert codes("N1.5", *AXES) == []
+    dwell = said("E2.4 WAVE DWELL", *AXES, s="1000")
+    assert [one.code for one in dwell] == ["VIB075"]
+    assert "instead of 38.4 s" in dwell[0].message
+
+
+def test_acceleration_that_nobody_says_the_axis_has() -> None:
+    assert codes("N1.5", f="0.05") == []
+    assert codes("N1.5", f="0.2") == ["VIB076"]
+    assert codes("N1.5", *AXES, f="0.2") == []
+    assert codes("N1.5", "axes.X.max_acceleration_mm_s2=50000", f="0.2") == ["VIB076"]
+
+
+@pytest.mark.parametrize(
+    ("wish", "f", "is_said"),
+    [
+        pytest.param("N1.5 A4.9", "0.5", False, id="a large stroke"),
+        pytest.param("N1.5 A6.5", "0.5", True, id="a stroke of another unit"),
+        pytest.param("N1.5", "5.2", True, id="a feed of another unit"),
+    ],
+)
+def test_sizes(wish: str, f: str, is_said: bool) -> None:
+    ramps = ("vibration.ramp_vibrations=1", "vibration.end_revolutions=0")
+    found = codes(wish, "axes.Z.max_acceleration_mm_s2=5e8", *ramps, f=f, s="500")
+    assert [code for code in found if code == "VIB077"] == ["VIB077"] * is_said
+
+
+def test_explain_says_them_too() -> None:
+    settings = chipbreak.load("generic-lathe")
+    result = chipbreak.rewrite(CUT.format(wish="N1.5", s="3200", f="0.2").encode(), settings)
+    report = chipbreak.explain(result, settings).as_dict()
+    assert [one["code"] for one in report["diagnostics"]] == ["VIB074", "VIB076"]
+    assert report["without_axis_data"]
+    assert report["cuts"][0]["programmed_s"] == pytest.approx(32.0 / (0.2 * 3200) * 60.0)
