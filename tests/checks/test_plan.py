@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import chipbreak
 from checks.filtered import Filtered, check, filtered
 
 SAMPLE = (Path(__file__).parents[2] / "samples" / "fusion-mill.nc").read_bytes()
@@ -179,6 +180,20 @@ def test_no_turning_tool_goes_home_through_the_wall_of_a_bore(way_out: str, is_c
 def test_a_probe_is_not_checked() -> None:
     probing = "T9 M6\n(PROBE)\nG0 X1. Y2.\nG43 Z15. H9\nG31 Z-5. F100.\nG0 Z50.\nG28 G91 Z0.\nG90\n"
     assert "T9" not in " ".join(run(probing, visit(1, "FACE1")).titles)
+
+
+@pytest.mark.parametrize(
+    "options", [(), ('calls.shop={chip_check=["G65 P9858 T{tool}"]}', "checks.calls=shop")]
+)
+@pytest.mark.parametrize("name", ["T14 - CHIP FAN", "T14 - AIR NOZZLE", "T14 | BLOW-OFF FAN | H14"])
+def test_what_has_no_edge_is_not_measured_and_that_is_said(name: str, options: tuple[str, ...]) -> None:
+    program = f"({name})\n{HEAD}" + visit(1, "FACE1") + visit(14, "FACE2") + END
+    found = chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-mill", options))
+    assert not [edit.title for edit in found.edits if "T14" in edit.title]
+    assert [edit.title for edit in found.edits if "T1 " in edit.title + " "]
+    (told,) = (d.message for d in found.diagnostics if d.code == "CHK005")
+    kind = "air nozzle" if "AIR" in name else "chip fan"
+    assert told == f'T14 has no edge to measure, so it is not checked: "{kind}" (comment in line 1)'
 
 
 def test_a_tool_that_never_cuts_is_not_checked() -> None:

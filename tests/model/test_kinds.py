@@ -51,6 +51,10 @@ KINDS = [
     ("finish-romance", "finish", "ACABAMENTO INTERNO|ACABADO|AFINADO EXTERIOR|FINITION|FINITURA"),
     ("finish-and-rough", "finish", "ROUGH AND FINISH OD"),
     ("finish-no-stock", "finish", "T2| 1/2 EM|H0|XY STOCK TO LEAVE - -.0005|Z STOCK TO LEAVE - 0."),
+    ("finish-a-hair", "finish", "T2| 1/2 EM|H0|XY STOCK TO LEAVE - .0001|Z STOCK TO LEAVE - .0006"),
+    ("finish-a-hair-in-mm", "finish", "T2| 12MM EM|H0|XY STOCK TO LEAVE - .02|Z STOCK TO LEAVE - 0."),
+    ("rough-in-mm", "rough", "T2| 12MM EM|H0|XY STOCK TO LEAVE - .2|Z STOCK TO LEAVE - 0."),
+    ("rough-in-inches", "rough", "T2| 1/2 EM|H0|XY STOCK TO LEAVE - .001|Z STOCK TO LEAVE - 0."),
     ("semi-finish", "semi-finish", "SEMI-FINISH|SEMI FINISH WALLS|SEMIFIN|SEMI FIN.|SEMI PASS|VORSCHLICHT"),
     ("semi-finish-romance", "semi-finish", "SEMI-ACABADO|DEMI-FINITION|SEMIFINITURA"),
     ("drill", "drill", "DRILL 4X|DRILL4|PECK DRILL|PRE-DRILL|SPOT 2X|CENTER DRILL|REAM 2X|BORE1|BROCA"),
@@ -135,6 +139,10 @@ TITLES = [
     ("fusion-lathe", "TURNING FACE1|GROOVE2|SINGLE GROOVE1|PART1|PROFILE FINISHING2"),
     ("hand-by-kind", "ROUGH TURN|OD ROUGH RIGHT|FINISH PASS|RGH FACE|Finishing|ROUGHING CYCLE|CNC ROUGHNIG"),
     ("hand-by-feature", "DRILL 4X|FACE, TURN|ID TURN|CUT OFF|PART OFF|CHAMFER|DEBURR|MILL CLEARANCE|part"),
+    (
+        "hand-with-tool",
+        "ROUGH POCKET 1/2 E.M.|FINISH WALLS WITH 3/8 E.M|MILL SLOT 1/4 E. M.|POCKET - 6MM E.M.",
+    ),
     ("hand-foreign", "DESBASTE EXTERNO|PROFIL SCHLICHTEN|VOORDRAAIEN"),
     ("hand-numbered", "OP10 FACE|OP1: TOREC|OPERATION 2|OPERATION ONE - DRILLING|OP. 2 FLANGE|Operation: A"),
 ]
@@ -142,6 +150,7 @@ NO_TITLES = [
     ("fusion-tools", "T1 D=50.8 CR=0. - ZMIN=0. - FACE MILL"),
     ("mastercam-tools", "T2| 1/2 FLAT ENDMILL|H0|XY STOCK TO LEAVE - .005"),
     ("hand-tools", 'DRILL 1/4"¦12MM DRILL¦ROUGHING END MILL¦REAMER¦BORING BAR¦DRILL 5¦T8 - BORING BAR'),
+    ("hand-em", '1/2 E.M.¦ROUGH 1/2 E.M.¦ROUGHING E.M. 1/2¦1/4" 2 FLUTE STUBBY E.M.¦T5 1/2 E.M. ROUGH'),
     ("dates", "DATE: 2015-06-26¦19.04.2010¦2024-06-13 13:38"),
     ("program-names", "FLANGE OP.2¦PROGRAM NAME FLANGE¦PART 2¦DRILL.NC¦O0358"),
     ("headers", "MACHINE¦VENDOR AUTODESK¦MODEL GENERIC 3-AXIS ROUTER¦FANUC 0M"),
@@ -231,6 +240,11 @@ TOOLS = {
     "TIP RADIUS: 1.5": (None, None, None, 1.5, None, None),
     "TC: 6MM Chamfer Mill": (None, 6.0, "mm", None, None, "chamfer mill"),
     '1-1/2" SHELL MILL': (None, 1.5, "in", None, None, "face mill"),
+    "T14 - CHIP FAN": (14, None, None, None, None, "chip fan"),
+    "T14 | CHIP FAN | H14": (14, None, None, None, None, "chip fan"),
+    "BLOW-OFF FAN": (None, None, None, None, None, "chip fan"),
+    "AIR NOZZLE": (None, None, None, None, None, "air nozzle"),
+    "1/2 E.M": (None, 0.5, "in", None, None, "end mill"),
     "LET. B DRILL": (None, None, None, None, None, "drill"),
     "M10 TAP": (None, None, None, None, None, "tap"),
     "T0 : 3.175": (0, 3.175, None, None, None, None),
@@ -245,7 +259,9 @@ def test_tool_comments(text):
 
 NO_TOOLS = (
     "T1¦T1 M6¦T0101¦DRILL 4X¦SPOT 2X HOLES¦CENTER DRILL¦TOOL LIST¦Tool change¦LOAD T3 - S580¦PROBE¦FACE1¦¦"
-    "T1 is for facing and the threading tool is T4¦Tool 2mm dia.¦'operation:tool_type', 'face mill'"
+    "T1 is for facing and the threading tool is T4¦Tool 2mm dia.¦"
+    "AIR BLAST ON¦BLOW OFF PART¦COOLING FAN¦Finish operation: TC: 6mm Endmill¦Begin operation: 6mm Endmill¦"
+    "'operation:tool_type', 'face mill'"
 )
 
 

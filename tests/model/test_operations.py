@@ -226,6 +226,22 @@ def test_cycles_name_a_kind(block: str, profile: str, kind: Kind) -> None:
         assert found.reason == f"cycle {block}, line 3"
 
 
+def test_a_tap_that_is_titled_as_a_drill_is_a_tap() -> None:
+    """CAM systems number what they do with holes, and a tap is one of them."""
+    tap = one("T1 M6\n(DRILL12)\nG0 Z5.\nG84 X1. Y1. Z-5. R2. F100.\nG80\n")
+    assert (tap.kind, tap.label) == (Kind.THREAD, "DRILL12")
+    assert tap.reason.startswith("cycle G84")
+    both = one("T1 M6\n(DRILL12)\nG0 Z5.\nG81 X1. Y1. Z-5. R2. F100.\nG84 Z-4.\nG80\n")
+    assert both.kind is Kind.DRILL
+    ruled = one("T1 M6\n(DRILL12)\nG0 Z5.\nG84 X1. Y1. Z-5. R2. F100.\nG80\n", drill=["DRILL"])
+    assert ruled.kind is Kind.DRILL
+
+
+@pytest.mark.parametrize(("units", "left", "kind"), [("G21", ".02", "finish"), ("G20", ".02", "rough")])
+def test_stock_to_leave_is_in_the_units_of_the_program(units: str, left: str, kind: str) -> None:
+    assert one(f"(T1|FLAT ENDMILL|H1|XY STOCK TO LEAVE - {left})\n{units}\nT1 M6\n{CUT}").kind.value == kind
+
+
 def test_a_finishing_cycle_counts_before_the_roughing_one() -> None:
     program = "T0101\nG71 P10 Q20 U0.5 W0.1 F0.2\nN10 G0 X20.\nN20 G1 Z-5.\nG70 P10 Q20\n"
     assert one(program, "fanuc-lathe").kind is Kind.FINISH

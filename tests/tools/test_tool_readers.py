@@ -178,6 +178,52 @@ def test_freecad_bits_in_the_folder_beside(tmp_path: Path) -> None:
     assert (tool.number, tool.diameter_mm) == (7, 12.0)
 
 
+@pytest.mark.parametrize(
+    ("parameters", "corner_mm"),
+    [
+        ('"Diameter": "6,000 mm", "FlatRadius": "1,5 mm"', 1.5),
+        ('"Diameter": "0,25 in", "FlatRadius": "0.1 in"', 0.635),
+        ('"Diameter": "6 mm", "FlatRadius": "0 mm"', 3.0),
+        ('"Diameter": "6 mm", "FlatRadius": "3 mm"', 0.0),
+        ('"Diameter": "6 mm", "FlatRadius": "1.5 mm", "TorusRadius": "1.4 mm"', 1.4),
+        ('"FlatRadius": "1.5 mm"', None),
+    ],
+)
+def test_a_bull_nose_by_its_flat_end(parameters: str, corner_mm: float | None, tmp_path: Path) -> None:
+    library = tmp_path / "a.fctl"
+    library.write_text('{"tools": [{"nr": 1, "path": "a.fctb"}]}')
+    (tmp_path / "a.fctb").write_text(f'{{"shape": "bullnose.fcstd", "parameter": {{{parameters}}}}}')
+    (tool,) = read_tools(str(library), read_bytes(str(library)))
+    assert tool.type == "bull nose end mill"
+    assert tool.corner_radius_mm == (None if corner_mm is None else pytest.approx(corner_mm))
+
+
+def test_a_flat_end_wider_than_its_tool_cannot_be(tmp_path: Path) -> None:
+    library = tmp_path / "a.fctl"
+    library.write_text('{"tools": [{"nr": 1, "path": "a.fctb"}]}')
+    (tmp_path / "a.fctb").write_text('{"parameter": {"Diameter": "6 mm",\n"FlatRadius": "3.1 mm"}}')
+    with pytest.raises(ToolFileError) as caught:
+        read_tools(str(library), read_bytes(str(library)))
+    (found,) = caught.value.diagnostics
+    assert (found.code, found.place and found.place.line) == ("TOL004", 2)
+
+
+@pytest.mark.parametrize(
+    ("remark", "kind"),
+    [
+        ("drill 5 mm", "drill"),
+        ("Probe", "probe"),
+        ("M6 tap", "tap"),
+        ("90 deg spot drill", "spot drill"),
+        ("12mm E.M.", "end mill"),
+        ("spare", None),
+    ],
+)
+def test_the_remark_of_a_tool_table_names_the_tool(remark: str, kind: str | None) -> None:
+    tool = tools_of("tool.tbl", f"T1 P1 D5 ;{remark}\n")[1]
+    assert (tool.type, tool.name) == (kind, remark)
+
+
 def fusion(**changes: Any) -> str:
     entry = {
         "type": "drill",

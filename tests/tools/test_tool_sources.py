@@ -94,6 +94,76 @@ def test_a_note_in_a_tool_list_without_number_is_about_nothing() -> None:
     assert list(tools.tools) == [1]
 
 
+CUT = "S1000 M3\nG0 X0. Y0.\nG1 Z-1. F100.\nG0 Z30.\n"
+
+
+@pytest.mark.parametrize(
+    ("remark", "known"),
+    [
+        (
+            '( Tool #7 "Drill 0.8mm" / Diameter 0.8 mm )',
+            {"type": "drill", "diameter_mm": 0.8, "name": "Drill 0.8mm"},
+        ),
+        (
+            '( Tool #7 "Engraver 0.2mm" / Diameter 0,2 mm )',
+            {"type": "chamfer mill", "diameter_mm": 0.2, "name": "Engraver 0.2mm"},
+        ),
+        (
+            '( Werkzeug Nr. 7 "Universalfraeser 1mm" / Durchmesser 1 mm )',
+            {"type": "end mill", "diameter_mm": 1.0, "name": "Universalfraeser 1mm"},
+        ),
+        (
+            "(TOOL/MILL,16.0,0.0,30.0,0.0)",
+            {"type": "flat end mill", "diameter_mm": 16.0, "corner_radius_mm": 0.0},
+        ),
+        (
+            "( TOOL/MILL, 6.0, 3.0, 30.0, 0 )",
+            {"type": "ball end mill", "diameter_mm": 6.0, "corner_radius_mm": 3.0},
+        ),
+        (
+            "(TOOL/MILL,6.0,1.0,30.0,0)",
+            {"type": "bull nose end mill", "diameter_mm": 6.0, "corner_radius_mm": 1.0},
+        ),
+        (
+            "(TOOL/MILL,1.0,0.0,30.0,5.0)",
+            {"type": "tapered mill", "diameter_mm": 1.0, "corner_radius_mm": 0.0},
+        ),
+        ("(TOOL/DRILL,5.0,118.0,40.0)", {"type": "drill", "diameter_mm": 5.0, "point_deg": 118.0}),
+        ("(TC: 6mm Endmill)", {"type": "end mill", "diameter_mm": 6.0, "name": "6mm Endmill"}),
+        (
+            "(Begin operation: TC: 5mm Drill)",
+            {"type": "drill", "diameter_mm": 5.0, "name": "5mm Drill"},
+        ),
+        ("(tool change to 6mm end mill)", {"type": "end mill", "diameter_mm": 6.0, "name": "6mm end mill"}),
+        ('(1/4" E.M.)', {"type": "end mill", "diameter_mm": 6.35, "name": '1/4" E.M.'}),
+    ],
+)
+def test_posts_say_a_tool_before_its_call(remark: str, known: dict[str, object]) -> None:
+    """After another tool has cut, and with the way to the tool change between the remark and the call."""
+    for between in ("", "M5\n", "G28 G91 Z0.\nG90\n"):
+        table = said(f"G21\nT1 M6\n{CUT}{remark}\n{between}T7 M6\n{CUT}M30\n")
+        assert table.get(7).known() == known, between
+        assert table.get(1).known() == {}
+    beside_no_call = said(f"G21\nT7 M6\n{CUT}{remark}\nG0 X5.\nT9 M6\n{CUT}M30\n")
+    assert beside_no_call.get(9).known() == {}
+
+
+def test_a_remark_of_a_post_after_its_call_is_about_the_tool_that_cuts() -> None:
+    assert said(f"G21\nT3 M6\n(TOOL/MILL,16.0,0.0,30.0,0.0)\n{CUT}T4 M6\n{CUT}").get(3).diameter_mm == 16.0
+
+
+def test_a_tool_that_is_put_away_is_not_the_next_one() -> None:
+    assert said(f"T1 M6\n{CUT}(REMOVE 1/4 END MILL)\nT2 M6\n{CUT}").get(2).known() == {}
+
+
+def test_what_a_comment_says_of_m6_and_t0_is_no_tool_change_and_no_tool() -> None:
+    program = (
+        f"G21\n(T0 : 3.175)\nT1 M6\n(TC: 6mm Endmill, M6 T4 FIRST)\n(M6 T5)\n{CUT}(T6 M6)\nX5.\nT0 M6\nM30\n"
+    )
+    assert called_tools(trace_of(program)) == [1]
+    assert set(said(program).tools) == {1}
+
+
 def test_stick_out_in_inches() -> None:
     assert said('(T3 - 1/2" ENDMILL, STICK-OUT 1.5")\nG21\n').get(3).length_mm == pytest.approx(38.1)
 

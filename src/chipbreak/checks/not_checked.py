@@ -11,6 +11,8 @@ from chipbreak.checks.ways_out import CALL_WITH_ITS_NUMBER, KEEP_THE_SISTER, cal
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.main_program import MainProgram
 from chipbreak.operations.operations import Operation, calls_tool
+from chipbreak.tools.merge import ToolTable
+from chipbreak.tools.tips import Tip, tip_of
 
 
 class WholeProgram(NamedTuple):
@@ -20,10 +22,11 @@ class WholeProgram(NamedTuple):
     main: MainProgram
     operations: Sequence[Operation]
     uses: Uses
+    tools: ToolTable
 
 
 def say_what_is_not_checked(program: WholeProgram, findings: Findings) -> None:
-    """Cuts of tools without a number, sisters that cut themselves, cuts after the end."""
+    """Tools without a number or an edge, sisters that cut themselves, cuts after the end."""
     for rule in _RULES:
         rule(program, findings)
 
@@ -52,13 +55,27 @@ def _sisters(program: WholeProgram, findings: Findings) -> None:
             findings.say(line, SISTER_IS_CALLED, message, KEEP_THE_SISTER)
 
 
+def _without_edge(program: WholeProgram, findings: Findings) -> None:
+    for number, uses in program.uses.of_tool.items():
+        tool = program.tools.get(number or 0)
+        if tip_of(tool) is Tip.NO_EDGE:
+            why = f'"{tool.type}" ({tool.origins["type"]})'
+            message = f"T{number} has no edge to measure, so it is not checked: {why}"
+            findings.say(uses[0].first_cut or 0, NOT_LOOKED_AT, message)
+
+
 def _other_programs(program: WholeProgram, findings: Findings) -> None:
     if program.main.after_end is not None:
         message = "another program or a subprogram starts after the end; its tools are not checked"
         findings.say(program.main.after_end, NOT_LOOKED_AT, message)
 
 
-_RULES: tuple[Callable[[WholeProgram, Findings], None], ...] = (_tools, _sisters, _other_programs)
+_RULES: tuple[Callable[[WholeProgram, Findings], None], ...] = (
+    _tools,
+    _sisters,
+    _without_edge,
+    _other_programs,
+)
 
 
 def _where_tools_are(interpreted: InterpretedProgram) -> str:

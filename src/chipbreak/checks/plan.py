@@ -120,7 +120,7 @@ class _Planner:
 
     def run(self) -> None:
         """Plan visit by visit: what a tool does between its call and the next one."""
-        whole = WholeProgram(self.interpreted, self.main, self.operations, self.uses)
+        whole = WholeProgram(self.interpreted, self.main, self.operations, self.uses, self.tools)
         say_what_is_not_checked(whole, self.findings)
         is_calibrated = False
         for call, group in groupby(self.uses.cutting, lambda op: self.call_lines[op.index]):
@@ -138,8 +138,9 @@ class _Planner:
             self.planned.clear()  # a beam that nobody looks at
 
     def _is_wanted(self, tool: int) -> bool:
-        if self.uses_tool_data and tip_of(self.tools.get(tool)) is Tip.STANDING:
-            return False  # a turning tool or a probe: nothing turns in the beam
+        tip = tip_of(self.tools.get(tool))
+        if tip is Tip.NO_EDGE or (self.uses_tool_data and tip is Tip.STANDING):
+            return False  # a probe or a chip fan; a turning tool: nothing turns in the beam
         return tool not in self.checks.ignore and (not self.checks.only or tool in self.checks.only)
 
     def _sister(self, tool: int) -> int:

@@ -210,9 +210,9 @@ TOOL_TYPES: Final = (
     ("flat end mill", r"FLAT[\s-]*END[\s-]*MILL|SCHAFTFR\S{0,3}SER"),
     ("ball end mill", r"END_?MILL_SPHER|BALL[\s-]*(?:NOSED?|(?:END[\s-]*)?MILL)|KUGELFR\S{0,3}SER"),
     ("bull nose end mill", r"BULL[\s-]*(?:NOSE[\s-]*)?(?:END[\s-]*)?MILL|BULL[\s-]*NOSE|TIP[\s-]*RADIUSED"),
-    ("end mill", r"END[\s_-]*MILL|E\.\s?M\.|EM"),
+    ("end mill", r"END[\s_-]*MILL|E\.\s?M\.?|EM|(?:UNIVERSAL[\s-]*)?FR(?:AE|Ä)SER"),
     ("face mill", r"(?:FACE|SHELL)[\s-]*MILL|PLANFR\S{0,3}SER"),
-    ("chamfer mill", r"CHAMFER[\s-]*(?:END[\s-]*)?(?:MILL|TOOL)"),
+    ("chamfer mill", r"CHAMFER[\s-]*(?:END[\s-]*)?(?:MILL|TOOL)|ENGRAVER|GRAVIERER"),
     ("thread mill", r"THREAD[\s-]*MILL"),
     ("slot mill", r"SLOT[\s-]*MILL|SLITTING\s+SAW"),
     ("dovetail mill", r"DOVETAIL\s+(?:MILL|CUTTER)"),
@@ -228,6 +228,8 @@ TOOL_TYPES: Final = (
     ("threading tool", r"THREAD(?:ING)?\s+TOOL"),
     ("turning tool", r"TURN(?:ING)?\s+TOOL|[CDSTVWR][NCP][MGUE][AGMTX](?=[\s-]*\d)"),
     ("probe", r"PROBE"),
+    ("chip fan", r"(?:CHIP|BLOW[\s-]*OFF|CLEANING|COOLANT)[\s-]*(?:FAN|BLOWER)"),
+    ("air nozzle", r"(?:AIR|BLOW[\s-]*OFF)[\s-]*(?:NOZZLE|GUN|TOOL)|BLOW[\s-]*GUN"),
 )
 TOOL_WORDS: Final = LazyPattern(
     _LEFT + "(?:" + "|".join(f"(?P<t{i}>{p})" for i, (_, p) in enumerate(TOOL_TYPES)) + ")S?" + _RIGHT,
@@ -251,8 +253,24 @@ CAMBAM_TOOL: Final = LazyPattern(rf"^T(?P<n>\d+)\s+:\s+(?P<d>{_DECIMAL})$", re.I
 TOOL_FACT: Final = LazyPattern(
     rf"^(?:(?:TOOL\s+DIA(?:M(?:ETER)?|\.)?|DIA(?:METER)?\s*[:=])\s*[:=]?\s*(?P<d>{_DECIMAL})(?!\S)"
     rf"|TIP\s+RADIUS\s*[:=]\s*(?P<cr>{_DECIMAL})(?!\S)"
-    r"|TOOL(?:\s+(?:TYPE|NAME))?\s*[:=]\s*(?P<name>[^\d\s].*|\d+/\d+.*)"
-    r"|(?:TC|CHANGE\s+TOOL)\s*:\s*(?P<change>\S.*))",
+    r"|TOOL(?:\s+(?:TYPE|NAME))?\s*[:=]\s*(?P<name>[^\d\s].*|\d+/\d+.*))",
+    re.IGNORECASE,
+)
+# Of the tool that is called next: "TC: 6mm Endmill", "Begin operation: TC: 5mm Drill", "tool change to ..."
+TOOL_AHEAD: Final = LazyPattern(
+    r"^(?:(?:BEGIN\s+OPERATION\s*:\s*)?(?:TC|CHANGE\s+TOOL)\s*:|TOOL\s+CHANGE\s+TO\b)\s*(?P<tool>\S.*)",
+    re.IGNORECASE,
+)
+# CopperCAM: 'Tool #1 "Drill 0.8mm" / Diameter 0.8 mm', 'Werkzeug Nr. 1 "Bohrer 0.8mm" / Durchmesser 0.8 mm'
+COPPERCAM_TOOL: Final = LazyPattern(
+    r'^(?:TOOL\s*#|WERKZEUG\s+NR\.?)\s*(?P<n>\d{1,8})\s+"(?P<name>[^"]*)"'
+    r"\s*/\s*(?:DIAMETER|DURCHMESSER)\s*(?P<d>\d+(?:[.,]\d*)?|[.,]\d+)\s*(?P<unit>MM\b|IN\b|INCH\b|\")?\s*$",
+    re.IGNORECASE,
+)
+# CutViewer: TOOL/MILL,diameter,corner radius,height,taper and TOOL/DRILL,diameter,point angle,length
+CUTVIEWER_TOOL: Final = LazyPattern(
+    rf"^TOOL/(?:(?P<mill>MILL)|DRILL)\s*,\s*(?P<d>{_DECIMAL})\s*,\s*(?P<second>{_DECIMAL})"
+    rf"(?:\s*,\s*(?:{_DECIMAL})(?:\s*,\s*(?P<taper>{_DECIMAL}))?)?\s*$",
     re.IGNORECASE,
 )
 # A diameter with a unit of its own: 1/2", 3/8 (a bare fraction is inches), 5.75MM.
@@ -281,5 +299,15 @@ ONLY_A_SIZE: Final = LazyPattern(
 WORK_TOO: Final = frozenset({"drill", "spot drill", "center drill", "tap", "counter sink", "probe"})
 TOOL_FOR_SURE: Final = LazyPattern(
     r"^(?:[\w./\"'#-]*[\d\"'#][\w./\"'°-]*|LET\S*|HSS|CARBIDE|COBALT)\s.*(?:DRILL|TAP|SINK)S?\s*$|\bTWIST\s+DRILL",
+    re.IGNORECASE,
+)
+# Work that is named before the tool that does it: "FINISH WALLS WITH 3/8 E.M.", "POCKET - 1/2 E.M."
+_OF_A_TOOL: Final = (
+    r"ROUGH\w*|FINISH\w*|LONG|SHORT|STUB\w*|CARBIDE|HSS|COBALT|FLUTES?|FLTS?|FL|BALL|FLAT|BULL|CORNER|NOSE|INSERT\w*"
+    r"|INDEX\w*|COATED|NEW|OLD|EXTENDED|REDUCED|CORNCOB|SPOT\w*|CENT\w*|DIA\w*|DEG\w*|RAD\w*|LET\w*|NO|NUM\w*|END"
+)
+WORK_BEFORE_TOOL: Final = LazyPattern(
+    rf"^(?:{_PLACE}\s+)*(?:{_any((*_SEMI_FINISH, *_ROUGH, *_FINISH))}\s+)*{_any(_FEATURE)}{_RIGHT}"
+    rf"|^(?:{_PLACE}\s+)*{_WORK}\s+(?!(?:{_OF_A_TOOL})\b)[^\W\d_]{{3}}",
     re.IGNORECASE,
 )

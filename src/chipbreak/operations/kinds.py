@@ -17,6 +17,7 @@ from chipbreak.operations import kind_words as words
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.lazy_pattern import LazyPattern
 from chipbreak.text.nearest import nearest
+from chipbreak.units import MM_PER_INCH, mm_per_unit
 
 UNKNOWN_KIND = "SET020"
 UNUSABLE_EXPRESSION = "SET021"
@@ -26,6 +27,8 @@ LONGEST_TEXT = 400  # characters; what follows belongs to a manual or a picture
 LONGEST_NAME = 14  # words; more are a sentence even without a verb
 LONGEST_TITLE = 10  # words
 _CACHE = 4096
+# So little "to leave" makes up for the cutter, and leaves nothing for another operation.
+_HAIR_MM = 0.02
 
 
 class Kind(enum.Enum):
@@ -41,10 +44,11 @@ class Kind(enum.Enum):
 
 
 class KindFinding(NamedTuple):
-    """A kind and the words it was read from."""
+    """A kind and the words it was read from; ``by_rule`` where a rule of the user's says it."""
 
     kind: Kind
     reason: str
+    by_rule: bool = False
 
 
 class OperationMark(NamedTuple):
@@ -112,9 +116,10 @@ def _user_pattern(name: str, text: str) -> re.Pattern[str]:
 
 
 @lru_cache(maxsize=_CACHE)
-def kind_of_text(text: str, rules: KindRules) -> KindFinding | None:
+def kind_of_text(text: str, rules: KindRules, unit_mm: float = MM_PER_INCH) -> KindFinding | None:
     """The kind a comment names, or ``None``; the user's rules first.
 
+    ``unit_mm`` is what its lengths are in: mm per unit of the program.
     Finishing counts before roughing (its limit is the stricter one), both before drilling ("FINISH BORE").
     """
     readings = _readings(text[:LONGEST_TEXT])
@@ -122,17 +127,26 @@ def kind_of_text(text: str, rules: KindRules) -> KindFinding | None:
         for reading in readings:
             if hit := pattern.search(reading):
                 source = f" (profile, operations.{kind.value})"
-                return KindFinding(kind, _reason(hit.group(), reading, source))
+                return KindFinding(kind, _reason(hit.group(), reading, source), by_rule=True)
     title = operation_title(text)
     if title is not None and not title.is_start:
         return None
-    stock = max(words.STOCK_TO_LEAVE.finditer(readings[0]), key=lambda said: float(said[1]), default=None)
-    if stock:
-        kind = Kind.ROUGH if float(stock[1]) > 0 else Kind.FINISH
-        return KindFinding(kind, _reason(stock.group(), readings[0]))
+    if by_stock := _kind_by_stock(readings[0], unit_mm):
+        return by_stock
     if _is_prose_or_code(readings[0]):
         return None
     return next((found for reading in readings if (found := _built_in_kind(reading))), None)
+
+
+def _kind_by_stock(reading: str, unit_mm: float) -> KindFinding | None:
+    """By how much is left; a size in mm or inches beside it says which of them it is."""
+    stock = max(words.STOCK_TO_LEAVE.finditer(reading), key=lambda said: float(said[1]), default=None)
+    if stock is None:
+        return None
+    unit = _diameter(reading)[1]
+    own_mm = mm_per_unit(is_inch=unit == "in") if unit else unit_mm
+    kind = Kind.ROUGH if float(stock[1]) * own_mm > _HAIR_MM else Kind.FINISH
+    return KindFinding(kind, _reason(stock.group(), reading))
 
 
 # The first found of these wins, wherever it is; after them the first in the text.
@@ -191,12 +205,24 @@ def operation_title(text: str) -> OperationMark | None:
         return None
     if words.STRATEGY_TITLE.match(reading):
         return OperationMark(True, reading)
-    if words.NOT_A_TITLE.search(reading) or tool_text(text) is not None:
+    if words.NOT_A_TITLE.search(reading):
+        return None
+    if tool_text(text) is not None and not _names_work_first(reading):
         return None
     if words.HAND_TITLE.match(reading):
         return OperationMark(True, reading)
     readings = (other for other in _readings(text) if words.JAPANESE_KIND.search(_cleared(other)))
     return next((OperationMark(True, other) for other in readings), None)
+
+
+def _names_work_first(reading: str) -> bool:
+    """True for work that ends with the size and type of its tool: "FINISH WALLS WITH 3/8 E.M."."""
+    tool = words.TOOL_WORDS.search(reading)
+    size = words.SIZE.search(reading)
+    if tool is None or size is None:
+        return False
+    head = reading[: min(tool.start(), size.start())]
+    return words.WORK_BEFORE_TOOL.match(head) is not None
 
 
 _DIRECTIVE = re.compile(r"^\s*OP\s+([A-Z]+(?:[\s-]+[A-Z]+)?)\s*$", re.IGNORECASE)
@@ -236,6 +262,9 @@ def tool_text(text: str) -> ToolNote | None:
     reading = _readings(text)[0]
     if len(reading) > LONGEST_TEXT or words.ACTIVE_OR_CODE.search(reading):
         return None
+    label = words.LABELLED.match(reading)
+    if label and not words.TOOL_AHEAD.match(reading):
+        return None  # the name of an operation, whatever tool it speaks of
     is_sentence = _is_prose_or_code(reading)
     for pattern, note_of in _POST_FORMS if is_sentence else (*_POST_FORMS, *_HAND_FORMS):
         if hit := pattern.match(reading):
@@ -262,7 +291,32 @@ def _cambam_tool(hit: re.Match[str], reading: str) -> ToolNote:
 def _tool_fact(hit: re.Match[str], reading: str) -> ToolNote:
     if hit["d"] or hit["cr"]:
         return ToolNote(None, _number(hit["d"]), _number(hit["cr"]), None, None, reading)
-    return _described(None, hit["name"] or hit["change"], reading)
+    return _described(None, hit["name"], reading)
+
+
+def _tool_ahead(hit: re.Match[str], reading: str) -> ToolNote | None:
+    note = _described(None, hit["tool"], reading)
+    return note if note.type or note.diameter else None
+
+
+def _coppercam_tool(hit: re.Match[str], reading: str) -> ToolNote:
+    unit = hit["unit"] and ("mm" if hit["unit"].upper() == "MM" else "in")
+    diameter = float(hit["d"].replace(",", "."))
+    return ToolNote(int(hit["n"]), diameter, None, None, _tool_type(hit["name"]), hit["name"], unit)
+
+
+def _cutviewer_tool(hit: re.Match[str], reading: str) -> ToolNote:
+    diameter = float(hit["d"])
+    second = float(hit["second"])
+    if not hit["mill"]:
+        return ToolNote(None, diameter, None, second, "drill", reading)
+    taper = _number(hit["taper"]) or None
+    if taper:
+        return ToolNote(None, diameter, second, taper, "tapered mill", reading)
+    if not second:
+        return ToolNote(None, diameter, second, None, "flat end mill", reading)
+    kind = "ball end mill" if second * 2.0 >= diameter else "bull nose end mill"
+    return ToolNote(None, diameter, second, None, kind, reading)
 
 
 def _tool_number(hit: re.Match[str], reading: str) -> ToolNote:
@@ -281,10 +335,13 @@ _Form = tuple[LazyPattern, Callable[[re.Match[str], str], ToolNote | None]]
 _POST_FORMS: tuple[_Form, ...] = (
     (words.FUSION_TOOL, _fusion_tool),
     (words.MASTERCAM_TOOL, _mastercam_tool),
+    (words.COPPERCAM_TOOL, _coppercam_tool),
+    (words.CUTVIEWER_TOOL, _cutviewer_tool),
 )
 _HAND_FORMS: tuple[_Form, ...] = (
     (words.CAMBAM_TOOL, _cambam_tool),
     (words.TOOL_FACT, _tool_fact),
+    (words.TOOL_AHEAD, _tool_ahead),
     (words.TOOL_NUMBER, _tool_number),
     (words.HAND_TOOL, _hand_tool),
 )

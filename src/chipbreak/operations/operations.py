@@ -20,6 +20,7 @@ from chipbreak.model.modal import State
 from chipbreak.operations.cycle_kinds import kind_by_cycle
 from chipbreak.operations.kinds import (
     Kind,
+    KindFinding,
     KindRules,
     OperationMark,
     directive,
@@ -323,10 +324,24 @@ class _Judge:
         if draft.tool in self.tool_list:
             tools.append(self.tool_list[draft.tool])
         for remark in said + tools:
-            finding = kind_of_text(remark.text, self.rules)
-            if finding:
+            finding = kind_of_text(remark.text, self.rules, self._unit_mm(last))
+            if finding and not self._only_taps(finding, draft, last):
                 return finding.kind, f"{finding.reason}, {self._line(remark.line)}"
-        return self._kind_by_cycles(draft, last) or (Kind.UNKNOWN, self._unknown(draft.titles, tools))
+        cycles = self._cycles(draft, last)
+        by_cycle = next(((kind, cycles[kind]) for kind in _CYCLE_ORDER if kind in cycles), None)
+        return by_cycle or (Kind.UNKNOWN, self._unknown(draft.titles, tools))
+
+    def _unit_mm(self, last: int) -> float:
+        """mm per unit of the program at the end of an operation: tool lists stand before G20 and G21."""
+        at = bisect_left(self.event_lines, last) - 1
+        return self.interpreted.effects[at].after.mm_per_unit if at >= 0 else 1.0
+
+    def _only_taps(self, finding: KindFinding, draft: _Draft, last: int) -> bool:
+        """True where a title calls a tap a drill, as CAM systems number holes: DRILL12, which runs G84."""
+        if finding.kind is not Kind.DRILL or finding.by_rule:
+            return False
+        cycles = self._cycles(draft, last)
+        return Kind.THREAD in cycles and Kind.DRILL not in cycles
 
     @staticmethod
     def _is_about_tool(remark: _Remark, draft: _Draft) -> bool:
@@ -334,7 +349,8 @@ class _Judge:
         beside_call = remark.line == draft.call
         return beside_call or (note is not None and note.number in (None, draft.tool))
 
-    def _kind_by_cycles(self, draft: _Draft, last: int) -> tuple[Kind, str] | None:
+    def _cycles(self, draft: _Draft, last: int) -> dict[Kind, str]:
+        """The kinds that cycles of an operation mean, each with its reason."""
         found: dict[Kind, str] = {}
         at = bisect_left(self.event_lines, draft.first)
         end = bisect_left(self.event_lines, last)
@@ -342,7 +358,7 @@ class _Judge:
             kind = kind_by_cycle(effect)
             if kind and kind not in found:
                 found[kind] = f"{_BY_CYCLE}{effect.block.text.strip()[:40]}, {self._line(effect.block.line)}"
-        return next(((kind, found[kind]) for kind in _CYCLE_ORDER if kind in found), None)
+        return found
 
     def _unknown(self, titles: Sequence[_Remark], tools: Sequence[_Remark]) -> str:
         looked = [

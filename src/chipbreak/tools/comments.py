@@ -2,18 +2,20 @@
 
 A comment that names a tool ("T2 D=12. CR=0. - FLAT END MILL", "Tool Number: 4") is about that tool, and so
 are single facts straight after it ("DIA: 10", "Number of Flutes: 4").  One without a number is about the
-tool that is called in the same block, or in the one before as long as nothing has moved.
+tool that is called in the same block, or in the one before as long as nothing has moved, or else about the
+one that is called straight after it ("TC: 6mm Endmill").
 """
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_right
-from typing import Any
+from typing import Any, Final, NamedTuple
 
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of
-from chipbreak.operations.kind_words import FUSION_TOOL, TOOL_FACT
+from chipbreak.operations.kind_words import CUTVIEWER_TOOL, FUSION_TOOL, TOOL_AHEAD, TOOL_FACT
 from chipbreak.operations.kinds import ToolNote, tool_text
 from chipbreak.operations.operations import calls_tool
 from chipbreak.syntax.nodes import Block
@@ -22,6 +24,13 @@ from chipbreak.tools.facts import holder_said, stick_out_said, teeth_said
 from chipbreak.tools.tips import Tip, tip_of_type
 from chipbreak.tools.values import name_of, number_of, type_of
 from chipbreak.units import mm_per_unit
+
+# Codes that only take the machine to its tool change.
+_WAYS_HOME: Final = frozenset({"home", "machine"})
+# Of a tool that is put away, or of another one.
+_AWAY: Final = re.compile(
+    r"\b(?:REMOVE|UNLOAD|TAKE|PREVIOUS|LAST|OLD|AFTER|BEFORE|FROM|SAME)\b", re.IGNORECASE
+)
 
 
 def tools_in_comments(interpreted: InterpretedProgram) -> list[ToolData]:
@@ -67,6 +76,19 @@ def _word(unit: str) -> str:
     return "inches" if unit == "inch" else "mm"
 
 
+class _Remark(NamedTuple):
+    """A comment, and the tool it describes."""
+
+    line: int
+    text: str
+    note: ToolNote | None
+
+
+def _is_fact(text: str) -> bool:
+    """True for what says something of a tool that was named before."""
+    return any(form.match(text.strip()) for form in (TOOL_FACT, TOOL_AHEAD, CUTVIEWER_TOOL))
+
+
 class _Reader:
     """One walk over the comments; ``current`` is the tool that facts without a number are about."""
 
@@ -77,38 +99,76 @@ class _Reader:
         self.found: list[ToolData] = []
         self.current: int | None = None
         self.is_called = False
+        self.waiting: list[_Remark] = []  # about the tool that is called next, or the one that cuts next
         self.line = 0  # of the block before
         self.units = _unit_codes(interpreted)
 
     def read(self, block: Block) -> None:
         # Plain motion is no special line; it shows between two of them.
         if bool((self.interpreted.program.plain[self.line : block.line] >= 0).any()):
-            self.current = None
+            self._move()
         self.line = block.line
         effect = self.effect_at.get(block.line)
         if effect and calls_tool(effect, self.dialect):
-            self.current = effect.after.tool
-            self.is_called = True
-        elif effect and (effect.move or effect.non_modal):
+            self._call(effect.after.tool or None)  # T0 M6 calls none
+        elif effect and effect.non_modal & _WAYS_HOME:
             self.current = None
+        elif effect and (effect.move or effect.non_modal):
+            self._move()
         elif not block.is_empty and not self.is_called:
             self.current = None  # the list of tools ends here
         for comment in block.comments:
-            self._remark(block.line, comment.text)
+            self._remark(block, comment.text)
 
-    def _remark(self, line: int, text: str) -> None:
+    def _call(self, tool: int | None) -> None:
+        self.current = tool
+        self.is_called = True
+        self._settle()
+
+    def _move(self) -> None:
+        """What was said since the last call, and no call came, is about the tool in the spindle."""
+        if self.is_called:
+            self._settle()
+        self.waiting = []
+        self.current = None
+
+    def _settle(self) -> None:
+        for remark in self.waiting:
+            self._keep(remark)
+        self.waiting = []
+
+    def _remark(self, block: Block, text: str) -> None:
         note = tool_text(text)
+        remark = _Remark(block.line, text, note)
         number = self._number(note) if note else None
         if number is not None:
-            self.current = number
+            self.current = number or None
             self.is_called = False
-        is_fact = bool(TOOL_FACT.match(text.strip())) or note is None
-        if self.current is None or not (number is not None or self.is_called or is_fact):
+            self._keep(remark)
+        elif note is not None and block.is_empty and self._waits(text):
+            self.waiting.append(remark)
+        elif self.is_called or note is None or _is_fact(text):
+            self._keep(remark)
+
+    def _waits(self, text: str) -> bool:
+        """True for a tool without a number that is said on a line of its own, as it is before its call."""
+        if self.current is not None and not self.is_called:
+            return False  # one more line about a tool of the list
+        is_ahead = any(form.match(text.strip()) for form in (TOOL_AHEAD, CUTVIEWER_TOOL))
+        return is_ahead or (self.current is None and _AWAY.search(text) is None)
+
+    def _keep(self, remark: _Remark) -> None:
+        """What a remark says is about the current tool."""
+        if self.current is None:
             return
-        values = self._values(line, text, note)
+        values = self._values(*remark)
         if values:
-            origin = f"comment in line {self.interpreted.program.source.place(line).line}"
-            self.found.append(ToolData.said(self.current, origin, values))
+            origin = f"comment in line {self.interpreted.program.source.place(remark.line).line}"
+            one = ToolData.said(self.current, origin, values)
+            if not (
+                self.found and self.found[-1].known() == one.known() and self.found[-1].number == one.number
+            ):
+                self.found.append(one)  # some posts say a tool twice
 
     def _number(self, note: ToolNote) -> int | None:
         """The tool; on a turret ``T0212`` is tool 2 with offset 12."""
@@ -135,13 +195,15 @@ def _values_of_note(note: ToolNote, unit_mm: float) -> dict[str, Any]:
     kind = (type_of(note.type) or name_of(note.type)) if note.type else None
     # Fusion's TAPER is the point angle of a drill, and the side of a tapered mill.
     is_point = tip_of_type(kind) is Tip.POINT
-    is_name = not (TOOL_FACT.match(note.text.strip()) or FUSION_TOOL.match(note.text))
+    ahead = TOOL_AHEAD.match(note.text)
+    is_name = not (_is_fact(note.text) or FUSION_TOOL.match(note.text))
+    name = ahead["tool"] if ahead else note.text if is_name else ""
     return {
         "type": kind,
         "diameter_mm": note.diameter * unit_mm if note.diameter else None,
         "corner_radius_mm": None if note.corner_radius is None else note.corner_radius * unit_mm,
         "point_deg": note.taper_deg if is_point else None,
-        "name": name_of(note.text) if is_name else None,
+        "name": name_of(name),
     }
 
 

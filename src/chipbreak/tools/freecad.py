@@ -134,11 +134,28 @@ def _bit_values(name: str, data: bytes) -> dict[str, Any]:
         if key in parameters:
             value = _quantity(errors, key, field, parameters[key])
             values[field] = value if value or field == "corner_radius_mm" else None
+    if values.get("corner_radius_mm") is None and "FlatRadius" in parameters:
+        values["corner_radius_mm"] = _round_corner(
+            errors, values.get("diameter_mm"), parameters["FlatRadius"]
+        )
     errors.raise_if_any()
     values["type"] = _type(bit)
     label = bit.get("name")
     values["name"] = name_of(label) if isinstance(label, str) else None
     return values
+
+
+def _round_corner(errors: Errors, diameter_mm: float | None, flat: Any) -> float | None:
+    """The corner radius [mm] of a bull nose that is described by the radius of its flat end."""
+    flat_mm = _quantity(errors, "FlatRadius", "corner_radius_mm", flat)
+    if flat_mm is None or diameter_mm is None:
+        return None
+    if flat_mm > diameter_mm / 2.0:
+        line = json_line(errors, ("parameter", "FlatRadius"))
+        message = f"FlatRadius {flat_mm:g} mm is more than half the Diameter {diameter_mm:g} mm"
+        errors.add(BAD_VALUE, message, "correct the bit in FreeCAD", line)
+        return None
+    return diameter_mm / 2.0 - flat_mm
 
 
 def _type(bit: Mapping[str, Any]) -> str | None:

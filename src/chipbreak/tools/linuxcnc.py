@@ -15,7 +15,7 @@ from chipbreak.tools.cells import decoded
 from chipbreak.tools.data import BAD_VALUE, NO_NUMBER, UNKNOWN_KEY, Errors, ToolData
 from chipbreak.tools.facts import teeth_said
 from chipbreak.tools.reader import Unit
-from chipbreak.tools.values import name_of, number_of
+from chipbreak.tools.values import name_of, number_of, type_of
 
 _WORD: Final = re.compile(
     r"\s*(?:([A-Za-z])\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)(?=[\sA-Za-z]|$)|(\S+))"
@@ -73,7 +73,9 @@ def _tool(
     note = tool_text(comment)
     is_turning = "Q" in words and float(words["Q"][0]) != 0.0
     values: dict[str, Any] = {"name": name_of(comment), "teeth": teeth_said(comment)}
-    values["type"] = "turning tool" if is_turning else note.type if note else None
+    # A remark here names the tool, so also a word that elsewhere may be work names its type: ";drill 5 mm".
+    said = (note.type if note else None) or type_of(comment)
+    values["type"] = "turning tool" if is_turning else said
     try:
         text, start, end = words["T"]
         number = number_of("number", text)

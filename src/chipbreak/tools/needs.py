@@ -59,7 +59,7 @@ _WHERE: Final = {
 def lacking(tool: ToolData, check: Check) -> list[str]:
     """The fields that a check needs and nobody gave."""
     tip = tip_of(tool)
-    if tip is Tip.STANDING:
+    if tip in (Tip.STANDING, Tip.NO_EDGE):
         return []
     known = tool.known()
     if tip is None:

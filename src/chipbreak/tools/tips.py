@@ -16,6 +16,7 @@ class Tip(enum.Enum):
     CORNER = "corner radius"
     POINT = "point"
     STANDING = "does not rotate"
+    NO_EDGE = "has no edge"
 
 
 _TIPS: Final = {
@@ -39,7 +40,9 @@ _TIPS: Final = {
     "grooving tool": Tip.STANDING,
     "parting tool": Tip.STANDING,
     "threading tool": Tip.STANDING,
-    "probe": Tip.STANDING,
+    "probe": Tip.NO_EDGE,
+    "chip fan": Tip.NO_EDGE,
+    "air nozzle": Tip.NO_EDGE,
 }
 
 
