@@ -12,11 +12,12 @@ from chipbreak.model.modal import State
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.syntax.numbers import print_number
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.lazy_pattern import LazyPattern
 from chipbreak.units import spindle_speed_rpm
 
 _MOST_RPM = 1e7
-_DIRECTIVE = re.compile(r"\s*SPEED\s+(.*?)\s*$", re.IGNORECASE)
-_ITEM = re.compile(r"([VD])\s*=?\s*([-+]?(?:\d+\.?\d*|\.\d+))[\s,]*", re.IGNORECASE)
+_DIRECTIVE = LazyPattern(r"\s*SPEED\s+(.*?)\s*$", re.IGNORECASE)
+_ITEM = LazyPattern(r"([VD])\s*=?\s*([-+]?(?:\d+\.?\d*|\.\d+))[\s,]*", re.IGNORECASE)
 # Words that keep V and D from being ours: axes, offsets, and calls that read every letter.
 _FOREIGN = frozenset("XYZUWABCHIJKRPQL")
 

@@ -225,7 +225,7 @@ def _names_work_first(reading: str) -> bool:
     return words.WORK_BEFORE_TOOL.match(head) is not None
 
 
-_DIRECTIVE = re.compile(r"^\s*OP\s+([A-Z]+(?:[\s-]+[A-Z]+)?)\s*$", re.IGNORECASE)
+_DIRECTIVE = LazyPattern(r"^\s*OP\s+([A-Z]+(?:[\s-]+[A-Z]+)?)\s*$", re.IGNORECASE)
 # "(OP ROUGH)" or "(OP ROUGHING)"
 _DIRECTIVES = {
     word: kind

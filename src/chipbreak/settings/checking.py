@@ -7,6 +7,7 @@ import re
 import types
 import typing
 from collections.abc import Callable, Iterable, Mapping
+from functools import cache
 from typing import Any, NamedTuple
 
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS
@@ -72,7 +73,7 @@ def checked_value(layer: Layer, section: str, key: str, value: Any) -> Any:
     fields = {f.name: f for f in dataclasses.fields(SECTIONS[section])}
     if key not in fields:
         raise layer.fail(UNKNOWN_KEY, full, f"there is no key {full}", hint_at(key, fields))
-    hints = typing.get_type_hints(SECTIONS[section])
+    hints = _hints(section)
     meta = fields[key].metadata
     if meta.get("table"):
         return _checked_table(layer, full, value, typing.get_args(hints[key])[1], meta)
@@ -82,6 +83,12 @@ def checked_value(layer: Layer, section: str, key: str, value: Any) -> Any:
         inner = typing.get_args(next(a for a in _options(hints[key]) if typing.get_origin(a) is tuple))[0]
         return tuple(_checked_value(layer, full, item, (inner,), meta) for item in items)
     return _checked_value(layer, full, value, kinds, meta)
+
+
+@cache
+def _hints(section: str) -> Mapping[str, Any]:
+    """The types of the keys of a section."""
+    return typing.get_type_hints(SECTIONS[section])
 
 
 def _checked_table(

@@ -6,20 +6,21 @@ import re
 from typing import Final, NamedTuple
 
 from chipbreak.operations.kinds import LONGEST_TEXT
+from chipbreak.text.lazy_pattern import LazyPattern
 
 _DECIMAL: Final = r"\d+(?:\.\d*)?|\.\d+"
 # "4 FLUTE", "2-Flute", "3FL", "Number of Flutes: 4"
-_TEETH: Final = re.compile(
+_TEETH: Final = LazyPattern(
     r"(?<![\w./-])(?P<before>\d{1,2})[\s-]*(?:FLUTES?|FLTS?|FL)\b\.?(?!\s*[:=])"
     r"|\b(?:(?:NUMBER|NO\.?)\s+OF\s+(?:FLUTES|TEETH)|FLUTES)\s*[:=]\s*(?P<after>\d{1,2})\b",
     re.IGNORECASE,
 )
 _LENGTH: Final = rf"\s*[:=]?\s*(?P<length>{_DECIMAL})\s*(?P<unit>MM\b|\"|IN\b|INCH\b)?(?![\w.])"
 # "STICKOUT/OVERHANG: 42", "STICK-OUT = 1.5 IN", "OVERHANG 30MM"
-_STICK_OUT: Final = re.compile(
+_STICK_OUT: Final = LazyPattern(
     rf"\b(?:STICK[\s-]?OUT|OVERHANG)(?:/(?:STICK[\s-]?OUT|OVERHANG))?{_LENGTH}", re.IGNORECASE
 )
-_HOLDER: Final = re.compile(rf"\bHOLDER\s+LENGTH{_LENGTH}", re.IGNORECASE)
+_HOLDER: Final = LazyPattern(rf"\bHOLDER\s+LENGTH{_LENGTH}", re.IGNORECASE)
 
 
 class Length(NamedTuple):

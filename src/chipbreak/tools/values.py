@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from typing import Any, Final, NamedTuple
 
 from chipbreak.operations import kind_words as words
+from chipbreak.text.lazy_pattern import LazyPattern
 from chipbreak.text.nearest import nearest
 
-_NUMBER: Final = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?")
+_NUMBER: Final = LazyPattern(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?")
 LONGEST_NAME = 80  # characters that are kept of a name
 
 

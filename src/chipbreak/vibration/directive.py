@@ -10,6 +10,7 @@ from chipbreak.kinematics.sourced_value import SourcedValue
 from chipbreak.kinematics.wave_names import WAVE_NAMES
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.frozen_table import FrozenTable
+from chipbreak.text.lazy_pattern import LazyPattern
 from chipbreak.text.nearest import nearest
 
 WAVE_WORDS = tuple(map(str.upper, WAVE_NAMES))
@@ -27,9 +28,9 @@ KEYS = {
     "EDGES": "cutting edges",
     "WAVE": f"{', '.join(WAVE_WORDS[:-1])} or {WAVE_WORDS[-1]}",
 }
-_DIRECTIVE = re.compile(r"\s*VIB(?:[\s,]+(.*?))?\s*$", re.IGNORECASE | re.DOTALL)
+_DIRECTIVE = LazyPattern(r"\s*VIB(?:[\s,]+(.*?))?\s*$", re.IGNORECASE | re.DOTALL)
 _VALUE = rf"{'|'.join(WAVE_WORDS)}|[-+]?(?:\d+\.?\d*|\.\d+)"
-_ITEM = re.compile(rf"\s*([A-Z]+?)\s*(?:=\s*)?({_VALUE})(?=[\s,A-Z]|$)[\s,]*")
+_ITEM = LazyPattern(rf"\s*([A-Z]+?)\s*(?:=\s*)?({_VALUE})(?=[\s,A-Z]|$)[\s,]*")
 
 
 class Directive(NamedTuple):

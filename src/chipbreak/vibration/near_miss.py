@@ -7,11 +7,12 @@ from bisect import bisect_right
 
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
+from chipbreak.text.lazy_pattern import LazyPattern
 from chipbreak.vibration.directive import WAVE_WORDS, read_directive
 
 NEAR_MISS = "VIB066"
 _MOST_LOOKED_AT = 1000
-_COMMENT = re.compile(
+_COMMENT = LazyPattern(
     r"\s*VIB(?:RAT(?:ION|E|ING)?)?[\s:;=,._-]*(?P<rest>(?:(?:[SNEFQAK]|ALPHA|RAMP|EDGES|WAVE)\s*=?\s*"
     rf"(?:[-+]?\.?\d|{'|'.join(WAVE_WORDS)})|ON\b|OFF\b).*?)\s*",
     re.IGNORECASE | re.DOTALL,

@@ -14,6 +14,7 @@ from chipbreak.operations.operations import Operation
 from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
+from chipbreak.text.lazy_pattern import LazyPattern
 from chipbreak.vibration.cut_path import CutPath
 from chipbreak.vibration.directive import KEYS, Directive, read_directive
 from chipbreak.vibration.left_cut import UNASKED_FINISHING, LeftCut
@@ -36,11 +37,11 @@ _FROM_PROFILE = {
 }
 _INSTEAD = {"N": "E", "E": "N", "Q": "A", "A": "Q"}
 _OFF = Directive(False)
-_CODE = re.compile(r"[GMSTF]\s*\d", re.IGNORECASE)
-_AXIS = re.compile(r"[XYZUVWABC]\s*[-+.\d]")
-_COUNT = re.compile(r"N\s*[-+]?[.\d]")
-_FEED = re.compile(r"F\s*[.\d]")
-_FREQUENCY = re.compile(r"f\s*[-+]?[.\d]")
+_CODE = LazyPattern(r"[GMSTF]\s*\d", re.IGNORECASE)
+_AXIS = LazyPattern(r"[XYZUVWABC]\s*[-+.\d]")
+_COUNT = LazyPattern(r"N\s*[-+]?[.\d]")
+_FEED = LazyPattern(r"F\s*[.\d]")
+_FREQUENCY = LazyPattern(r"f\s*[-+]?[.\d]")
 
 
 def may_be_left(asked_by: AskedBy, refused: str) -> bool:
