@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from chipbreak.dialects import FANUC_MILL
 from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.parse import read_block
 
 
 def block(text: str) -> Block:
-    return read_block(0, text)
+    return read_block(0, text, FANUC_MILL)
 
 
 def test_a_word_with_one_of_some_numbers() -> None:
