@@ -124,8 +124,9 @@ def _check_lengths(
 def _next_motion_code(interpreted: InterpretedProgram, first: int) -> int:
     """The next line that says G0 to G3 or another motion code; the last line where there is none."""
     stop = interpreted.program.source.body.stop
+    path = interpreted.before(first).path
     for effect in interpreted.effects_of(first, stop):
-        if codes_of(effect.block, "motion", interpreted.settings.dialect):
+        if effect.after.path == path and codes_of(effect.block, "motion", interpreted.settings.dialect):
             return effect.block.line
     return stop
 

@@ -14,6 +14,10 @@ from chipbreak.text.frozen_table import FrozenTable
 # Groups whose codes act in their own block only.  The interpreter and the refusals know them by value.
 NON_MODAL = "non_modal"
 
+# What a mark of a block says: another program begins, the lines behind it are of that path, its path waits
+# for another one, its spindle words are for another spindle.
+PROGRAM, PATH, WAIT, SPINDLE = "program", "path", "wait", "spindle"
+
 
 # The operators of expressions, the strongest first; those of one set are worked out from left to right.
 Precedence = tuple[frozenset[str], ...]
@@ -51,12 +55,18 @@ class MCode(NamedTuple):
     ``subprogram``       ``call``, ``local-call`` (of a block of this program), ``external-call``, ``return``
     ``tool``             ``change``: the tool that a T word has named comes into the spindle
     ``modes``            ``keep`` what is in force, ``give-back`` what was kept
+    ``other_spindle``    turned or stopped by it: ``cw``, ``ccw``, ``stop``
     ``before_move``      True where it acts before its block moves
     """
 
     group: str
     value: str
     before_move: bool = False
+
+
+PROGRAM_MARKS = FrozenTable({"PROGRAM-NAME": PROGRAM, "PROGRAM-NUMBER": PROGRAM})
+# Lathes that work with several paths at once.
+PATH_MARKS = PROGRAM_MARKS | FrozenTable({"PATH-MARK": PATH, "HEAD-MARK": PATH, "WAIT-MARK": WAIT})
 
 
 class Loop(NamedTuple):
@@ -107,6 +117,10 @@ COMMON_M_CODES = m_table(
     program={"M2 M30": "end"},
     subprogram={"M97": "local-call", "M98": "call", "M198": "external-call", "M99": "return"},
 )
+# Lathes with a second and a third spindle number their codes so.
+OTHER_SPINDLES = m_table(
+    other_spindle={"M103 M203 M303": "cw", "M104 M204 M304": "ccw", "M105 M205 M305": "stop"},
+)
 CHANGER_M_CODES = COMMON_M_CODES | m_table(tool={"M6": "change"})
 THROUGH_SPINDLE = m_table(coolant_through={"M88": "on", "M89": "off"})
 
@@ -136,6 +150,8 @@ class Dialect(NamedTuple):
     ``place_variables`` numbers and names of the variables that hold the place where the tool stands
     ``place_settings`` the L of those G10 that work with that place
     ``turns_offsets`` the R of ``G10 L2`` turns a work offset
+    ``marks``         what a mark says on this control: its keyword -> PROGRAM, PATH, WAIT or SPINDLE
+    ``spindle_word``  the letter that says which spindle S and M3 are for; empty where there is none
     ``line_needs_feed`` a G1 without F is refused, and G94 and G95 end the F before
     ``macros``        the programs that check tools on this control; None where there are none
     ``call_sets``     sets of calls of such programs by name, ``builtin`` those of ``macros``
@@ -169,6 +185,8 @@ class Dialect(NamedTuple):
     place_variables: frozenset[int | str] = frozenset(range(5001, 5061))
     place_settings: frozenset[float] = frozenset()
     turns_offsets: bool = False
+    marks: Mapping[str, str] = FrozenTable({})
+    spindle_word: str = ""
     line_needs_feed: bool = False
     converts_feed: bool = False
     macros: MacroSet | None = None

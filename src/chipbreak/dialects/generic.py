@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-from chipbreak.dialects.base import COMMON, LOGIC_LAST, Dialect, table
+from chipbreak.dialects.base import (
+    COMMON,
+    COMMON_M_CODES,
+    LOGIC_LAST,
+    OTHER_SPINDLES,
+    PATH_MARKS,
+    Dialect,
+    table,
+)
 from chipbreak.dialects.modes import Modes
 from chipbreak.text.frozen_table import FrozenTable
 
@@ -38,6 +46,9 @@ GENERIC_LATHE = Dialect(
     tool_change="T",
     grammar="fanuc",
     precedence=LOGIC_LAST,
+    m_codes=COMMON_M_CODES | OTHER_SPINDLES,
+    marks=PATH_MARKS,
+    spindle_word="P",
     incremental=FrozenTable({"U": "X", "V": "Y", "W": "Z", "H": "C"}),
     speed_limit=frozenset({500, 920}),
     machine_retract=("G28 U0", "G28 W0"),

@@ -6,6 +6,7 @@ from chipbreak.dialects.base import (
     CHANGER_M_CODES,
     COMMON,
     LOGIC_LAST,
+    SPINDLE,
     THROUGH_SPINDLE,
     Dialect,
     Loop,
@@ -77,6 +78,7 @@ LINUXCNC_LATHE = Dialect(
     place_variables=_PLACES,
     place_settings=frozenset({10.0, 11.0, 20.0}),
     turns_offsets=True,
+    marks=FrozenTable({"PATH-MARK": SPINDLE}),
     line_needs_feed=True,
     converts_feed=True,
 )

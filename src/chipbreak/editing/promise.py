@@ -56,11 +56,13 @@ class Written:
         return None
 
     def blocks_behind(self) -> Iterator[BlockEffect]:
-        """What the original does from the edit to the next one, or to the end of the program."""
+        """What the original does in the same path from the edit to the next one, or to the program's end."""
+        path = self.was_behind.path
         for effect in self.original.effects_of(self.edit.last, self.stop):
             if effect.after.ended:
                 return
-            yield effect
+            if effect.after.path == path:
+                yield effect
 
     def line_in_result(self, line: int) -> int:
         """Where a line of the original before the next edit stands in the output."""

@@ -8,9 +8,11 @@ could not give back, and look-ahead control.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Mapping
 from itertools import takewhile
+from typing import ClassVar
 
+from chipbreak.dialects.base import PATH, WAIT
 from chipbreak.dialects.modes import Group
 from chipbreak.insertion.conditional_state import conditional_state, jumps_of, nests_of, optional_parts
 from chipbreak.insertion.lasting_effects import (
@@ -24,9 +26,10 @@ from chipbreak.insertion.lasting_effects import (
 from chipbreak.insertion.looking_back import effects_before
 from chipbreak.insertion.subprograms import Subprograms
 from chipbreak.insertion.sure_effects import words_for
-from chipbreak.insertion.ways_out import CALL_THE_TOOL_AGAIN, Obstacle
+from chipbreak.insertion.ways_out import CALL_THE_TOOL_AGAIN, MAKE_A_PLACE, ONE_PATH_A_FILE, Obstacle
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
+from chipbreak.model.paths import marks_that
 from chipbreak.model.words import codes_of
 from chipbreak.operations.main_program import MainProgram
 from chipbreak.operations.operations import calls_tool
@@ -57,6 +60,7 @@ class Obstacles:
         self.interpreted = interpreted
         self.main = main
         self.dialect = interpreted.settings.dialect
+        self._paths = self._why_of_paths()
         subprograms = Subprograms(interpreted)
         self._nests = list(nests_of(interpreted))
         self._jumps = jumps_of(interpreted)
@@ -74,8 +78,7 @@ class Obstacles:
         for rule in self._RULES:
             why = rule(self, line, state)
             if why:
-                is_unreadable = rule is Obstacles._behind_what_is_unreadable
-                return Obstacle(why, CALL_THE_TOOL_AGAIN) if is_unreadable else Obstacle(why)
+                return Obstacle(why, self._WAYS_OUT.get(rule, MAKE_A_PLACE))
         return None
 
     def why_place_is_conditional(self, line: int, axes: Collection[str]) -> str:
@@ -108,6 +111,9 @@ class Obstacles:
         return (
             "" if is_inside and not state.ended else "it is in a subprogram or after the end of the program"
         )
+
+    def _in_one_of_several_paths(self, _line: int, _: State) -> str:
+        return self._paths
 
     def _in_a_nest(self, line: int, _: State) -> str:
         is_in = any(nest.first < line <= nest.last for nest in self._nests)
@@ -198,6 +204,7 @@ class Obstacles:
         return True
 
     _RULES = (
+        _in_one_of_several_paths,
         _outside_the_main_program,
         _in_a_nest,
         _between_jumps,
@@ -213,6 +220,18 @@ class Obstacles:
         _taps,
         _looks_ahead,
     )
+    _WAYS_OUT: ClassVar[Mapping[Callable[[Obstacles, int, State], str], str]] = {
+        _behind_what_is_unreadable: CALL_THE_TOOL_AGAIN,
+        _in_one_of_several_paths: ONE_PATH_A_FILE,
+    }
+
+    def _why_of_paths(self) -> str:
+        """Why nothing may be inserted into a program of several paths, "" where it has one."""
+        for effect in self.interpreted.effects:
+            for mark in marks_that(effect.block, self.dialect, PATH, WAIT):
+                where = f"{mark.label}, line {self._user_line(effect.block.line)}"
+                return f"the program has several paths ({where}), of which none is followed into another"
+        return ""
 
     # --- words of messages ----------------------------------------------------------------------------
     def _how(self, line: int) -> str:

@@ -8,6 +8,8 @@ MAKE_A_PLACE: Final = "make a place for it: G0 to a known position, G40, G80, th
 CALL_THE_TOOL_AGAIN: Final = "call the tool again after it: from there on all is known"
 MOVE_WITH_G40: Final = "move X or Y in the block of G40 or after it, in rapid"
 
+ONE_PATH_A_FILE: Final = "write each path into a file of its own, without marks, and filter these"
+
 
 class Obstacle(NamedTuple):
     """Why nothing may be inserted before a line, and what would help."""

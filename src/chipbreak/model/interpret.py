@@ -19,6 +19,14 @@ from chipbreak.model.flow import Flow
 from chipbreak.model.m_codes import m_code
 from chipbreak.model.modal import LOOPED, UNREAD, Position, Setting, State
 from chipbreak.model.motion import move_of
+from chipbreak.model.paths import (
+    CALLERS_STATE,
+    begins_program,
+    behind_choice,
+    behind_wait,
+    entered,
+    spindle_choice,
+)
 from chipbreak.model.values import Said, values_after
 from chipbreak.model.vibration_words import vibration_words
 from chipbreak.model.words import JUMPED, plain_value
@@ -26,6 +34,7 @@ from chipbreak.settings.axis_words import AXES, CENTRES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.source import Source
 
 Words = tuple[Word, ...]
 _MODES_WITH_WORDS = frozenset({"path", "look_ahead"})  # P, Q and R beside G64 or G5.1 are theirs
@@ -48,9 +57,10 @@ def initial_state(settings: Settings) -> State:
 class Interpreter:
     """Reads blocks under one profile.  Holds no state of its own."""
 
-    def __init__(self, settings: Settings, flow: Flow) -> None:
+    def __init__(self, settings: Settings, flow: Flow, source: Source | None = None) -> None:
         self.settings = settings
         self.flow = flow
+        self.source = source
         self.dialect = settings.dialect
         self.number_rule = settings.number_rule
         self.axis_letters = frozenset(settings.axis_words.axes)
@@ -58,12 +68,11 @@ class Interpreter:
 
     def advance(self, state: State, block: Block) -> BlockEffect:
         """What a block does."""
-        if state.ended and not block.is_empty:
-            state = initial_state(self.settings)._replace(unknown_why="another program starts here")
+        state = self._begun(state, block)
         if block.line in self.flow.targets:
             state = state.forgotten(JUMPED)
         if block.opaque:
-            return BlockEffect(block, state, state.forgotten(f"line {block.line + 1} {UNREAD}"))
+            return BlockEffect(block, state, state.forgotten(f"line {self._user_line(block)} {UNREAD}"))
         if block.is_empty:
             effect = BlockEffect(block, state, state)
             return self._with_cutting_speed(effect) if block.comments else effect
@@ -75,6 +84,21 @@ class Interpreter:
         if block.skip:
             effect = effect._replace(after=_maybe(state, effect.after, block.line))
         return effect
+
+    def _begun(self, state: State, block: Block) -> State:
+        """The state at a block with which another program or another path may begin."""
+        if block.is_empty:
+            return state
+        if state.ended or begins_program(block, self.dialect):
+            initial = initial_state(self.settings)
+            if state != initial:
+                why = CALLERS_STATE.format(line=self._user_line(block))
+                state = initial._replace(unknown_why="another program starts here", spindle_why=why)
+        return entered(state, block, self.dialect, self._user_line(block)) if block.controls else state
+
+    def _user_line(self, block: Block) -> int:
+        """The number of a block's line in the user's file."""
+        return block.line + 1 if self.source is None else self.source.place(block.line).line
 
     def _with_cutting_speed(self, effect: BlockEffect) -> BlockEffect:
         """V and D set the speed; a fault in them is the speeds pass's to report."""
@@ -105,6 +129,7 @@ class Interpreter:
         if not has_centre:
             after, move = self._motion(after, block, codes)
         after = self._flow_of_control(after, block, functions)
+        after = self._other_spindles(after, state, block, codes)
         mode_words += "P" if " P" in codes.changes.get("work_offset", "") else ""
         seen = (*vibration, *block.words_of(mode_words)) if mode_words else vibration
         all_read = codes.reads_all or has_centre or block.has_macro
@@ -180,8 +205,18 @@ class Interpreter:
                 called = control.keyword == "O-CALL"
                 why = "a subprogram moves the tool" if called else LOOPED
                 state = state.lost(why) if called else state.forgotten(why)
+            if control.keyword == "O-SUB":
+                why = CALLERS_STATE.format(line=self._user_line(block))
+                state = state.forgotten(why)._replace(spindle_why=why)
         calls = any(code.group == "subprogram" and code.value != "return" for code in functions)
         return state.lost("a subprogram moves the tool") if calls else state
+
+    def _other_spindles(self, after: State, before: State, block: Block, codes: BlockCodes) -> State:
+        """What is left of the spindle where another path, or a choice of spindle, comes between."""
+        if block.controls:
+            after = behind_wait(after, block, self.dialect, self._user_line(block))
+        choice = spindle_choice(block, codes, self.dialect)
+        return behind_choice(after, before, choice, self._user_line(block)) if choice else after
 
     def _unread(self, block: Block, seen: Words, after: State, move: Move | None) -> Words:
         motion = after.modes.motion

@@ -183,7 +183,7 @@ def _last_of(bits: NDArray[np.uint16], wanted: int) -> int:
 def interpret(program: Program, settings: Settings) -> InterpretedProgram:
     """Interpret a program from its first to its last line."""
     flow = read_flow(program, settings.dialect)
-    interpreter = Interpreter(settings, flow)
+    interpreter = Interpreter(settings, flow, program.source)
     interpreted = InterpretedProgram(program, settings, flow, interpreter, [], [], [])
     state = initial_state(settings)
     line = program.source.body.start

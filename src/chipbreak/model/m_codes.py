@@ -19,7 +19,7 @@ def m_code(state: State, code: MCode) -> State:
 
 
 def _spindle(state: State, value: str) -> State:
-    return state._replace(spindle=value)
+    return state._replace(spindle=value, spindle_why="")
 
 
 def _coolant(state: State, value: str) -> State:

@@ -48,6 +48,9 @@ class State(NamedTuple):
     ``unknown_why``    why the position, the feed or the speed cannot be known
     ``path_words``     the path mode as the program wrote it, with its P and Q; empty while it said none
     ``smooth_words``   the same for look-ahead and smoothing (``G5.1 Q1 R3``)
+    ``spindle_why``    why it is not followed what turns the spindle; empty where it is
+    ``path``           the mark of the path that the lines are of; empty in a program without marks
+    ``parked``         the states of the other paths, by mark
     ``kept``           what LinuxCNC's M70 has kept for M72
     """
 
@@ -65,6 +68,9 @@ class State(NamedTuple):
     path_words: str = ""
     smooth_words: str = ""
     kept: State | None = None
+    spindle_why: str = ""
+    path: str = ""
+    parked: tuple[tuple[str, State], ...] = ()
 
     def with_motion(self, motion: Motion) -> State:
         """The same under another motion code."""

@@ -54,6 +54,10 @@ def _spindle(was: State, now: State) -> str:
     return "the spindle" if was.spindle != now.spindle else ""
 
 
+def _path(was: State, now: State) -> str:
+    return "the path" if was.path != now.path else ""
+
+
 def _coolant(was: State, now: State) -> str:
     return "the coolant" if was.coolant != now.coolant else ""
 
@@ -67,6 +71,7 @@ _RULES: tuple[_Rule, ...] = (
     _tool,
     _spindle,
     _coolant,
+    _path,
 )
 
 

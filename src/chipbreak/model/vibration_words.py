@@ -28,7 +28,7 @@ def vibration_words(
     """
     if not any(w.letter in _LETTERS for w in block.words):
         return ()
-    if has_once or block.controls or not block.has_any(axis_letters):
+    if has_once or block.statements or not block.has_any(axis_letters):
         return ()
     words = [w for w in block.words if w.letter == "N" or (cuts and w.letter in "EQ")]
     has_feed = block.has_letter("F")

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.paths import begins_program
 from chipbreak.syntax.shapes import bits_of
 
 # What acts in its own block and cuts, or may cut.
@@ -80,6 +81,7 @@ def main_program(interpreted: InterpretedProgram) -> MainProgram:
 
 def _bodies(interpreted: InterpretedProgram) -> tuple[tuple[tuple[int, int], ...], int]:
     """Subprogram bodies, and the line of the program's end."""
+    dialect = interpreted.settings.dialect
     bodies: list[tuple[int, int]] = []
     opened: int | None = None
     last = interpreted.program.source.body.stop
@@ -91,7 +93,7 @@ def _bodies(interpreted: InterpretedProgram) -> tuple[tuple[tuple[int, int], ...
         elif "O-ENDSUB" in keywords and opened is not None:
             bodies.append((opened, effect.block.line))
             opened = None
-        elif opened is None and (_ends(effect) or (begun and _is_next_program(effect))):
+        elif opened is None and (_ends(effect) or (begun and begins_program(effect.block, dialect))):
             last = effect.block.line
             break
         begun = begun or not (effect.block.is_empty or effect.block.opaque)
@@ -102,11 +104,6 @@ def _bodies(interpreted: InterpretedProgram) -> tuple[tuple[tuple[int, int], ...
 
 def _ends(effect: BlockEffect) -> bool:
     return effect.after.ended and not effect.before.ended
-
-
-def _is_next_program(effect: BlockEffect) -> bool:
-    """``O2000`` without an M30 before it."""
-    return effect.block.word("O") is not None and not effect.block.controls
 
 
 def _before_marks(interpreted: InterpretedProgram, last: int) -> int:

@@ -96,7 +96,7 @@ def _blocks(
         between = text[first.end : second.start].rstrip()
         return line, line + 1, (text[: first.start] + speed + between + text[second.end :],)
     # The comment stays.  Beside other words its speed must be there before they act.
-    at = line + 1 if effect.block.is_empty else line
+    at = line if effect.block.words else line + 1
     source = interpreted.program.source
     if at == source.line_count and not source.raw(line).endswith((b"\n", b"\r")):
         return line, line + 1, (text, speed)

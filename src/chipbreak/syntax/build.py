@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from chipbreak.dialects.base import Precedence
 from chipbreak.syntax.expressions import ExpressionReader, finite, is_token, rule_of
-from chipbreak.syntax.nodes import Assignment, Block, Comment, Control, Variable, Word
+from chipbreak.syntax.nodes import MARKS, Assignment, Block, Comment, Control, Variable, Word
 
 if TYPE_CHECKING:
     from lark import Token, Tree
@@ -52,8 +52,9 @@ class BlockBuilder:
             self.sequence = Word(number[0], value, finite(value, start), None, start, end)
 
     def add_word(self, word: Word) -> None:
-        """A word; a leading N is the sequence number, always."""
-        first = not (self.words or self.assignments or self.controls or self.sequence)
+        """A word; a leading N is the sequence number, always, also behind marks."""
+        is_marked = all(control.keyword in MARKS for control in self.controls)
+        first = is_marked and not (self.words or self.assignments or self.sequence)
         if first and word.address == "N" and word.number is not None:
             self.sequence = word
         else:

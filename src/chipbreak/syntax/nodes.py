@@ -92,6 +92,10 @@ class Control(NamedTuple):
     end: int
 
 
+# Controls that only mark a block: they name a program, a path or a spindle, or let a path wait.
+MARKS = frozenset({"PROGRAM-NAME", "PROGRAM-NUMBER", "PATH-MARK", "HEAD-MARK", "WAIT-MARK"})
+
+
 class Block(NamedTuple):
     """One line of a program.
 
@@ -117,9 +121,19 @@ class Block(NamedTuple):
         return not (self.words or self.assignments or self.controls or self.opaque)
 
     @property
+    def marks(self) -> tuple[Control, ...]:
+        """Its marks: ``$1``, ``!2L1``, ``:100``."""
+        return tuple([control for control in self.controls if control.keyword in MARKS])
+
+    @property
+    def statements(self) -> tuple[Control, ...]:
+        """Its control words that are no marks: ``IF``, o-words, what a grammar has of its own."""
+        return tuple([control for control in self.controls if control.keyword not in MARKS])
+
+    @property
     def has_macro(self) -> bool:
-        """True when variables or control words take part."""
-        return bool(self.assignments or self.controls) or any(w.expression is not None for w in self.words)
+        """True when variables or control words other than marks take part."""
+        return bool(self.assignments or self.statements) or any(w.expression is not None for w in self.words)
 
     def word(self, address: str) -> Word | None:
         """The last word with this address (upper case), as controls take it."""

@@ -35,6 +35,7 @@ _AT_REST: dict[Group, tuple[str, str, str, str]] = {
 }
 SPEED_MODES = (96.0, 97.0)  # G codes
 _MOTION_CODES = (0.0, 1.0, 2.0, 3.0)
+_START_HERE = "give S and M3 or M4 (without a choice of spindle) between there and the cut"
 _WRITE_THE_POINT = 'write the point, or set control.decimal_point to "calculator" or "increment"'
 
 
@@ -175,14 +176,35 @@ def refusal_of(
         if state.modes.value(group) != rest:
             help_text = f"turn it off before the cut ({end}), or {_without(request)}"
             return RefusalError(code, f"{what}; a cut cannot vibrate in it", help_text), at
-    if not state.turns:
-        message = "the spindle is not turning (no M3 or M4 before this block)"
-        return RefusalError(NO_SPINDLE, message, "start the spindle before the cut"), at
     return (
-        _words_refusal(effect, axis_words, interpreted.settings.dialect)
+        _mark_refusal(effect)
+        or _spindle_refusal(request, at)
+        or _words_refusal(effect, axis_words, interpreted.settings.dialect)
         or _position_refusal(interpreted, effect, move)
         or _feed_refusal(interpreted, state)
     )
+
+
+def _mark_refusal(effect: BlockEffect) -> tuple[RefusalError, tuple[int, int]] | None:
+    """A mark in front of the first of many new blocks would not hold for the others, or hold twice."""
+    for mark in effect.block.marks:
+        message = f"{mark.label} cannot stand in a block that vibrates"
+        error = RefusalError("VIB048", message, "put it on a line of its own before this block")
+        return error, (mark.start, mark.end)
+    return None
+
+
+def _spindle_refusal(
+    request: Request, at: tuple[int, int] | None
+) -> tuple[RefusalError, tuple[int, int] | None] | None:
+    state = request.effect.after
+    if state.spindle_why:
+        message = f"whether the spindle turns is not known: {state.spindle_why}"
+        return RefusalError("VIB069", message, f"{_START_HERE}, or {_without(request)}"), at
+    if not state.turns:
+        message = "the spindle is not turning (no M3 or M4 before this block)"
+        return RefusalError(NO_SPINDLE, message, "start the spindle before the cut"), at
+    return None
 
 
 def _without(request: Request) -> str:

@@ -250,8 +250,9 @@ def _check_motion_mode(interpreted: InterpretedProgram, chain: Chain) -> None:
     if chain.after.modes.motion == "line":
         return
     behind = interpreted.effects_of(chain.last, interpreted.program.source.body.stop)
-    effect = next((effect for effect in behind if effect.move is not None), None)
+    own = (effect for effect in behind if effect.after.path == chain.after.path)
+    effect = next((effect for effect in own if effect.move is not None), None)
     if effect is not None and not codes_of(effect.block, "motion", interpreted.settings.dialect):
-        line = effect.block.line + 1
+        line = interpreted.program.source.place(effect.block.line).line
         message = f"line {line} goes on as an arc without saying G2 or G3, but this cut will end in G1"
         raise RefusalError("VIB056", message, f"write the motion code in line {line}")

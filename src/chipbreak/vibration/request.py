@@ -129,6 +129,8 @@ class RequestReader:
         self.wishes = [self.default]
         self.path = CutPath()
         self.has_moved = False
+        self.mark = ""  # of the path of the machine that the lines are of
+        self.parked: dict[str, Wish] = {}  # what is in force in the others
         self.requests: list[Request] = []
         self.left: list[LeftCut] = []
         self.air_lines: list[int] = []
@@ -143,8 +145,10 @@ class RequestReader:
             self._run(line, event)
             line = event + 1
             block = self.program.block(event)
-            self._comments(event)
             effect = events.get(event)
+            if effect is not None:
+                self._enter(effect.after.path)
+            self._comments(event)
             if effect is not None:
                 self._event(effect)
             elif block.opaque:
@@ -163,6 +167,14 @@ class RequestReader:
             return
         for effect in self.interpreted.effects_of(first, last):
             self._cut(effect)
+
+    def _enter(self, mark: str) -> None:
+        """What a directive asks for holds for the path of the machine that it stands in."""
+        if mark != self.mark:
+            self.parked[self.mark] = self.wish
+            self.wish = self.parked.pop(mark, self.default)
+            self.mark = mark
+            self.path.forget()
 
     def _event(self, effect: BlockEffect) -> None:
         if effect.block.opaque:

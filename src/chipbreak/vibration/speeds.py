@@ -144,6 +144,27 @@ def _before_target(at: _Place) -> str | None:
     return at.own_words if at.effect.block.line in at.interpreted.flow.targets else None
 
 
+def _before_other_path(at: _Place) -> str | None:
+    """Another path begins, waits, or turns the spindle: it finds the programmed speed.  Errors: VIB057."""
+    leaves = at.effect.after.path != at.state.path or _loses_spindle(at.effect)
+    if not leaves:
+        return None
+    if at.state.speed is None:
+        raise _not_known(at)
+    return at.own_words
+
+
+def _loses_spindle(effect: BlockEffect) -> bool:
+    return bool(effect.after.spindle_why) and effect.after.spindle_why != effect.before.spindle_why
+
+
+def _not_known(at: _Place) -> RefusalError:
+    said = at.interpreted.program.source.place(at.effect.block.line).line
+    message = f"line {said} needs the spindle speed from before this cut,"
+    way_out = "give S before the cut, even when N and f make another of it, or behind it"
+    return RefusalError("VIB057", f"{message} which the program does not say", way_out)
+
+
 def _before_own_speed(at: _Place) -> str | None:
     """The program commands a speed itself."""
     before = at.effect.before
@@ -160,14 +181,11 @@ def _before_dependent(at: _Place) -> str | None:
     if at.is_air or not _depends_on_speed(at.effect):
         return None
     if at.effect.before.speed is None and at.effect.move is not None:
-        said = at.interpreted.program.source.place(at.effect.block.line).line
-        message = f"line {said} needs the spindle speed from before this cut,"
-        way_out = "give S before the cut, even when N and f make another of it, or behind it"
-        raise RefusalError("VIB057", f"{message} which the program does not say", way_out)
+        raise _not_known(at)
     return _own_words(at.effect.before, at.interpreted.settings)
 
 
-_NEEDS = (_before_restart, _before_target, _before_own_speed, _before_dependent)
+_NEEDS = (_before_restart, _before_target, _before_other_path, _before_own_speed, _before_dependent)
 
 
 def _says_speed_mode(effect: BlockEffect) -> bool:

@@ -1,0 +1,105 @@
+"""What is of its own: programs and subprograms in one file, paths that run at once, further spindles.
+
+What one of them commands says nothing of another: each path has its own state, a subprogram does not know
+its caller's, and behind a wait another path may have commanded the spindle.  What is not followed is said in
+``State.spindle_why`` until the program itself starts the spindle again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from chipbreak.dialects import Dialect
+from chipbreak.dialects.base import PATH, PROGRAM, SPINDLE, WAIT, MCode
+from chipbreak.model.codes import BlockCodes
+from chipbreak.model.modal import State
+from chipbreak.syntax.nodes import Block, Control
+
+CALLERS_STATE = "a subprogram, or another program, begins in line {line}: the caller's state is not followed"
+_FIRST_SPINDLE = "$0"
+_STARTS = frozenset({("spindle", "cw"), ("spindle", "ccw")})
+
+
+def begins_program(block: Block, dialect: Dialect) -> bool:
+    """True for ``O1000``, ``:1000`` or ``<SHAFT>`` in front of a block."""
+    first = block.words[0] if block.words else None
+    if not block.controls:
+        return first is not None and first.address == "O"
+    mark = block.controls[0]
+    is_first = first is None or mark.start < first.start
+    return is_first and dialect.marks.get(mark.keyword) == PROGRAM
+
+
+def marks_that(block: Block, dialect: Dialect, *meanings: str) -> list[Control]:
+    """The marks of a block that say one of these things on this control."""
+    return [mark for mark in block.marks if dialect.marks.get(mark.keyword) in meanings]
+
+
+def entered(state: State, block: Block, dialect: Dialect, line: int) -> State:
+    """The state of the path that a block belongs to; that of the path before it is parked.
+
+    ``line`` is that of the block in the user's file.  A path that was not there before has the modes of what
+    stands in front of all paths, and nothing else.
+    """
+    for mark in marks_that(block, dialect, PATH):
+        path = mark.label.replace(" ", "").replace("\t", "").upper()
+        if path != state.path:
+            state = _switched(state, path, line)
+    return state
+
+
+def _switched(state: State, path: str, line: int) -> State:
+    parked = dict(state.parked)
+    parked[state.path] = state._replace(parked=())
+    known = parked.pop(path, None)
+    if known is None:
+        why = f"path {path} begins in line {line}, and what others command is not followed"
+        modes = parked[""].modes if "" in parked else state.modes
+        known = State(modes, unknown_why=why, spindle_why=why, path=path)
+    return known._replace(parked=tuple(parked.items()))
+
+
+def behind_wait(state: State, block: Block, dialect: Dialect, line: int) -> State:
+    """The state behind a block in which a path may wait: another one may have commanded the spindle.
+
+    ``line`` is that of the block in the user's file.
+    """
+    for mark in marks_that(block, dialect, WAIT):
+        why = f"line {line} waits for another path ({mark.label}), which is not followed"
+        state = state._replace(speed=None, spindle_why=why)
+    return state
+
+
+def behind_choice(state: State, before: State, choice: str, line: int) -> State:
+    """The state behind a block that speaks of the spindle of its choice; ``before`` is the one before it.
+
+    ``line`` is that of the block in the user's file.
+    """
+    why = f"line {line} chooses a spindle ({choice}), which is not followed"
+    spindle, limit = before.spindle, before.speed_limit
+    return state._replace(speed=None, spindle=spindle, speed_limit=limit, spindle_why=why)
+
+
+def spindle_choice(block: Block, codes: BlockCodes, dialect: Dialect) -> str:
+    """The word or mark by which a block speaks of another spindle; empty where it does not."""
+    marks = [mark.label for mark in marks_that(block, dialect, SPINDLE) if mark.label != _FIRST_SPINDLE]
+    if marks:
+        return marks[0]
+    if not block.has_any("MS"):
+        return ""
+    functions = {word: dialect.m_codes.get(int(word.number)) for word in block.words_of("M") if word.number}
+    for word, function in functions.items():
+        if function is not None and function.group == "other_spindle":
+            return block.text_of(word)
+    said = [function for function in functions.values() if function is not None]
+    return "" if codes.modes.motion == "cycle" else _chosen_by_letter(block, codes, dialect, said)
+
+
+def _chosen_by_letter(block: Block, codes: BlockCodes, dialect: Dialect, said: Sequence[MCode]) -> str:
+    """``S2000 P12`` or ``M3 P12``, where no code of the block has another meaning for P."""
+    named = block.word(dialect.spindle_word) if dialect.spindle_word else None
+    if named is None or codes.non_modal - {"set-position"}:
+        return ""
+    calls = any(function.group == "subprogram" for function in said)
+    starts = any(function[:2] in _STARTS for function in said)
+    return block.text_of(named) if not calls and (starts or block.has("S")) else ""

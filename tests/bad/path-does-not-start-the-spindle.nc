@@ -1,0 +1,8 @@
+(EXPECT VIB069 7:15 -p fanuc-lathe)
+$1
+G97 S3000 M3
+G0 X20. Z2.
+$2
+G0 X10. Z5.
+G1 Z-10. F0.1 N1.5
+M30

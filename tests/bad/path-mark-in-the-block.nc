@@ -1,0 +1,6 @@
+(EXPECT VIB048 4:1 -p fanuc-lathe)
+$1 G97 S3000 M3
+G0 X20. Z2.
+$1G1 Z-30. F0.05 N1.5
+G0 X30.
+M30

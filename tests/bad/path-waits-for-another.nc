@@ -1,0 +1,8 @@
+(EXPECT VIB069 6:16 -p fanuc-lathe)
+$1
+G97 S3000 M3
+G0 X20. Z2.
+!2L1
+G1 Z-30. F0.05 N1.5
+G0 X30.
+M30

@@ -1,0 +1,5 @@
+(EXPECT VIB048 4:1 -p fanuc-lathe)
+G97 S3000 M3
+G0 X20. Z2.
+<SHAFT> G1 Z-30. F0.05 N1.5
+M30

@@ -1,0 +1,5 @@
+(EXPECT VIB069 4:16 -p fanuc-lathe)
+G97 S3000 M3 P12
+G0 X20. Z2.
+G1 Z-30. F0.05 N1.5
+M30

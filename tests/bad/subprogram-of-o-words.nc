@@ -1,0 +1,9 @@
+(EXPECT VIB069 5:16 -p linuxcnc-lathe)
+G21 G18 G7 G95 F0.05
+o100 sub
+G0 X20. Z2.
+G1 Z-30. F0.05 N1.5
+o100 endsub
+G97 S1000 M3
+o100 call
+M2

@@ -1,0 +1,5 @@
+(EXPECT VIB048 4:21 -p fanuc-lathe)
+G97 S3000 M3
+G0 X20. Z2.
+G1 Z-30. F0.05 N1.5 !2L1
+M30
