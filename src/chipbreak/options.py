@@ -67,7 +67,9 @@ TOOLS = click.option(
     help="File with tool data; the first that says something wins.",
 )
 STRICT = click.option(
-    "--strict", is_flag=True, help="A tool check that cannot stand where it should is an error."
+    "--strict",
+    is_flag=True,
+    help="A tool check without a place, and a wish for vibration that reaches no cut, are errors.",
 )
 UNBROKEN = click.option("--allow-unbroken", is_flag=True, help="Let cuts pass that do not break their chips.")
 REPORTING = (

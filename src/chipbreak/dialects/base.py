@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import NamedTuple
@@ -19,6 +20,7 @@ NON_MODAL = "non_modal"
 PROGRAM, PATH, WAIT, SPINDLE = "program", "path", "wait", "spindle"
 
 
+_CODE_WITH_WORDS = re.compile(r"G(\d+(?:\.\d)?)(?: [PQR]\d*\.?\d+)*")
 # The operators of expressions, the strongest first; those of one set are worked out from left to right.
 Precedence = tuple[frozenset[str], ...]
 
@@ -235,6 +237,11 @@ class Dialect(NamedTuple):
     def can(self, group: str, value: str) -> bool:
         """True when the control has a code for this."""
         return Code(group, value) in self.g_codes.values()
+
+    def code_of(self, text: str) -> Code | None:
+        """What ``G61``, or ``G64 P0.01 Q0.005`` with its words, does; None for anything else."""
+        match = _CODE_WITH_WORDS.fullmatch(text)
+        return self.g_codes.get(round(float(match[1]) * 10)) if match else None
 
 
 def table(**groups: Mapping[str, str]) -> FrozenTable[int, Code]:

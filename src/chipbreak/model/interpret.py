@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 from chipbreak.dialects.base import MCode
-from chipbreak.dialects.modes import Group, Motion
+from chipbreak.dialects.modes import UNSAID, Group, Motion
 from chipbreak.model.block_effect import CUTTING, BlockEffect, Move
 from chipbreak.model.codes import LOSES, BlockCodes, read_codes
 from chipbreak.model.cutting_speed import cutting_speed_of
@@ -50,8 +50,12 @@ _ARC_LETTERS = _CENTRE_LETTERS | {"R"}
 
 
 def initial_state(settings: Settings) -> State:
-    """The state at the first block: the control's power-on modes."""
-    return State(modes=settings.dialect.initial)
+    """The state at the first block: the control's power-on modes, and the path mode that is usual on it."""
+    modes = settings.dialect.initial
+    usual = settings.dialect.code_of(settings.planner.usual_path_mode)
+    if modes.path != UNSAID and usual is not None and usual.group == "path":
+        modes = modes.replace({"path": usual.value})
+    return State(modes=modes)
 
 
 class Interpreter:

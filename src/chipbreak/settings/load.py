@@ -6,10 +6,12 @@ import os
 import re
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from chipbreak.dialects import Dialect, dialect_names, find
+from chipbreak.dialects.modes import UNSAID
 from chipbreak.settings.axis_words import AXES, AxisWords, axis_words
 from chipbreak.settings.checking import (
     IMPOSSIBLE,
@@ -23,7 +25,7 @@ from chipbreak.settings.checking import (
 )
 from chipbreak.settings.plug_ins import check_plug_ins
 from chipbreak.settings.profile_files import profile_names, profile_text
-from chipbreak.settings.ranges import check_only, check_ranges
+from chipbreak.settings.ranges import check_only, check_ranges, check_steps
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS, Axis, Control, Planner, Settings
 from chipbreak.settings.tool_rules import check_macros, check_sisters
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
@@ -71,9 +73,11 @@ def _build(
     if sections["output"].form == "loop":
         _check_loop(layer, sections["output"].loop_variable, dialect, words)
     _check_law(layer, sections["planner"])
+    sections["planner"] = _usual_modes(sections["planner"], dialect, origins)
     _check_modes(layer, sections["planner"], dialect)
     check_ranges(layer, sections["command"], sections["spindle"])
     check_only(layer, sections["vibration"])
+    check_steps(layer, axes)
     check_macros(layer, sections["macros"], dialect)
     check_sisters(layer, sections["checks"])
     check_plug_ins(layer, sections["passes"].extra, values["plugins"])
@@ -172,6 +176,14 @@ def _check_letter(layer: Layer, name: str, letters: Mapping[str, str], dialect: 
         raise layer.fail(IMPOSSIBLE, key, message, way_out)
 
 
+def _usual_modes(planner: Planner, dialect: Dialect, origins: Mapping[str, str]) -> Planner:
+    """The planner without a usual path mode that nobody gave and that the control does not have."""
+    is_given = "planner.usual_path_mode" in origins
+    if is_given or _is_mode(planner.usual_path_mode, "path", dialect):
+        return planner
+    return replace(planner, usual_path_mode="")
+
+
 def _check_modes(layer: Layer, planner: Planner, dialect: Dialect) -> None:
     """What is switched to around a vibrated cut, and what is given back, must be modes of this control."""
     for group, switched, given_back, example in (
@@ -182,7 +194,9 @@ def _check_modes(layer: Layer, planner: Planner, dialect: Dialect) -> None:
             continue  # where nothing is switched, there is nothing to give back
         for key in (switched, given_back):
             text = getattr(planner, key)
-            if not _is_mode(text, group, dialect):
+            is_none = not text and key == "usual_path_mode" and dialect.initial.path == UNSAID
+            # A control that is always in the one mode has none to be given back.
+            if not (is_none or _is_mode(text, group, dialect)):
                 message = f"planner.{key} = {text!r} is no such mode of {dialect.title}"
                 known = _codes_of_group(group, dialect)
                 help_text = f"it has {known}; {example}" if known else f"it has none: leave {switched} out"
@@ -197,8 +211,7 @@ def _codes_of_group(group: str, dialect: Dialect) -> str:
 
 def _is_mode(text: str, group: str, dialect: Dialect) -> bool:
     """``G61`` or ``G64 P0.01 Q0.005``, with a code that the dialect has in this group."""
-    match = re.fullmatch(r"G(\d+(?:\.\d)?)(?: [PQR]\d*\.?\d+)*", text)
-    code = dialect.g_codes.get(round(float(match[1]) * 10)) if match else None
+    code = dialect.code_of(text)
     return code is not None and code.group == group
 
 

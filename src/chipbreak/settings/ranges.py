@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 from chipbreak.settings.checking import IMPOSSIBLE, Layer, hint_at
-from chipbreak.settings.sections import OPERATION_KINDS, Command, Spindle, Vibration
+from chipbreak.settings.sections import OPERATION_KINDS, Axis, Command, Spindle, Vibration
 
 
 def check_ranges(layer: Layer, command: Command, spindle: Spindle) -> None:
@@ -31,3 +32,11 @@ def check_only(layer: Layer, vibration: Vibration) -> None:
             message = f'vibration.only: "{name}" is no kind of operation and no tool'
             hint = hint_at(name, OPERATION_KINDS)
             raise layer.fail(IMPOSSIBLE, "vibration.only", message, f'{hint}; a tool is "T3"')
+
+
+def check_steps(layer: Layer, axes: Mapping[str, Axis]) -> None:
+    """The step of an axis is said in one way."""
+    for name, axis in axes.items():
+        if axis.increment_mm is not None and axis.steps_per_mm is not None:
+            message = f"axes.{name} has increment_mm and steps_per_mm, which say the same"
+            raise layer.fail(IMPOSSIBLE, f"axes.{name}.steps_per_mm", message, "give one of them")

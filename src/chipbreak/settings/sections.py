@@ -127,7 +127,8 @@ class Axis:
     """How the control commands one axis, and what it can do.
 
     ``letter`` is the axis's own name where it is not set.  ``sign`` is 1 where the tool moves, -1 where the
-    work does.  Without numbers an axis is taken to follow any command.
+    work does.  Without numbers an axis is taken to follow any command.  ``increment_mm`` is what it moves by
+    at least (of travel, also where X words are diameters), or ``steps_per_mm`` says the same.
     """
 
     letter: str | None = field(default=None, metadata={"choices": tuple("XYZUVWABC")})
@@ -136,6 +137,8 @@ class Axis:
     max_acceleration_mm_s2: float | None = _above(None)
     position_gain_1_s: float | None = _above(None)
     acc_dec_ms: float | None = _above(None)
+    increment_mm: float | None = _above(None)
+    steps_per_mm: float | None = _above(None)
 
 
 @dataclass(frozen=True)
@@ -286,6 +289,17 @@ class Settings:
     def origin(self, key: str) -> str:
         """Where the value of ``section.key`` came from, for messages."""
         return self.origins.get(key, "default")
+
+    def axis_step_mm(self, axis: str, *, is_diameter: bool) -> float:
+        """What an axis moves by at least [mm of travel]; 0 where the profile does not say it."""
+        one = self.axes[axis]
+        if one.increment_mm is not None:
+            return one.increment_mm
+        if one.steps_per_mm is not None:
+            return 1.0 / one.steps_per_mm
+        if "control.increment_mm" not in self.origins:
+            return 0.0
+        return self.control.increment_mm / (2.0 if is_diameter else 1.0)
 
 
 # Variables of the macros: 4 of the beam, 11 of locked tools and the count, and one small edge.

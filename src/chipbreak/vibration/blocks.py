@@ -21,6 +21,7 @@ from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.units import S_PER_MIN, typed_feed
+from chipbreak.vibration.axis_steps import axis_steps_mm, steps_per_unit
 from chipbreak.vibration.block_text import Columns, Words, block_text
 from chipbreak.vibration.dwell import printed_s
 from chipbreak.vibration.forms import WRITTEN_OUT, OutputForm, form_with
@@ -95,7 +96,11 @@ def _ends(cut: CutPlan, form: OutputForm, settings: Settings) -> _Ends:
     if dwells.any():
         # Where knots have become one point, the last of them takes over how often the tool dwells.
         counts = np.add.reduceat(dwells.astype(np.intp), np.append(0, np.flatnonzero(keep)[:-1] + 1))
-    step_mm = settings.output.step_mm(is_inch=cut.chain.before.is_inch)
+    state = cut.chain.before
+    moving = [AXES.index(axis) for axis in _moving_axes(cut)]
+    step_mm = max(
+        settings.output.step_mm(is_inch=state.is_inch), axis_steps_mm(settings, state)[moving].max()
+    )
     _check_digits(cut, words, step_mm, is_too_fine=bool((counts > 1).any()))
     if len(times) == 1:
         message = f"the cut rounds to nothing at {words.decimals} decimals"
@@ -188,10 +193,13 @@ def _axis_words(
     # The start is a position the program gave; incremental words count from it, whatever its digits.
     origin: Floats = points[0] * scale if incremental else np.zeros(3)
     distance_letters = _distance_letters(letters, moving, settings, incremental=incremental)
-    rounded = (points * scale - origin) * 10.0**decimals
+    steps = steps_per_unit(axis_steps_mm(settings, state), scale, decimals)
+    rounded = (points * scale - origin) * steps
     form = form if distance_letters else WRITTEN_OUT
     loops = form.round_steps(cut, time_s, rounded, axes, settings)
-    rounded /= 10.0**decimals
+    rounded /= steps
+    # The end is the programmed one, whatever the axes make of it.
+    rounded[-1] = np.rint((points[-1] * scale - origin) * 10.0**decimals) / 10.0**decimals
     places_mm = (rounded + origin) / scale
     return Words(tuple(letters), rounded[:, axes], places_mm, decimals, incremental, distance_letters, loops)
 

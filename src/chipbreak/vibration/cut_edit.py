@@ -42,7 +42,8 @@ def cut_edit(plan: CutPlan, expansion: Expansion, speed: str, interpreted: Inter
     feed_mode, feed_back = _feed_modes(plan, interpreted)
     settle = settling(settings) if speed else []
     head = [*_comments(chain, interpreted), chain.preamble(), speed, *settle, feed_mode, *switched]
-    content = (*(text for text in head if text), *expansion.content, *feed_back, *given_back)
+    tail = [*feed_back, *given_back]
+    content = (*(text for text in head if text), *expansion.content, *(text for text in tail if text))
     reason = "; ".join(plan.reasons) or "nothing to correct"
     ends_in_line = chain.after.modes.motion == "line"
     promise = VibratedCut(plan=plan, expansion=expansion, leaves_motion=not ends_in_line)

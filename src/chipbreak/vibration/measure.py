@@ -18,6 +18,7 @@ from chipbreak.text.diagnostics import SelfCheckError
 from chipbreak.trajectory.junctions import Blocks
 from chipbreak.trajectory.law import ControlLaw, Motion
 from chipbreak.units import MS_PER_S
+from chipbreak.vibration.axis_steps import axis_steps_mm, reached
 from chipbreak.vibration.blocks import Expansion
 from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.plan import CutPlan
@@ -112,7 +113,7 @@ def measured_motion(
 
 
 def _timed(result: InterpretedProgram, region: Region, plan: CutPlan, expansion: Expansion) -> _Timed:
-    moves = read_moves(result, region.body, region.last)
+    moves = _reached(read_moves(result, region.body, region.last), result, plan)
     count = len(moves.feed_mm_s)
     if count != len(expansion.distance_mm):
         raise SelfCheckError(f"{len(expansion.distance_mm)} moves were planned, {count} stand in the output")
@@ -171,6 +172,16 @@ def measure_cut(result: InterpretedProgram, region: Region, plan: CutPlan, expan
         _servo_share(result, plan),
         tuple(clearances),
     )
+
+
+def _reached(moves: ReadBack, result: InterpretedProgram, plan: CutPlan) -> ReadBack:
+    """The moves with the points that the axes reach in their steps."""
+    steps_mm = axis_steps_mm(result.settings, plan.chain.before)
+    if not steps_mm.any():
+        return moves
+    is_incremental = all(move.incremental for move in plan.chain.moves)
+    origin_mm = np.array(plan.path.legs[0].start) if is_incremental else np.zeros(3)
+    return replace(moves, points_mm=reached(moves.points_mm, steps_mm, origin_mm))
 
 
 def _diameters(radii_mm: Floats) -> tuple[float, float]:
@@ -233,6 +244,7 @@ def _check_path(result: InterpretedProgram, moves: ReadBack, plan: CutPlan, expa
     """Distance along the path at every knot; never off it, before its start or past its end."""
     state = plan.chain.before
     step_mm = result.settings.output.step_mm(is_inch=state.is_inch)
+    step_mm = max(step_mm, float(axis_steps_mm(result.settings, state).max()))
     along, away = moves.along(plan.path, expansion.distance_mm)
     # Half an increment in each of up to three axes, and in a loop half of what its passes add up to.
     drift = max((loop.drift_steps for loop in expansion.loops or ()), default=0.0)

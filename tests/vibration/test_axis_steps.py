@@ -1,0 +1,119 @@
+"""Points lie on the steps of the axes, and so F and the verdict; the usual path mode comes back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+import chipbreak
+from machine_reader import filtered, run_program
+
+CUT = "G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nM30\n"
+TAPER = "G97 S3000 M3\nG0 X20. Z2.\nG1 X23.1 Z-30. F0.05 N1.5\nM30\n"
+INCREMENTAL = "G97 S3000 M3\nG0 X20. Z2.\nG91\nG1 Z-32. F0.05 N1.5\nG90\nM30\n"
+
+
+def verdict(program: str, *sets: str) -> tuple[float, float]:
+    """Margin, and the longest chip in revolutions."""
+    (cut,) = chipbreak.rewrite(program.encode(), chipbreak.load("generic-lathe", sets)).cuts
+    return cut.verdict.margin, cut.verdict.longest_chip_rev
+
+
+def off_step(value: float, step: float) -> float:
+    return abs(value / step - round(value / step))
+
+
+@pytest.mark.parametrize(
+    ("program", "sets", "x_mm", "z_mm"),
+    [
+        pytest.param(CUT, ("axes.Z.increment_mm=0.004",), 0.0005, 0.004, id="Z"),
+        pytest.param(CUT, ("axes.Z.steps_per_mm=250",), 0.0005, 0.004, id="steps in a mm"),
+        pytest.param(TAPER, ("axes.X.increment_mm=0.002",), 0.002, 0.001, id="X of travel"),
+        pytest.param(TAPER, ("control.increment_mm=0.01",), 0.005, 0.01, id="X of the diameter"),
+        pytest.param(INCREMENTAL, ("axes.Z.increment_mm=0.004",), 0.0005, 0.004, id="distances"),
+        pytest.param(CUT, ("axes.Z.increment_mm=0.0001",), 0.0005, 0.001, id="finer than the digits"),
+    ],
+)
+def test_points_lie_on_steps(program: str, sets: tuple[str, ...], x_mm: float, z_mm: float) -> None:
+    run = run_program(filtered(program, "generic-lathe", *sets))
+    (cut,) = run.cuts
+    assert cut[-1].end[2] == pytest.approx(-30.0, abs=1e-9)
+    for move in cut[:-1]:
+        assert off_step(move.end[0], x_mm) < 1e-6
+        assert off_step(move.end[2], z_mm) < 1e-6
+    assert chipbreak.rewrite(program.encode(), chipbreak.load("generic-lathe", sets)).changed
+
+
+def test_the_end_off_the_steps_is_the_programmed_one() -> None:
+    program = CUT.replace("Z-30.", "Z-30.001")
+    (cut,) = run_program(filtered(program, "generic-lathe", "axes.Z.increment_mm=0.004")).cuts
+    assert cut[-1].end[2] == pytest.approx(-30.001, abs=1e-9)
+
+
+def test_the_verdict_is_that_of_the_steps() -> None:
+    fine = verdict(CUT)
+    assert verdict(CUT, "control.increment_mm=0.001") == fine
+    margin, longest = verdict(CUT, "axes.Z.increment_mm=0.004")
+    assert margin < fine[0]
+    assert longest > fine[1]
+    # Steps that the digits do not show: the axes round what is printed.
+    hidden, _ = verdict(CUT, "axes.Z.steps_per_mm=130")
+    assert hidden < fine[0]
+
+
+def test_a_stroke_of_few_steps_is_refused() -> None:
+    found = chipbreak.check(CUT.encode(), chipbreak.load("generic-lathe", ["axes.Z.increment_mm=0.02"]))
+    assert [one.code for one in found] == ["VIB059"]
+
+
+def test_loops_go_in_steps_too() -> None:
+    settings = chipbreak.load("fanuc-lathe", ["axes.Z.increment_mm=0.002", "output.form=loop"])
+    result = chipbreak.rewrite(CUT.encode(), settings)
+    assert result.cuts[0].verdict.breaks
+    assert b"WHILE" in result.data
+
+
+def test_one_way_to_say_the_step() -> None:
+    both = ["axes.Z.increment_mm=0.004", "axes.Z.steps_per_mm=250"]
+    with pytest.raises(chipbreak.SettingsError) as caught:
+        chipbreak.load("generic-lathe", both)
+    assert caught.value.diagnostic.code == "SET003"
+
+
+# --- path mode --------------------------------------------------------------------------------------------
+
+ON_LINUXCNC = "G97 S3000 M3\nG95 F0.05\nG7 G18\nG0 X20. Z2.\n{said}G1 Z-30. N1.5\nG0 X30.\nM30\n"
+
+
+@pytest.mark.parametrize("usual", ["G61", "G61.1", "G64", "G64 P0.01"])
+@pytest.mark.parametrize("around", ["G61", "G61.1", "G64 P0.001"])
+@pytest.mark.parametrize("said", ["", "G64 P0.02\n"], ids=["nothing said", "said"])
+def test_the_usual_path_mode_comes_back(usual: str, around: str, said: str) -> None:
+    sets = ["planner.model=ideal", f'planner.usual_path_mode="{usual}"', f'planner.path_mode="{around}"']
+    program = ON_LINUXCNC.format(said=said)
+    result = chipbreak.rewrite(program.encode(), chipbreak.load("linuxcnc-lathe", sets))
+    lines = result.data.decode().splitlines()
+    modes = [line for line in lines if line.startswith("G6")]
+    assert modes[len(said.splitlines()) :] == [around, said.strip() or usual]
+
+
+def test_nothing_comes_back_where_the_control_has_no_other_mode() -> None:
+    """As on a control that has G61 and no G64."""
+    settings = chipbreak.load("fanuc-mill", ['planner.path_mode="G61"', "checks.enabled=false"])
+    dialect = settings.dialect
+    without = dialect._replace(
+        g_codes={number: code for number, code in dialect.g_codes.items() if number != 640},
+        initial=dialect.initial._replace(path=""),
+    )
+    planner = replace(settings.planner, usual_path_mode="")
+    program = "G95 F0.05\nS3000 M3\nG0 X20. Y2. Z0.\nG1 X-30. N1.5\nM30\n"
+    result = chipbreak.rewrite(program.encode(), replace(settings, dialect=without, planner=planner))
+    lines = result.data.decode().splitlines()
+    assert [line for line in lines if line.startswith("G6")] == ["G61"]
+
+
+def test_a_usual_mode_is_needed_where_there_are_several() -> None:
+    sets = ['planner.path_mode="G61"', 'planner.usual_path_mode=""']
+    with pytest.raises(chipbreak.SettingsError):
+        chipbreak.load("linuxcnc-lathe", sets)
