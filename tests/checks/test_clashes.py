@@ -1,4 +1,4 @@
-"""Programs that use variables which the macros of the checks work in."""
+"""Programs that use variables or program numbers of the macros of the checks."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from importlib import resources
 import pytest
 
 import chipbreak
-from chipbreak.dialects.check_programs import MACRO_B
+from chipbreak.dialects.check_programs import MACRO_B, MACRO_B_SETS
 
 BODY = "T1 M6\nS1000 M3\nG0 X1. Y2.\nG43 Z15. H1\n{line}\nG1 Z-1. F100.\n{cut}\nG0 Z15.\nM30\n"
 
@@ -80,3 +80,92 @@ def test_the_shipped_macros_work_in_no_other_variables() -> None:
     commons = {number for number in numbers if 100 <= number < 1000}
     assert commons
     assert commons <= set(MACRO_B.working)
+
+
+def numbers_told(program: str, profile: str, *options: str) -> list[chipbreak.Diagnostic]:
+    """What is said of program numbers, in a program that gets no check where anything is."""
+    result = chipbreak.rewrite(program.encode(), chipbreak.load(profile, options))
+    found = [d for d in result.diagnostics if d.code == "CHK010"]
+    assert result.changed != bool(found)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("call", "what"),
+    [
+        ("G65 P9810 Z10. F3000", "P9810 with F, Z"),
+        ("G65 P9811 Z0. S1", "P9811 with S, Z"),
+        ("G65 P9811 S1000", "P9811 with S,"),
+        ("G65 P9812 Z-5. X20.", "P9812 with X, Z"),
+        ("G65 P9814 D20.", "P9814 with D,"),
+        ("G65 P9815", "P9815 without arguments"),
+        ("G66 P9823 A1.\nG67", "P9823 with A,"),
+        ("M98 P9810", "P9810 without arguments"),
+        ("M98 P39811", "P9811 without arguments"),
+        ("G65 P9832", "P9832, a number of probe makers (Renishaw, Blum, Haas)"),
+        ("G65 P9853 T1 B0. H0.1", "P9853, a number of probe makers"),
+    ],
+)
+def test_a_program_that_calls_another_maker_s_programs_gets_no_call_of_ours(call: str, what: str) -> None:
+    program = BODY.format(line="G0 Z50.", cut="X4.").replace("T1 M6", f"{call}\nT1 M6", 1)
+    (found,) = numbers_told(program, "fanuc-mill")
+    assert f"this program calls {what}" in found.message
+    assert found.message.startswith("left out: all checks")
+    assert found.place is not None and found.place.line == 1
+    assert "checks.calls" in found.help and "[calls.NAME]" in found.help
+    with pytest.raises(chipbreak.ProgramRejectedError):
+        numbers_told(program, "fanuc-mill", "checks.strict=true")
+    shop = ('calls.shop={chip_check="G65 P8501 T{tool}"}', "checks.calls=shop")
+    assert numbers_told(program, "fanuc-mill", *shop) == []
+    assert numbers_told(program, "fanuc-mill", "checks.calls=renishaw") == []
+
+
+def test_a_number_of_ours_is_named_before_one_beside_ours() -> None:
+    program = BODY.format(line="G0 Z50.", cut="X4.")
+    program = program.replace("T1 M6", "G65 P9832\nG65 P9810 Z10.\nT1 M6", 1)
+    (found,) = numbers_told(program, "fanuc-mill")
+    assert found.place is not None and found.place.line == 2
+
+
+@pytest.mark.parametrize(
+    "call", ["G65 P9829 T2", "G65 P9810", "G65 P9811 T1 S1000 K3", "G65 P1234 X1.", "M98 P1234", "M97 P9811"]
+)
+def test_calls_as_the_checks_call_do_not_matter(call: str) -> None:
+    program = BODY.format(line="G0 Z50.", cut="X4.").replace("T1 M6", f"{call}\nT1 M6", 1)
+    assert numbers_told(program, "fanuc-mill") == []
+
+
+@pytest.mark.parametrize(
+    ("profile", "program", "name"),
+    [
+        ("fanuc-mill", "{body}O9811\nG0 X1.\nM99\n", "O9811"),
+        ("fanuc-mill", "O9813 (MINE)\n{body}", "O9813"),
+        ("haas-mill", "{body}O9853\nG0 X1.\nM99\n", "O9853"),
+        ("linuxcnc-mill", "o<CB_Trace> sub\nG0 X1\no<CB_Trace> endsub\n{body}", "o<CB_Trace>"),
+    ],
+)
+def test_a_program_that_defines_what_a_check_would_call_gets_none(
+    profile: str, program: str, name: str
+) -> None:
+    body = BODY.format(line="G0 Z50.", cut="X4.")
+    (found,) = numbers_told(program.format(body=body), profile)
+    assert f"{name} is defined in this program" in found.message
+    other = program.replace("98", "78").replace("CB_", "MINE_")
+    assert numbers_told(other.format(body=body), profile) == []
+
+
+def test_the_letters_of_our_calls_are_those_of_the_templates() -> None:
+    """What a program may call by hand is what the checks write, and the release of a locked tool."""
+    sets = MACRO_B_SETS["builtin"]
+    written: dict[int, set[str]] = {9829: {"T"}}
+    for kind, blocks in sets.blocks.items():
+        for block in blocks:
+            text = block + (sets.tails.get(kind, "") if block == blocks[-1] else "")
+            written.setdefault(int(text[5:9]), set()).update(re.findall(r" ([A-Z])\{", text))
+    assert {number: set(letters) for number, letters in MACRO_B.arguments.items()} == {
+        **written,
+        9812: written[9812] | {"S"},  # a TRACE by hand may say its speed
+    }
+    files = {int(file.name[1:5]) for file in (resources.files("chipbreak") / "macros" / "fanuc").iterdir()}
+    files |= {int(name[1:5]) for name in MACRO_B.written}
+    assert files <= set(MACRO_B.numbers)

@@ -16,8 +16,9 @@ WHICH_TOOL: Final = "CHK006"
 LEFT_TO_CONTROL: Final = "CHK007"
 SISTER_IS_CALLED: Final = "CHK008"
 SHARED_VARIABLE: Final = "CHK009"
+SHARED_NUMBER: Final = "CHK010"
 # A check that is left out; a strict profile makes an error of it.
-_LEFT_OUT: Final = frozenset({NO_SAFE_POINT, NO_SPEED, NO_SHAPE, WHICH_TOOL, SHARED_VARIABLE})
+_LEFT_OUT: Final = frozenset({NO_SAFE_POINT, NO_SPEED, NO_SHAPE, WHICH_TOOL, SHARED_VARIABLE, SHARED_NUMBER})
 
 
 class Findings:

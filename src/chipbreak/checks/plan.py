@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from chipbreak.checks.calls import CallSet, CallValues, CheckKind, calls_of
 from chipbreak.checks.clashes import clash_of
-from chipbreak.checks.findings import NO_SAFE_POINT, NO_SHAPE, SHARED_VARIABLE, Findings
+from chipbreak.checks.findings import NO_SAFE_POINT, NO_SHAPE, Findings
 from chipbreak.checks.limits import Uses, limit_before
 from chipbreak.checks.not_checked import WholeProgram, say_what_is_not_checked
 from chipbreak.checks.tool_data_coverage import ToolDataCoverage
@@ -57,10 +57,10 @@ def plan_checks(
     """
     planner = _Planner(operations, interpreted, main, settings, tools)
     planner.run()
-    clash = clash_of(interpreted.program, settings) if planner.planned else None
+    clash = clash_of(interpreted) if planner.planned else None
     if clash is not None:
         findings = Findings(interpreted.program, is_strict=settings.checks.strict)
-        findings.say(clash.line, SHARED_VARIABLE, clash.message, clash.help)
+        findings.say(clash.line, clash.code, clash.message, clash.help)
         return [], findings.diagnostics
     return planner.planned, planner.findings.diagnostics
 

@@ -13,6 +13,13 @@ CALL_WITH_ITS_NUMBER: Final = "call the tool with its number before it cuts"
 KEEP_THE_SISTER: Final = "keep a sister for the tool whose place it takes"
 USE_OTHER_VARIABLES: Final = "let the program use other variables"
 OR_MOVE_THE_STORE: Final = ", or the macros: macros.store_first and macros.store_last say which"
+OTHER_CALLS: Final = (
+    "choose the cycles of that maker with checks.calls (haas, renishaw, ...), or describe calls of programs"
+    " that have other numbers in [calls.NAME]"
+)
+RENAME_THE_PROGRAM: Final = (
+    "give that program another number or name, or choose other calls with checks.calls or [calls.NAME]"
+)
 SEE_ITS_TRACE: Final = "see why its TRACE was left out"
 
 

@@ -14,7 +14,7 @@ see ``grammar/README.md``.  Shipped names come first; no package can take their 
 """
 
 from chipbreak.dialects.base import NON_MODAL, Code, CommentMarks, Dialect
-from chipbreak.dialects.check_programs import BUILT_IN, CallTemplates, MacroSet
+from chipbreak.dialects.check_programs import BUILT_IN, PROBE_MAKERS, CallTemplates, MacroSet
 from chipbreak.dialects.fanuc import FANUC_LATHE_A, FANUC_LATHE_B, FANUC_LATHE_C, FANUC_MILL
 from chipbreak.dialects.generic import GENERIC_LATHE
 from chipbreak.dialects.linuxcnc import LINUXCNC_LATHE, LINUXCNC_MILL
@@ -37,6 +37,7 @@ __all__ = [
     "GENERIC_LATHE",
     "LINUXCNC_MILL",
     "NON_MODAL",
+    "PROBE_MAKERS",
     "CallTemplates",
     "Code",
     "CommentMarks",

@@ -41,6 +41,9 @@ class MacroSet(NamedTuple):
     ``working``    variables in which the programs work, beside those of the store
     ``prefix``     of the names of variables that are theirs; empty where variables have no names
     ``tool_data``  the blocks that hand the data of a tool over, before its check
+    ``numbers``    the program numbers of all of them; empty where programs have names
+    ``arguments``  number -> the letters with which a program may call it; the others are called by these
+    ``name_prefix`` of the names of the programs; empty where programs have numbers
     """
 
     folder: str | Path
@@ -52,6 +55,16 @@ class MacroSet(NamedTuple):
     first_signal: int = 0
     working: range = range(0)
     prefix: str = ""
+    numbers: range = range(0)
+    arguments: Mapping[int, str] = FrozenTable({})
+    name_prefix: str = ""
+
+
+# The program numbers of makers of probes and tool setters.  Some of ours are among them: a control that has
+# their programs has not got ours under the same number.
+PROBE_MAKERS: Final[Mapping[str, range]] = FrozenTable(
+    {"Renishaw": range(9800, 9900), "Blum": range(9800, 9900), "Haas": range(9800, 9900)}
+)
 
 
 def _program(number: int, title: str, *lines: str) -> dict[str, Sequence[str]]:
@@ -87,6 +100,10 @@ MACRO_B: Final = MacroSet(
     frame="%\n{program}%\n",  # a memory card wants each program between two marks
     first_signal=1000,
     working=range(100, 151),
+    numbers=range(9810, 9830),
+    arguments=FrozenTable(
+        {9810: "K", 9811: "TSKU", 9812: "TZSK", 9813: "TWZKU", 9814: "TKDRHEQB", 9829: "T"}
+    ),
 )
 O_WORDS: Final = MacroSet(
     folder="linuxcnc",
@@ -105,6 +122,7 @@ O_WORDS: Final = MacroSet(
         "o<cb_length> call [{tool}] [{length_mm}] [{holder_mm}]",
     ),
     prefix="_cb_",
+    name_prefix="cb_",
 )
 
 # Tool data lasts for the TRACE straight behind the check.
