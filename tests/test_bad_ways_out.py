@@ -33,6 +33,7 @@ WAYS: dict[str, list[Way]] = {
     "check-has-no-place": [("(.FINISH.)", r"G0 Z15.\nG40 X1.\n\1\nG0 X1. Y2.\nG1 Z-1. F50.")],
     "chips-do-not-break": [("Q0.5", "Q1.06")],
     "contour-of-a-cycle": [("N1.5", ""), ("G7.*P100.*\n", "")],
+    "comment-not-closed": [("APPROACH", "APPROACH)")],
     "control-reads-too-few-blocks-of-a-sine": ["vibration.waveform=triangle"],
     "control-reads-too-few-blocks": [("N1.5", "N1.5 f41.6667")],
     "corner-is-too-slow": [("N1.5", "N1.5 f50")],

@@ -19,6 +19,7 @@ from chipbreak.passes import Pass, passes_of
 from chipbreak.passes.base import Context, Planned, RunOptions
 from chipbreak.self_check import Kept, verify
 from chipbreak.settings import Settings, SettingsError
+from chipbreak.syntax.comments import said_of_comments
 from chipbreak.syntax.parse import UNREADABLE, parse
 from chipbreak.text.diagnostics import (
     Diagnostic,
@@ -155,9 +156,10 @@ def _tried(context: Context, passes: Sequence[Pass], output: bytes | None) -> _T
     diagnostics = interpreted.program.unreadable() + unread_words(interpreted)
     planned = _planned(passes, context)
     diagnostics += [diagnostic for one in planned for diagnostic in one.diagnostics]
-    _reject_wrong(diagnostics)
     # Of two insertions before one line, what was planned later stands first.
     edits = [edit for one in reversed(planned) for edit in one.edits]
+    diagnostics += said_of_comments(interpreted.program, max((edit.last for edit in edits), default=0))
+    _reject_wrong(diagnostics)
     source = interpreted.program.source
     if output is None:
         output = b"".join(render(interpreted.program, edits, context.settings)) if edits else source.data

@@ -153,6 +153,7 @@ class Dialect(NamedTuple):
     ``place_settings`` the L of those G10 that work with that place
     ``turns_offsets`` the R of ``G10 L2`` turns a work offset
     ``marks``         what a mark says on this control: its keyword -> PROGRAM, PATH, WAIT or SPINDLE
+    ``takes_nested_comments`` a ( inside a comment is a character like another
     ``spindle_word``  the letter that says which spindle S and M3 are for; empty where there is none
     ``line_needs_feed`` a G1 without F is refused, and G94 and G95 end the F before
     ``macros``        the programs that check tools on this control; None where there are none
@@ -188,6 +189,7 @@ class Dialect(NamedTuple):
     place_settings: frozenset[float] = frozenset()
     turns_offsets: bool = False
     marks: Mapping[str, str] = FrozenTable({})
+    takes_nested_comments: bool = True
     spindle_word: str = ""
     line_needs_feed: bool = False
     converts_feed: bool = False

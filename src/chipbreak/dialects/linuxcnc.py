@@ -78,6 +78,7 @@ LINUXCNC_LATHE = Dialect(
     place_variables=_PLACES,
     place_settings=frozenset({10.0, 11.0, 20.0}),
     turns_offsets=True,
+    takes_nested_comments=False,
     marks=FrozenTable({"PATH-MARK": SPINDLE}),
     line_needs_feed=True,
     converts_feed=True,

@@ -7,6 +7,7 @@ the two roads equal.  What neither can read becomes an opaque block, with a diag
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -25,6 +26,10 @@ from chipbreak.text.source import BLANKS, Source
 UNREADABLE = "SYN001"
 # No control reads blocks of this length; without a bound one line could fill the memory.
 LONGEST_LINE = 1 << 16
+_COMMENT_HAS_ENDED = "where the comment has ended at its first ')'"
+_INNER = "take the inner parentheses out; "
+_NOTHING_CHANGED = "nothing is changed here; vibration and checks refuse to cross it"
+_NESTED = re.compile(r"\([^()]*\([^()]*\)")
 _BLANK_CHARACTERS = BLANKS.decode("latin-1")
 
 
@@ -84,7 +89,7 @@ class Program(NamedTuple):
                 block.line,
                 UNREADABLE,
                 f"this line cannot be read ({block.opaque}); it is passed through as it is",
-                "nothing is changed here; vibration and checks refuse to cross it",
+                f"{_INNER if _COMMENT_HAS_ENDED in block.opaque else ''}{_NOTHING_CHANGED}",
                 at=(block.opaque_column, block.opaque_column + 1),
                 severity=Severity.WARNING,
             )
@@ -191,5 +196,7 @@ def read_by_grammar(line: int, text: str, dialect: Dialect) -> Block:
 def _why(text: str, column: int, *, ended: bool) -> str:
     if ended:
         return "it ends in the middle of a word or an expression"
+    nested = _NESTED.search(text, 0, column)
+    behind = f", {_COMMENT_HAS_ENDED}" if nested else ""
     shown = text[column] if text[column].isprintable() else f"byte 0x{ord(text[column]):02X}"
-    return f"{shown!r} is not expected here"
+    return f"{shown!r} is not expected here{behind}"

@@ -1,0 +1,81 @@
+"""Comments that are not closed, and comments inside comments: controls do not agree on them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from chipbreak.syntax.nodes import Block
+from chipbreak.syntax.parse import Program
+from chipbreak.text.diagnostics import Diagnostic, Severity
+
+OPEN_COMMENT = "SYN003"
+NESTED_COMMENT = "SYN004"
+_OPEN_TAIL = re.compile(r"\([^)]*$")
+
+
+def said_of_comments(program: Program, changed_to: int) -> list[Diagnostic]:
+    """What is to be said of comments; ``changed_to`` is the line behind the last change, 0 without one."""
+    return _open_comments(program, changed_to) + _nested_comments(program)
+
+
+def _open_comments(program: Program, changed_to: int) -> list[Diagnostic]:
+    """A warning for every comment that is not closed on its line.
+
+    It is an error where something is changed in its line or behind it: the comment of a change would close
+    what the program left open.
+    """
+    found = []
+    for block in program.event_blocks():
+        column = _open_at(block)
+        if column is None:
+            continue
+        message = "this comment is not closed: the control stops here, or reads on to the next ) as comment"
+        severity = Severity.WARNING
+        if changed_to > block.line:
+            message += "; the comments of a change behind it would close it"
+            severity = Severity.ERROR
+        at = (column, len(block.text))
+        found.append(
+            program.diagnose(
+                block.line, OPEN_COMMENT, message, "close it with ) on its line", at=at, severity=severity
+            )
+        )
+    return found
+
+
+def _open_at(block: Block) -> int | None:
+    """Where a comment begins that its line does not close."""
+    if block.opaque:
+        tail = _OPEN_TAIL.search(block.text)
+        return tail.start() if tail and ";" not in block.text else None
+    for comment in block.comments:
+        if block.text[comment.start] == "(" and not block.text[: comment.end].endswith(")"):
+            return comment.start
+    return None
+
+
+def _nested_comments(program: Program) -> list[Diagnostic]:
+    """A warning at the first comment in a comment that the control stops on, or ends early."""
+    found = [one for block in program.event_blocks() for one in _nested_in(block, program)]
+    if len(found) > 1:
+        more = f"{found[0].message}; {len(found) - 1} more like it"
+        return [found[0]._replace(message=more)]
+    return found
+
+
+def _nested_in(block: Block, program: Program) -> Iterator[Diagnostic]:
+    for comment in block.comments:
+        if block.text[comment.start] != "(" or "(" not in comment.text:
+            continue
+        behind = block.text[comment.end :].strip()
+        if program.dialect.takes_nested_comments and (not behind or behind.startswith((";", "("))):
+            continue
+        message = "this control stops on a comment inside a comment"
+        if program.dialect.takes_nested_comments:
+            message = f"the comment ends at its first ), and the control acts on {behind[:30]} behind it"
+        help_text = "take the inner parentheses out"
+        at = (comment.start, comment.end)
+        yield program.diagnose(
+            block.line, NESTED_COMMENT, message, help_text, at=at, severity=Severity.WARNING
+        )

@@ -1,0 +1,60 @@
+"""Comments that are not closed, and comments inside comments, are said; none of ours closes another's."""
+
+from __future__ import annotations
+
+import pytest
+
+import chipbreak
+
+_CUT = "G97 S1000 M3\nG99 G0 X30. Z2.\nG1 Z-20. F0.1 N1.5\n"
+
+
+def _said(program: str, profile: str = "fanuc-lathe") -> list[tuple[str, str, int]]:
+    found = chipbreak.check(program.encode("latin-1"), chipbreak.load(profile))
+    return [(d.code, d.severity.value, d.place.line if d.place else 0) for d in found]
+
+
+def test_an_open_comment_is_said() -> None:
+    assert _said("G0 X1.\n(APPROACH\nG0 X2.\nM30\n") == [("SYN003", "warning", 2)]
+
+
+def test_an_open_comment_in_a_line_that_cannot_be_read() -> None:
+    assert ("SYN003", "warning", 1) in _said("G0 X&1. (APPROACH\nM30\n")
+
+
+def test_nothing_is_changed_behind_an_open_comment() -> None:
+    assert _said(f"(APPROACH\n{_CUT}M30\n") == [("SYN003", "error", 1)]
+    assert _said(_CUT.replace("N1.5", "N1.5 (CUT") + "M30\n") == [("SYN003", "error", 3)]
+
+
+def test_what_is_changed_before_it_stays_changed() -> None:
+    program = f"{_CUT}G0 X50.\n(END\nM30\n".encode()
+    result = chipbreak.rewrite(program, chipbreak.load("fanuc-lathe"))
+    assert result.changed
+    assert [d.code for d in result.diagnostics] == ["SYN003"]
+
+
+@pytest.mark.parametrize("line", ["; (APPROACH", "(A) ; (B", "(A", "(A))", "((A)"])
+def test_only_what_is_open_counts(line: str) -> None:
+    is_said = ("SYN003", "warning", 1) in _said(f"{line}\nM30\n")
+    assert is_said == (line == "(A")
+
+
+def test_a_comment_in_a_comment_where_the_control_stops_on_it() -> None:
+    said = _said("(ROUGH TURN (2))\n(A (B))\nM2\n", "linuxcnc-lathe")
+    assert said == [("SYN004", "warning", 1)]
+    assert _said("(ROUGH TURN (2))\nM30\n") == []
+
+
+def test_words_behind_a_comment_in_a_comment() -> None:
+    assert ("SYN004", "warning", 1) in _said("(TOOL (OLD) X50. F0.3\nM30\n")
+
+
+def test_an_unreadable_rest_behind_a_comment_in_a_comment() -> None:
+    program = b"(STOCK DIAMETER (X): 30.0 MM)\nM30\n"
+    (found,) = chipbreak.check(program, chipbreak.load("fanuc-lathe"))
+    assert "the comment has ended at its first" in found.message
+    assert found.code == "SYN001"
+    assert found.help.startswith("take the inner parentheses out")
+    fixed = program.replace(b"(X)", b"X")
+    assert chipbreak.check(fixed, chipbreak.load("fanuc-lathe")) == ()
