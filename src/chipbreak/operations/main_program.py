@@ -39,8 +39,8 @@ class MainProgram(NamedTuple):
     first: int
     last: int
     bodies: tuple[tuple[int, int], ...]
-    cuts: NDArray[np.int64]
-    works: NDArray[np.int64]
+    cuts: NDArray[np.int32]
+    works: NDArray[np.int32]
     after_end: int | None
 
     def has(self, line: int) -> bool:
@@ -51,13 +51,19 @@ class MainProgram(NamedTuple):
 
     def has_work(self, first: int, last: int) -> bool:
         """True when one of the lines cuts or probes."""
-        at, end = np.searchsorted(self.works, (first, last))
-        return bool(at < end)
+        at, end = _between(self.works, first, last)
+        return at < end
 
     def cut_ends(self, first: int, last: int) -> tuple[int, int] | None:
         """First and last line of a range that cut, None where none does."""
-        at, end = np.searchsorted(self.cuts, (first, last))
+        at, end = _between(self.cuts, first, last)
         return (int(self.cuts[at]), int(self.cuts[end - 1])) if at < end else None
+
+
+def _between(lines: NDArray[np.int32], first: int, last: int) -> tuple[int, int]:
+    """Where the lines from ``first`` to ``last`` (exclusive) begin and end among these."""
+    at, end = np.searchsorted(lines, np.array((first, last), np.int32))
+    return int(at), int(end)
 
 
 def main_program(interpreted: InterpretedProgram) -> MainProgram:
@@ -69,12 +75,15 @@ def main_program(interpreted: InterpretedProgram) -> MainProgram:
         work[first : final + 1] = _NOTHING
     after_end = np.flatnonzero(work[last : body.stop] == _CUTS)
     work[last:] = _NOTHING
+    # They are kept while the program is rewritten, so they are small, and mostly one array.
+    works = np.flatnonzero(work).astype(np.int32)
+    is_cut = work[works] == _CUTS
     return MainProgram(
         body.start,
         last,
         bodies,
-        np.flatnonzero(work == _CUTS).astype(np.int64),
-        np.flatnonzero(work != _NOTHING).astype(np.int64),
+        works if is_cut.all() else works[is_cut],
+        works,
         last + int(after_end[0]) if len(after_end) else None,
     )
 

@@ -26,6 +26,7 @@ _CHUNK_BYTES = 1 << 18
 # In a shape NUL is a run of digits, and one of these the G of G0 to G3; 0xFF is left out.  Where such a byte
 # stands in a program, it becomes SOH, which no plain block has.
 _MOTIONS, _LEFT_OUT, _FOREIGN = b"\2\3\4\5", b"\xff", b"\1"
+_FRACTION_BEHIND_N = re.compile(rb"N[ \t]*\x00?\.\x00")
 _TO_SHAPE = bytes.maketrans(b"0123456789\0", b"\0" * 10 + _FOREIGN)
 
 
@@ -129,6 +130,10 @@ class ShapeTable(dict[bytes, int]):
         self.grammar = grammar
         self.shapes: list[Shape] = []
         self._read = ShapeReader(grammar).read
+
+    def may_have_fraction_behind_n(self) -> bool:
+        """False where no line that was classified has a number such as that of ``N1.5``."""
+        return any(map(_FRACTION_BEHIND_N.search, self))
 
     def __missing__(self, shape: bytes) -> int:
         read = self._read(shape)

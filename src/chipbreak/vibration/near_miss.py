@@ -35,6 +35,8 @@ def meant_directive(text: str) -> str:
 
 def counts_as_block_numbers(interpreted: InterpretedProgram) -> list[Diagnostic]:
     """A warning at the first cut whose block begins with a fraction as its block number."""
+    if not interpreted.program.table.may_have_fraction_behind_n():
+        return []
     source = interpreted.program.source
     starts = source.starts.tolist() if _COUNT_FIRST.search(source.data) else []
     found: list[int] = []
