@@ -166,23 +166,30 @@ class _Scan:
         call = effect if called else None
         # Beside a block that does something else a comment explains that block.
         may_name = called or effect is None or not (effect.move or effect.non_modal)
-        said = [self._said(block, comment, may_name=may_name) for comment in block.comments]
-        if _names_the_program(block):  # "O7 (FINISH SIDE 2)" is the name of the program
-            said = [one for one in said if one.ordered]
-        for one in said:
-            if call or one.begins:
-                self._start(block.line, call)
-                call = None
-            self._note(one)
-        if call:
-            self._start(block.line, call)
+        said = self._all_said(block, may_name=may_name)
+        self._begin(block.line, call, said)
         self._remember(said, goes_on=block.is_empty and not any(one.ends for one in said))
         if effect and effect.move:
             self.last_move = block.line
 
+    def _begin(self, line: int, call: BlockEffect | None, said: Sequence[_Said]) -> None:
+        """Whatever starts in a block, by a call or by a comment, and what its comments say."""
+        for one in said:
+            if call or one.begins:
+                self._start(line, call)
+                call = None
+            self._note(one)
+        if call:
+            self._start(line, call)
+
     def _remember(self, said: Sequence[_Said], *, goes_on: bool) -> None:
         """Comments on lines of their own belong to the start that may come straight after them."""
         self.above = [*self.above, *(one.remark for one in said)] if goes_on else []
+
+    def _all_said(self, block: Block, *, may_name: bool) -> list[_Said]:
+        """What the comments of a block say; "O7 (FINISH SIDE 2)" only names the program."""
+        said = [self._said(block, comment, may_name=may_name) for comment in block.comments]
+        return [one for one in said if one.ordered] if _names_the_program(block) else said
 
     def _said(self, block: Block, comment: Comment, *, may_name: bool) -> _Said:
         """What a comment says; ``may_name`` is False beside a block that it only explains."""
