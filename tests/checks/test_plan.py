@@ -343,6 +343,12 @@ def test_a_tool_without_a_number() -> None:
     assert any(title.startswith("CHIP CHECK T1") for title in result.titles)
 
 
+def test_what_is_cut_after_t0_is_cut_by_no_tool_that_could_be_checked() -> None:
+    result = run(visit(1, "FACE1"), visit(0, "FACE2"))
+    assert only_code(result, "CHK006").endswith("cuts after T0, which calls no tool; it is not checked")
+    assert not [title for title in result.titles if "T0" in title]
+
+
 def test_a_code_that_nobody_knows_may_have_switched_anything_until_a_tool_is_called() -> None:
     """G254, Haas: from here on the machine works out the work offset from where the table stands."""
     odd = visit(1, "ROUGH", "FINISH").replace("(FINISH)", "G254\n(FINISH)")

@@ -37,9 +37,14 @@ def _tools(program: WholeProgram, findings: Findings) -> None:
         way_out = call_a_tool(_where_tools_are(program.interpreted))
         findings.say(program.main.first, NO_TOOL_CALL, message, way_out)
     elif None in program.uses.of_tool:
+        operation = program.uses.of_tool[None][0]
         message = "this operation cuts with a tool whose number cannot be known; it is not checked"
-        line = program.uses.of_tool[None][0].first_cut or 0
-        findings.say(line, WHICH_TOOL, message, CALL_WITH_ITS_NUMBER)
+        if (
+            operation.call_line is not None
+            and program.interpreted.effect(operation.call_line).after.tool == 0
+        ):
+            message = "this operation cuts after T0, which calls no tool; it is not checked"
+        findings.say(operation.first_cut or 0, WHICH_TOOL, message, CALL_WITH_ITS_NUMBER)
     elif not program.uses.cutting:
         message = "no tool that is called here cuts, so none is checked"
         findings.say(program.main.first, NOT_LOOKED_AT, message)
@@ -57,8 +62,8 @@ def _sisters(program: WholeProgram, findings: Findings) -> None:
 
 def _without_edge(program: WholeProgram, findings: Findings) -> None:
     for number, uses in program.uses.of_tool.items():
-        tool = program.tools.get(number or 0)
-        if tip_of(tool) is Tip.NO_EDGE:
+        tool = None if number is None else program.tools.get(number)
+        if tool is not None and tip_of(tool) is Tip.NO_EDGE:
             why = f'"{tool.type}" ({tool.origins["type"]})'
             message = f"T{number} has no edge to measure, so it is not checked: {why}"
             findings.say(uses[0].first_cut or 0, NOT_LOOKED_AT, message)
