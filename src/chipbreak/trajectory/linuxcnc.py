@@ -189,10 +189,11 @@ class LinuxCnc(RestingLaw):
         step; its lag of two periods is left out.
         """
         counts = [len(places) for _, places in runs]
-        signs = np.repeat(np.sign(lengths_mm[parts.starts]), counts)
-        ways_mm = np.concatenate([places for _, places in runs])
-        along_mm = np.repeat(distance_mm[parts.starts], counts) + signs * ways_mm
-        planned = np.concatenate([np.zeros(2), along_mm, distance_mm[-1:]])
+        # One array, changed in place: there is a place for every millisecond of the cut.
+        planned = np.concatenate([np.zeros(2), *(places for _, places in runs), distance_mm[-1:]])
+        along_mm = planned[2:-1]
+        along_mm *= np.repeat(np.sign(lengths_mm[parts.starts]), counts)
+        along_mm += np.repeat(distance_mm[parts.starts], counts)
         knots_mm = np.concatenate([np.zeros(1), interpolated(planned), distance_mm[-1:]])
         bent = np.abs(np.diff(knots_mm, 2)) > _STILL_EVEN_MM
         kept = np.flatnonzero(np.concatenate([[True], bent, [True]]))
