@@ -1,0 +1,1 @@
+"""Roughing and finishing cycles: a cycle and its contour become the passes that the control would make."""

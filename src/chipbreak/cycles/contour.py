@@ -1,0 +1,166 @@
+"""The contour of a cycle as plain geometry, in the axes of its passes.
+
+A pass cuts along ``t`` [mm], which grows in the direction of cutting, at a height ``h`` [mm], which grows from
+the finished part towards the stock.  So outer and inner turning, facing, and all four quadrants are one case:
+``Frame`` turns the axes of the lathe into these and back.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+_NOTHING_MM = 1e-9
+
+
+class Point(NamedTuple):
+    """A place in the axes of the passes [mm]."""
+
+    t: float
+    h: float
+
+
+class Segment(NamedTuple):
+    """A line, or an arc about ``centre``: ``turn`` 1 runs from +t towards +h, -1 the other way, 0 is a line."""
+
+    start: Point
+    end: Point
+    centre: Point | None = None
+    turn: int = 0
+
+    @property
+    def radius_mm(self) -> float:
+        """The radius of an arc; infinite for a line."""
+        return math.inf if self.centre is None else math.dist(self.start, self.centre)
+
+    @property
+    def sweep(self) -> float:
+        """The angle of an arc [rad], with its sign; 0 for a line."""
+        if self.centre is None:
+            return 0.0
+        first, last = _angle(self.centre, self.start), _angle(self.centre, self.end)
+        full = (last - first) * self.turn % (2.0 * math.pi)
+        return self.turn * (full or 2.0 * math.pi)
+
+    @property
+    def length_mm(self) -> float:
+        """How long it is."""
+        if self.centre is None:
+            return math.dist(self.start, self.end)
+        return abs(self.sweep) * self.radius_mm
+
+    def point(self, share: float) -> Point:
+        """The point at a share of its length, 0 to 1."""
+        if self.centre is None:
+            t = self.start.t + share * (self.end.t - self.start.t)
+            return Point(t, self.start.h + share * (self.end.h - self.start.h))
+        angle = _angle(self.centre, self.start) + share * self.sweep
+        radius = self.radius_mm
+        return Point(self.centre.t + radius * math.cos(angle), self.centre.h + radius * math.sin(angle))
+
+    def shifted(self, t_mm: float, h_mm: float) -> Segment:
+        """The same elsewhere."""
+        centre = None if self.centre is None else Point(self.centre.t + t_mm, self.centre.h + h_mm)
+        start, end = (Point(p.t + t_mm, p.h + h_mm) for p in (self.start, self.end))
+        return Segment(start, end, centre, self.turn)
+
+    def split(self) -> list[Segment]:
+        """The same in parts in which neither t nor h turns back."""
+        if self.centre is None:
+            return [self]
+        first = _angle(self.centre, self.start)
+        shares = [0.0, *sorted(self._turning_shares(first)), 1.0]
+        points = [self.start, *(self.point(share) for share in shares[1:-1]), self.end]
+        return [Segment(a, b, self.centre, self.turn) for a, b in pairwise(points)]
+
+    def _turning_shares(self, first: float) -> Iterator[float]:
+        """Where an arc passes a quarter of its circle."""
+        quarter = math.pi / 2.0
+        for number in range(-8, 9):
+            share = (number * quarter - first) / self.sweep
+            if _NOTHING_MM < share < 1.0 - _NOTHING_MM:
+                yield share
+
+    def t_at(self, level_mm: float) -> float:
+        """Where a part that does not turn back has this height; its height must reach it."""
+        if self.centre is None:
+            share = (level_mm - self.start.h) / (self.end.h - self.start.h)
+            return self.start.t + share * (self.end.t - self.start.t)
+        rise = min(max(level_mm - self.centre.h, -self.radius_mm), self.radius_mm)
+        run = math.sqrt(max(self.radius_mm**2 - rise**2, 0.0))
+        middle = self.point(0.5).t
+        return self.centre.t + math.copysign(run, middle - self.centre.t)
+
+    def h_at(self, t_mm: float) -> float:
+        """The height of a part that does not turn back at a place within it; the higher end of a wall."""
+        if abs(self.end.t - self.start.t) <= _NOTHING_MM:
+            return max(self.start.h, self.end.h)
+        if self.centre is None:
+            share = (t_mm - self.start.t) / (self.end.t - self.start.t)
+            return self.start.h + share * (self.end.h - self.start.h)
+        run = min(max(t_mm - self.centre.t, -self.radius_mm), self.radius_mm)
+        rise = math.sqrt(max(self.radius_mm**2 - run**2, 0.0))
+        return self.centre.h + math.copysign(rise, self.point(0.5).h - self.centre.h)
+
+    def area_mm2(self) -> float:
+        """The area between it and h = 0, with the sign of its way along t."""
+        area = (self.end.t - self.start.t) * (self.start.h + self.end.h) / 2.0
+        if self.centre is not None:
+            bulge = self.radius_mm**2 / 2.0 * (abs(self.sweep) - math.sin(abs(self.sweep)))
+            area -= math.copysign(bulge, self.sweep)
+        return area
+
+
+def _angle(centre: Point, point: Point) -> float:
+    return math.atan2(point.h - centre.h, point.t - centre.t)
+
+
+def parts_of(contour: Sequence[Segment]) -> list[Segment]:
+    """A contour in parts in which neither t nor h turns back; those without length are left out."""
+    return [part for one in contour for part in one.split() if part.length_mm > _NOTHING_MM]
+
+
+def turns_back_along_t(contour: Sequence[Segment]) -> int | None:
+    """The first segment that goes against the direction of cutting, an undercut; None where there is none."""
+    for index, one in enumerate(contour):
+        if any(part.end.t < part.start.t - 1e-6 for part in one.split()):
+            return index
+    return None
+
+
+def turns_back_along_h(contour: Sequence[Segment]) -> int | None:
+    """The first segment that goes down again, a pocket; None where there is none."""
+    for index, one in enumerate(contour):
+        if any(part.end.h < part.start.h - 1e-6 for part in one.split()):
+            return index
+    return None
+
+
+class Frame(NamedTuple):
+    """How the axes of passes lie in those of the lathe: ``along`` is "Z" or "X", and two signs.
+
+    ``t_sign`` is 1 where cutting goes towards larger numbers of the axis along which it goes, ``h_sign`` 1
+    where the stock lies at larger numbers of the other axis.
+    """
+
+    along: str
+    t_sign: int
+    h_sign: int
+
+    def inside(self, z_mm: float, radius_mm: float) -> Point:
+        """A place of the lathe in the axes of the passes."""
+        t, h = (z_mm, radius_mm) if self.along == "Z" else (radius_mm, z_mm)
+        return Point(self.t_sign * t, self.h_sign * h)
+
+    def outside(self, point: Point) -> tuple[float, float]:
+        """Z and radius [mm] of a point."""
+        t, h = self.t_sign * point.t, self.h_sign * point.h
+        return (t, h) if self.along == "Z" else (h, t)
+
+    @property
+    def mirrors(self) -> bool:
+        """True when a turn towards +h is the other way round in the plane Z, radius."""
+        flips = self.t_sign * self.h_sign * (1 if self.along == "Z" else -1)
+        return flips < 0

@@ -1,0 +1,240 @@
+"""Passes at levels (G71, G72): straight cuts, each deeper by the depth of cut, then one along the contour.
+
+Where the contour has pockets, one pocket after the other is cleared, in the direction of cutting.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from chipbreak.cycles.contour import Point, Segment, parts_of
+from chipbreak.cycles.stock import Stock
+
+_NOTHING_MM = 1e-6
+_MOST_PASSES = 10_000
+
+
+class Motion(NamedTuple):
+    """A move of the tool to ``end``: rapid or cutting, straight or round ``centre`` (see Segment)."""
+
+    cuts: bool
+    end: Point
+    centre: Point | None = None
+    turn: int = 0
+
+
+class Pass(NamedTuple):
+    """One pass: its number, what it does in a few words, and its moves."""
+
+    number: int
+    title: str
+    moves: tuple[Motion, ...]
+
+
+class Roughing(NamedTuple):
+    """What a roughing cycle is told; lengths in mm, depths as radii.
+
+    ``start``     where the tool stands before the cycle
+    ``contour``   the finished shape, from its first point on, without the move to it
+    ``depth_mm``  depth of cut of a pass;  ``retract_mm`` how far the tool goes back under 45 degrees
+    ``t_allowance_mm``, ``h_allowance_mm``  what stays for finishing, against the direction of cutting and
+                  towards the stock
+    ``feeds_in``  the tool is fed, and does not rush, from one level to the next
+    ``follows``   the last pass runs along the contour; without it steps stay
+    """
+
+    start: Point
+    contour: tuple[Segment, ...]
+    depth_mm: float
+    retract_mm: float
+    t_allowance_mm: float = 0.0
+    h_allowance_mm: float = 0.0
+    feeds_in: bool = False
+    follows: bool = True
+
+    @property
+    def rough_contour(self) -> tuple[Segment, ...]:
+        """The contour with the allowances."""
+        return tuple(one.shifted(-self.t_allowance_mm, self.h_allowance_mm) for one in self.contour)
+
+    @property
+    def departure(self) -> Point:
+        """Where the passes begin: the start, moved by the allowance along the direction of cutting."""
+        return Point(self.start.t - self.t_allowance_mm, self.start.h)
+
+
+def roughing_passes(cycle: Roughing) -> list[Pass]:
+    """The passes of a cycle, in order.
+
+    Raises SelfCheckError when one of them would take more than the depth of cut or rush through stock.
+    """
+    return _Cutter(cycle).passes()
+
+
+class _Span(NamedTuple):
+    """A stretch along t in which a level lies above the contour; ``is_open`` where no wall is before it."""
+
+    first_mm: float
+    last_mm: float
+    is_open: bool
+
+
+class _Cutter:
+    """Makes the moves of all passes, and keeps the stock."""
+
+    def __init__(self, cycle: Roughing) -> None:
+        self.cycle = cycle
+        self.parts = parts_of(cycle.rough_contour)
+        self.top_mm = cycle.start.h
+        self.first_mm = cycle.departure.t
+        self.last_mm = self.parts[-1].end.t
+        self.stock = Stock(self.first_mm, max(self.last_mm, self.first_mm + _NOTHING_MM), self.top_mm)
+        self.at = cycle.start
+        self.moves: list[Motion] = []
+        self.made: list[Pass] = []
+
+    def passes(self) -> list[Pass]:
+        """All passes."""
+        self._rapid(self.cycle.departure)
+        self._clear(_Span(-math.inf, math.inf, is_open=True), 1)
+        if self.cycle.follows:
+            self._follow()
+        self._go_home()
+        return self.made
+
+    def _clear(self, within: _Span, number: int) -> None:
+        """All levels of a stretch, from the ``number``th down; the pockets that a level opens one by one."""
+        level_mm = self.top_mm - number * self.cycle.depth_mm
+        lowest_mm = self._lowest(within)
+        if number > _MOST_PASSES:
+            raise ValueError("a cycle of more passes than any program has")
+        if lowest_mm >= self.top_mm - (number - 1) * self.cycle.depth_mm - _NOTHING_MM:
+            return
+        if level_mm <= lowest_mm + _NOTHING_MM:
+            if self.cycle.follows and within.is_open:
+                return
+            level_mm = lowest_mm
+        for span in self._spans(level_mm, within):
+            self._cut(span, level_mm)
+            self._clear(span, number + 1)
+
+    def _lowest(self, within: _Span) -> float:
+        """The lowest point of the contour in a stretch."""
+        heights = [
+            min(part.start.h, part.end.h)
+            for part in self.parts
+            if part.end.t > within.first_mm - _NOTHING_MM and part.start.t < within.last_mm + _NOTHING_MM
+        ]
+        return min(heights, default=self.top_mm)
+
+    def _spans(self, level_mm: float, within: _Span) -> list[_Span]:
+        """Where a level lies above the contour, in the direction of cutting."""
+        first_mm = self.first_mm
+        is_open = within.is_open and self.parts[0].start.h < level_mm + _NOTHING_MM
+        spans = list[_Span]()
+        begin: float | None = first_mm if is_open else None
+        for part in self.parts:
+            low, high = sorted((part.start.h, part.end.h))
+            if high <= level_mm + _NOTHING_MM:
+                begin = part.start.t if begin is None else begin
+                continue
+            if low >= level_mm - _NOTHING_MM:
+                begin = self._close(spans, begin, part.start.t, first_mm)
+                continue
+            t_mm = part.t_at(level_mm)
+            if part.end.h > part.start.h:
+                begin = part.start.t if begin is None else begin
+                begin = self._close(spans, begin, t_mm, first_mm)
+            else:
+                begin = t_mm
+        self._close(spans, begin, self.last_mm, first_mm)
+        inside = [s for s in spans if s.first_mm >= within.first_mm - _NOTHING_MM]
+        return [s for s in inside if s.last_mm <= within.last_mm + _NOTHING_MM]
+
+    def _close(self, spans: list[_Span], begin: float | None, end_mm: float, first_mm: float) -> None:
+        if begin is not None and end_mm > begin + _NOTHING_MM:
+            spans.append(_Span(begin, end_mm, is_open=begin == first_mm))
+
+    def _cut(self, span: _Span, level_mm: float) -> None:
+        """One straight pass: there, in, along, and back under 45 degrees."""
+        if span.is_open:
+            self._approach(Point(span.first_mm, level_mm))
+        else:
+            self._enter(span, level_mm)
+        self._feed(Point(span.last_mm, level_mm))
+        self.stock.cut(span.first_mm, span.last_mm, level_mm, self.cycle.depth_mm)
+        back_mm = min(self.cycle.retract_mm, span.last_mm - span.first_mm)
+        self._rapid(Point(span.last_mm - back_mm, level_mm + self.cycle.retract_mm))
+        self._rapid(Point(span.first_mm, level_mm + self.cycle.retract_mm))
+        self._end_pass(f"level {self.top_mm - level_mm:.4g} mm below the start")
+
+    def _approach(self, to: Point) -> None:
+        """In front of the stock, from the height of the last pass to the next level."""
+        self._rapid(Point(to.t, self.at.h))
+        if self.cycle.feeds_in:
+            self._feed(to)
+        else:
+            self._rapid(to)
+
+    def _enter(self, span: _Span, level_mm: float) -> None:
+        """Into a pocket: above all stock, down to what the last pass has left, then fed into the stock."""
+        floor_mm = self.stock.highest(span.first_mm, span.last_mm)
+        over_mm = max(self.top_mm, self.at.h)
+        is_above = self.stock.highest(self.at.t, span.first_mm) <= self.at.h
+        if not is_above:
+            self._rapid(Point(self.at.t, over_mm))
+        self._rapid(Point(span.first_mm, self.at.h))
+        self._rapid(Point(span.first_mm, min(self.at.h, floor_mm + self.cycle.retract_mm)))
+        self._feed(Point(span.first_mm, level_mm))
+
+    def _follow(self) -> None:
+        """Along the contour with its allowances, from its first point to its last."""
+        contour = self.cycle.rough_contour
+        self._over(Point(self.first_mm, self.top_mm))
+        first = contour[0].start
+        self._approach(Point(self.first_mm, first.h))
+        if first.t > self.first_mm + _NOTHING_MM:
+            self._feed(first)
+        for segment in contour:
+            self._add(Motion(True, segment.end, segment.centre, segment.turn))
+        self._end_pass("along the contour")
+
+    def _over(self, to: Point) -> None:
+        """Rapid to a place in front of the stock, above all of it."""
+        over_mm = max(to.h, self.at.h)
+        self._rapid(Point(self.at.t, over_mm))
+        self._rapid(Point(to.t, over_mm))
+
+    def _go_home(self) -> None:
+        """Back to the start, away from the part first."""
+        start = self.cycle.start
+        self._rapid(Point(self.at.t, max(self.at.h, start.h)))
+        self._rapid(Point(start.t, self.at.h))
+        self._rapid(start)
+        if self.moves and self.made:
+            last = self.made.pop()
+            self.made.append(last._replace(moves=(*last.moves, *self.moves)))
+            self.moves = []
+
+    def _end_pass(self, title: str) -> None:
+        self.made.append(Pass(len(self.made) + 1, title, tuple(self.moves)))
+        self.moves = []
+
+    def _rapid(self, to: Point) -> None:
+        if math.dist(self.at, to) > _NOTHING_MM:
+            if not self.cycle.follows or not self._has_followed():
+                self.stock.check_rapid(self.at, to)
+            self._add(Motion(False, to))
+
+    def _has_followed(self) -> bool:
+        return bool(self.made) and self.made[-1].title == "along the contour"
+
+    def _feed(self, to: Point) -> None:
+        if math.dist(self.at, to) > _NOTHING_MM:
+            self._add(Motion(True, to))
+
+    def _add(self, motion: Motion) -> None:
+        self.moves.append(motion)
+        self.at = motion.end
