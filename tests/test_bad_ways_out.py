@@ -30,6 +30,16 @@ WAYS: dict[str, list[Way]] = {
     ],
     "axis-without-acceleration": ["axes.Y.max_acceleration_mm_s2=20000", 'planner.model="ideal"'],
     "block-delete": [("/G1", "G1"), ("N1.5", "")],
+    "cycle-allowance-inside": [("U-0.4", "U0.4")],
+    "cycle-begins-beyond-its-start": [("X52. Z2.", "X52. Z6.")],
+    "cycle-contour-of-one-block": [
+        (r"Q10(?s:.*)X16\.\n", "Q20 U0.4 F0.3\nN10 G0 X16.\nG1 Z-15.\nN20 X52.\n")
+    ],
+    "cycle-contour-turns-back": [("X26. Z-34.\n", "")],
+    "cycle-depth-missing": [("G71 P", "G71 U2. R0.5\nG71 P")],
+    "cycle-depth-zero": [("U0. ", "U2. ")],
+    "cycle-of-a-pattern": [("(?s)G73 U4.*X52.\n", "G1 Z-30. F0.3\n")],
+    "cycle-without-contour": [("Q30", "Q20")],
     "check-has-no-place": [("(.FINISH.)", r"G0 Z15.\nG40 X1.\n\1\nG0 X1. Y2.\nG1 Z-1. F50.")],
     "chips-do-not-break": [("Q0.5", "Q1.06")],
     "contour-of-a-cycle": [("N1.5", ""), ("G7.*P100.*\n", "")],

@@ -34,6 +34,7 @@ class Asked(NamedTuple):
     tool_files: tuple[str, ...] = ()
     strict: bool = False
     allow_unbroken: bool = False
+    unroll: bool = False
     as_json: bool = False
     quiet: bool = False
     color: str = "never"
@@ -72,6 +73,7 @@ STRICT = click.option(
     help="A tool check without a place, and a wish for vibration that reaches no cut, are errors.",
 )
 UNBROKEN = click.option("--allow-unbroken", is_flag=True, help="Let cuts pass that do not break their chips.")
+UNROLL = click.option("--unroll", is_flag=True, help="Write out all cycles as plain blocks, asked or not.")
 REPORTING = (
     click.option("--json", "as_json", is_flag=True, help="Diagnostics and reports as JSON."),
     click.option("-q", "--quiet", is_flag=True, help="Only errors on stderr."),
@@ -82,7 +84,7 @@ REPORTING = (
         help="Colour.",
     ),
 )
-READING = (PROFILE, SET, TOOLS, STRICT, UNBROKEN, *REPORTING)
+READING = (PROFILE, SET, TOOLS, STRICT, UNBROKEN, UNROLL, *REPORTING)
 
 
 def asking(*options: _Decorator) -> _Decorator:
@@ -127,6 +129,8 @@ def settings_of(asked: Asked, source: str) -> Settings:
         sys.exit(USAGE)
     if asked.strict:
         settings = replace(settings, checks=replace(settings.checks, strict=True))
+    if asked.unroll:
+        settings = replace(settings, cycles=replace(settings.cycles, unroll="always"))
     return _with_tool_files(settings, asked.tool_files) if asked.tool_files else settings
 
 

@@ -13,9 +13,9 @@ from chipbreak.editing.restore import restore
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
 from chipbreak.model.unread_words import UNREAD_WORD, unread_words
 from chipbreak.operations.kinds import KindRules
-from chipbreak.operations.main_program import main_program
+from chipbreak.operations.main_program import MainProgram, main_program
 from chipbreak.operations.operations import Operation, operations_of
-from chipbreak.passes import Pass, passes_of
+from chipbreak.passes import VIBRATE, Pass, passes_of
 from chipbreak.passes.base import Context, Planned, RunOptions
 from chipbreak.self_check import Kept, verify
 from chipbreak.settings import Settings, SettingsError
@@ -32,6 +32,7 @@ from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.place_order import in_place_order
 from chipbreak.text.source import Source, read
 from chipbreak.tools.merge import ToolTable
+from chipbreak.unrolling import Unrolled, reason_of, unroll
 from chipbreak.vibration.left_cut import LeftCut
 
 if TYPE_CHECKING:
@@ -114,30 +115,65 @@ def _run(
     source: Source, data: bytes, settings: Settings, output: bytes | None, options: RunOptions
 ) -> Result:
     """All stages on an unfiltered source; ``output`` is the program to judge, None to write one."""
-    interpreted = interpret(parse(source, settings.dialect), settings)
-    context = _context(interpreted, options)
+    whole = _Whole.of(interpret(parse(source, settings.dialect), settings))
     passes = passes_of(settings)
+    idle: dict[int, RefusalError] = {}
     while True:
-        tried = _tried(context, passes, output)
-        given_up = _given_up(context, passes, tried.kept)
-        if not given_up:
+        unrolled = unroll(whole.interpreted, whole.main, whole.operations, idle)
+        _reject_wrong(unrolled.diagnostics)
+        context = _context(whole, unrolled, options)
+        context, tried = _settled(context, passes, output)
+        if settings.cycles.unroll == "always":
             break
-        # Each round gives up one edit more, so there is a last one.
-        context = replace(context, given_up=FrozenTable({**context.given_up, **given_up}))
-    diagnostics = list(tried.diagnostics)
+        # Cycles are written out to vibrate: those that do not, stay.  Each round leaves one more of them.
+        groups = unrolled.idle([edit for edit in tried.edits if edit.pass_name == VIBRATE])
+        if not groups:
+            break
+        idle |= {group: reason_of(tried.left, unrolled, group) for group in groups}
+    diagnostics = [*unrolled.diagnostics, *tried.diagnostics]
     for one in passes:
         diagnostics += one.findings(context, _reports_of(tried.kept, one))
     _reject_wrong(diagnostics)
     return Result(
-        source=source,
+        source=context.interpreted.program.source,
         data=tried.output,
         changed=tried.output != data,
         diagnostics=_ordered(diagnostics),
         reports=tuple(one.report for one in tried.kept),
         operations=tuple(context.operations),
         edits=tuple(tried.edits),
-        left=tuple(tried.left),
+        left=(*unrolled.left, *tried.left),
     )
+
+
+def _settled(context: Context, passes: Sequence[Pass], output: bytes | None) -> tuple[Context, _Tried]:
+    """Plan until no pass gives up what it planned."""
+    while True:
+        tried = _tried(context, passes, output)
+        given_up = _given_up(context, passes, tried.kept)
+        if not given_up:
+            return context, tried
+        # Each round gives up one edit more, so there is a last one.
+        context = replace(context, given_up=FrozenTable({**context.given_up, **given_up}))
+
+
+class _Whole(NamedTuple):
+    """A program as it came in, with its operations."""
+
+    interpreted: InterpretedProgram
+    main: MainProgram
+    operations: Sequence[Operation]
+
+    @classmethod
+    def of(cls, interpreted: InterpretedProgram) -> _Whole:
+        """Raises SettingsError for unusable rules of operations."""
+        settings = interpreted.settings
+        main = main_program(interpreted)
+        try:
+            operations = operations_of(interpreted, main, KindRules.from_profile(settings.operations))
+        except RefusalError as error:
+            raise SettingsError.of(error, settings.name) from None
+        return cls(interpreted, main, operations)
 
 
 class _Tried(NamedTuple):
@@ -175,16 +211,12 @@ def _given_up(context: Context, passes: Iterable[Pass], kept: Sequence[Kept]) ->
     return {line: why for line, why in found.items() if line not in context.given_up}
 
 
-def _context(interpreted: InterpretedProgram, options: RunOptions) -> Context:
-    """What the passes may look at.  Raises SettingsError for unusable rules of operations."""
-    settings = interpreted.settings
-    main = main_program(interpreted)
-    try:
-        operations = operations_of(interpreted, main, KindRules.from_profile(settings.operations))
-    except RefusalError as error:
-        raise SettingsError.of(error, settings.name) from None
-    tools = cache(partial(_tools_for_checks, interpreted))
-    return Context(interpreted, main, operations, tools, options)
+def _context(whole: _Whole, unrolled: Unrolled, options: RunOptions) -> Context:
+    """What the passes may look at."""
+    tools = cache(partial(_tools_for_checks, whole.interpreted))
+    return Context(
+        unrolled.interpreted, unrolled.main, unrolled.operations, unrolled.cut_operations, tools, options
+    )
 
 
 def _tools_for_checks(interpreted: InterpretedProgram) -> ToolTable:

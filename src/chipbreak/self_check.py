@@ -11,10 +11,12 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from chipbreak.editing.bracket import UNROLLED_CYCLES
 from chipbreak.editing.edits import Edit, in_order
 from chipbreak.editing.promise import Written
-from chipbreak.editing.restore import Region, regions, restores
+from chipbreak.editing.restore import Region, line_numbers, regions, restores
 from chipbreak.editing.unroll import unrolled
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
 from chipbreak.model.state_difference import difference, is_same_place, moved, spindle_speed
@@ -58,6 +60,44 @@ def verify(interpreted: InterpretedProgram, output: bytes, edits: Sequence[Edit]
         if report is not None:
             kept.append(Kept(written.edit, report))
     return kept
+
+
+def verify_unrolled(
+    interpreted: InterpretedProgram, output: bytes, edits: Sequence[Edit]
+) -> InterpretedProgram:
+    """Check a program whose cycles have been written out; it, read and interpreted.
+
+    The original does not say where its cycles move, so what must hold is said by their promises alone.
+    Raises SelfCheckError.
+    """
+    original = interpreted.program.source
+    source = read(output, original.name)
+    found = regions(source, UNROLLED_CYCLES)
+    if not restores(source, found, original.data):
+        raise SelfCheckError("putting the cycles back does not give the original bytes")
+    ordered = in_order(edits)
+    if len(found) != len(ordered):
+        raise SelfCheckError(f"{len(ordered)} cycles were planned, {len(found)} stand in the output")
+    _check_lengths(source, found, ordered, interpreted)
+    kept = _kept(interpreted, source, ordered, found)
+    source = source._replace(numbers=_numbers(original, ordered, found, kept))
+    result = interpret(parse_changed(source, interpreted.program, kept), interpreted.settings)
+    for edit, region in zip(ordered, found, strict=True):
+        _report(Written(edit, region, interpreted, result, original.body.stop))
+    return result
+
+
+def _numbers(
+    original: Source, edits: Sequence[Edit], found: Sequence[Region], kept: Sequence[tuple[int, int, int]]
+) -> NDArray[np.int64]:
+    """The line of the user's file for every line of the output; that of its cycle for a new block."""
+    pieces = [line_numbers(original, kept[0][2], kept[0][2] + kept[0][1] - kept[0][0])]
+    for edit, region, (first, last, old_first) in zip(edits, found, kept[1:], strict=True):
+        pieces.append(
+            np.repeat(line_numbers(original, edit.first, edit.first + 1), region.last - region.first)
+        )
+        pieces.append(line_numbers(original, old_first, old_first + last - first))
+    return np.concatenate(pieces)
 
 
 def written_edits(interpreted: InterpretedProgram, output: bytes, edits: Sequence[Edit]) -> Iterator[Written]:

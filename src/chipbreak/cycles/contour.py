@@ -1,8 +1,8 @@
 """The contour of a cycle as plain geometry, in the axes of its passes.
 
-A pass cuts along ``t`` [mm], which grows in the direction of cutting, at a height ``h`` [mm], which grows from
-the finished part towards the stock.  So outer and inner turning, facing, and all four quadrants are one case:
-``Frame`` turns the axes of the lathe into these and back.
+A pass cuts along ``t`` [mm], which grows in the direction of cutting, at a height ``h`` [mm], which grows
+from the finished part towards the stock.  So outer and inner turning, facing, and all four quadrants are one
+case: ``Frame`` turns the axes of the lathe into these and back.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class Point(NamedTuple):
 
 
 class Segment(NamedTuple):
-    """A line, or an arc about ``centre``: ``turn`` 1 runs from +t towards +h, -1 the other way, 0 is a line."""
+    """A line (``turn`` 0), or an arc about ``centre``: ``turn`` 1 runs from +t towards +h, -1 back."""
 
     start: Point
     end: Point

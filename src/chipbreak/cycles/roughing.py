@@ -6,7 +6,6 @@ Where the contour has pockets, one pocket after the other is cleared, in the dir
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from chipbreak.cycles.contour import Point, Segment, parts_of
@@ -81,6 +80,23 @@ class _Span(NamedTuple):
     is_open: bool
 
 
+def _below(part: Segment, level_mm: float) -> tuple[float, float] | None:
+    """The stretch along t in which a part of the contour, that does not turn back, lies below a level."""
+    low_mm, high_mm = sorted((part.start.h, part.end.h))
+    if high_mm <= level_mm + _NOTHING_MM:
+        return part.start.t, part.end.t
+    if low_mm >= level_mm - _NOTHING_MM:
+        return None
+    t_mm = part.t_at(level_mm)
+    return (part.start.t, t_mm) if part.end.h > part.start.h else (t_mm, part.end.t)
+
+
+def _is_inside(span: _Span, within: _Span) -> bool:
+    is_long = span.last_mm > span.first_mm + _NOTHING_MM
+    after = span.first_mm >= within.first_mm - _NOTHING_MM
+    return is_long and after and span.last_mm <= within.last_mm + _NOTHING_MM
+
+
 class _Cutter:
     """Makes the moves of all passes, and keeps the stock."""
 
@@ -131,31 +147,16 @@ class _Cutter:
 
     def _spans(self, level_mm: float, within: _Span) -> list[_Span]:
         """Where a level lies above the contour, in the direction of cutting."""
-        first_mm = self.first_mm
         is_open = within.is_open and self.parts[0].start.h < level_mm + _NOTHING_MM
+        free = [(self.first_mm, self.parts[0].start.t)] if is_open else []
+        free += [found for part in self.parts if (found := _below(part, level_mm)) is not None]
         spans = list[_Span]()
-        begin: float | None = first_mm if is_open else None
-        for part in self.parts:
-            low, high = sorted((part.start.h, part.end.h))
-            if high <= level_mm + _NOTHING_MM:
-                begin = part.start.t if begin is None else begin
-                continue
-            if low >= level_mm - _NOTHING_MM:
-                begin = self._close(spans, begin, part.start.t, first_mm)
-                continue
-            t_mm = part.t_at(level_mm)
-            if part.end.h > part.start.h:
-                begin = part.start.t if begin is None else begin
-                begin = self._close(spans, begin, t_mm, first_mm)
+        for first_mm, last_mm in free:
+            if spans and first_mm <= spans[-1].last_mm + _NOTHING_MM:
+                spans[-1] = spans[-1]._replace(last_mm=last_mm)
             else:
-                begin = t_mm
-        self._close(spans, begin, self.last_mm, first_mm)
-        inside = [s for s in spans if s.first_mm >= within.first_mm - _NOTHING_MM]
-        return [s for s in inside if s.last_mm <= within.last_mm + _NOTHING_MM]
-
-    def _close(self, spans: list[_Span], begin: float | None, end_mm: float, first_mm: float) -> None:
-        if begin is not None and end_mm > begin + _NOTHING_MM:
-            spans.append(_Span(begin, end_mm, is_open=begin == first_mm))
+                spans.append(_Span(first_mm, last_mm, is_open=is_open and not spans))
+        return [span for span in spans if _is_inside(span, within)]
 
     def _cut(self, span: _Span, level_mm: float) -> None:
         """One straight pass: there, in, along, and back under 45 degrees."""

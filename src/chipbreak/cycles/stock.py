@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left, bisect_right
+from itertools import pairwise
 
 from chipbreak.cycles.contour import Point
 from chipbreak.text.diagnostics import SelfCheckError
@@ -58,7 +59,7 @@ class Stock:
             return
         inside = [t for t in self.breaks if min(start.t, end.t) < t < max(start.t, end.t)]
         places = sorted([start.t, *inside, end.t])
-        for first, last in zip(places[:-1], places[1:], strict=True):
+        for first, last in pairwise(places):
             lowest = min(_height(start, end, first), _height(start, end, last))
             if self.highest(first, last) > lowest + _SAME_MM:
                 raise SelfCheckError(f"a rapid from {start} to {end} would go through standing stock")

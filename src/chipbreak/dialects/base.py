@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from chipbreak.dialects.check_programs import CallTemplates, MacroSet
 from chipbreak.dialects.modes import Modes, check_value
 from chipbreak.dialects.numbers import NUMBER_RULES, NumberRule
 from chipbreak.text.frozen_table import FrozenTable
 
+ContourCycle = Literal["along-z", "along-x", "pattern", "finish"]
 # Groups whose codes act in their own block only.  The interpreter and the refusals know them by value.
 NON_MODAL = "non_modal"
 
@@ -149,6 +150,7 @@ class Dialect(NamedTuple):
     ``set_off``       what stands between the letter of an axis and its value where it is written: "", or "="
     ``comment_marks`` how a comment is written: PARENTHESES or SEMICOLON; the way back reads both
     ``loop``          how blocks are repeated; None where the control has no way that is known
+    ``contour_cycles`` the codes (times ten) of cycles whose P and Q name their contour, and which each is
     ``place_variables`` numbers and names of the variables that hold the place where the tool stands
     ``place_settings`` the L of those G10 that work with that place
     ``turns_offsets`` the R of ``G10 L2`` turns a work offset
@@ -185,6 +187,7 @@ class Dialect(NamedTuple):
     set_off: str = ""
     comment_marks: CommentMarks = PARENTHESES
     loop: Loop | None = None
+    contour_cycles: Mapping[int, ContourCycle] = FrozenTable({})
     place_variables: frozenset[int | str] = frozenset(range(5001, 5061))
     place_settings: frozenset[float] = frozenset()
     turns_offsets: bool = False

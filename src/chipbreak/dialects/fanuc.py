@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from chipbreak.dialects.base import (
     CHANGER_M_CODES,
     COMMON,
@@ -10,6 +12,7 @@ from chipbreak.dialects.base import (
     OTHER_SPINDLES,
     PATH_MARKS,
     THROUGH_SPINDLE,
+    ContourCycle,
     Dialect,
     Loop,
     table,
@@ -44,6 +47,9 @@ _LATHE = COMMON | table(
 
 _LATHE_INITIAL = Modes(motion="rapid", plane="ZX", feed_mode="rev")
 
+_CONTOURS_AB: Mapping[int, ContourCycle] = FrozenTable(
+    {700: "finish", 710: "along-z", 720: "along-x", 730: "pattern"}
+)
 _CYCLES_AB = table(
     non_modal={
         "G70": "finish-cycle",
@@ -76,6 +82,7 @@ FANUC_LATHE_A = Dialect(
     speed_limit=frozenset({500}),
     machine_retract=("G28 U0", "G28 W0"),
     loop=_LOOP,
+    contour_cycles=_CONTOURS_AB,
 )
 
 FANUC_LATHE_B = Dialect(
@@ -103,6 +110,7 @@ FANUC_LATHE_B = Dialect(
     speed_limit=frozenset({500, 920}),
     machine_retract=("G28 U0", "G28 W0"),
     loop=_LOOP,
+    contour_cycles=_CONTOURS_AB,
 )
 
 FANUC_LATHE_C = Dialect(
@@ -136,6 +144,7 @@ FANUC_LATHE_C = Dialect(
     speed_limit=frozenset({500, 920}),
     machine_retract=("G28 U0", "G28 W0"),
     loop=_LOOP,
+    contour_cycles=FrozenTable({720: "finish", 730: "along-z", 740: "along-x", 750: "pattern"}),
 )
 
 FANUC_MILL = Dialect(

@@ -52,4 +52,5 @@ GENERIC_LATHE = Dialect(
     incremental=FrozenTable({"U": "X", "V": "Y", "W": "Z", "H": "C"}),
     speed_limit=frozenset({500, 920}),
     machine_retract=("G28 U0", "G28 W0"),
+    contour_cycles=FrozenTable({700: "finish", 710: "along-z", 720: "along-x", 730: "pattern"}),
 )

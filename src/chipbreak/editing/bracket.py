@@ -10,6 +10,10 @@
 A line that would not survive inside a comment (parentheses, lower case, other bytes, a foreign line end) is
 written as ``(CHIPBREAK HEX ...)``, its bytes in hexadecimal with their line end.  A control whose comments
 run to the end of the line has ``; CHIPBREAK BEGIN ...`` instead.
+
+Brackets come in two layers.  A cycle that was written out as plain blocks stands between ``UNROLLED`` and
+``ROLLED``; the changes that the passes make to these blocks lie inside, between ``BEGIN`` and ``END``.  The
+way back takes the inner layer off first, so the checksum of the outer one is that of the plain blocks.
 """
 
 from __future__ import annotations
@@ -17,6 +21,7 @@ from __future__ import annotations
 import re
 import zlib
 from collections.abc import Iterator
+from typing import NamedTuple
 
 from chipbreak.dialects import CommentMarks
 
@@ -24,9 +29,20 @@ BEGIN = "BEGIN"
 WAS = "WAS"
 HEX = "HEX"
 END = "END"
+
+
+class Layer(NamedTuple):
+    """The words that open and close the brackets of one layer."""
+
+    begin: str
+    end: str
+
+
+CHANGES = Layer(BEGIN, END)
+UNROLLED_CYCLES = Layer("UNROLLED", "ROLLED")
 LINE = re.compile(
     rb"[ \t]*(?:[Nn][-+]?[0-9.]+[ \t]*)?(?:(?P<parenthesis>\()|; ?)"
-    rb"CHIPBREAK (?P<kind>BEGIN|WAS|HEX|END) ?(?P<text>[^()]*)(?(parenthesis)\))[ \t]*"
+    rb"CHIPBREAK (?P<kind>BEGIN|WAS|HEX|END|UNROLLED|ROLLED) ?(?P<text>[^()]*)(?(parenthesis)\))[ \t]*"
 )
 _HEX_BYTES_PER_LINE = 30
 # What every control takes inside a comment; LinuxCNC also takes lower case and more signs.
@@ -48,10 +64,12 @@ def find(data: bytes, kind: str, start: int = 0, stop: int | None = None) -> int
     return at
 
 
-def title_text(title: str, max_chars: int, marks: CommentMarks, number: str = "") -> str:
+def title_text(
+    title: str, max_chars: int, marks: CommentMarks, number: str = "", layer: Layer = CHANGES
+) -> str:
     """A title made fit for a comment: upper case, no parentheses, not too long after a block number."""
     fit = re.sub(r"[^A-Z0-9 .,=_+/-]", " ", title.upper())
-    room = max_chars - _frame(BEGIN, marks) - max(len(number), len("N99999 "))
+    room = max_chars - _frame(layer.begin, marks) - max(len(number), len("N99999 "))
     return fit[: max(room, 0)].rstrip()
 
 
@@ -79,7 +97,7 @@ def was_lines(
 
 
 def checksum(content: bytes) -> str:
-    """CRC-32 of the lines between BEGIN and END, blind to how lines end (transmission may change that)."""
+    """CRC-32 of the lines between the brackets, blind to how lines end (transmission may change that)."""
     if b"\r" in content:
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     return f"{zlib.crc32(content):08X}"

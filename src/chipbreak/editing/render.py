@@ -19,7 +19,9 @@ _MINUS = ord("-")
 _POINT = ord(".")
 
 
-def render(program: Program, edits: Sequence[Edit], settings: Settings) -> list[bytes | memoryview]:
+def render(
+    program: Program, edits: Sequence[Edit], settings: Settings, layer: bracket.Layer = bracket.CHANGES
+) -> list[bytes | memoryview]:
     """The pieces of the new program, in order.  Without edits it is the original, byte for byte.
 
     Raises OverlapError.
@@ -30,13 +32,13 @@ def render(program: Program, edits: Sequence[Edit], settings: Settings) -> list[
     line = 0
     for edit in in_order(edits):
         pieces.append(data[source.starts[line] : source.starts[edit.first]])
-        pieces.extend(_region(program, edit, settings))
+        pieces.extend(_region(program, edit, settings, layer))
         line = edit.last
     pieces.append(data[source.starts[line] :])
     return pieces
 
 
-def _region(program: Program, edit: Edit, settings: Settings) -> list[bytes]:
+def _region(program: Program, edit: Edit, settings: Settings, layer: bracket.Layer) -> list[bytes]:
     """One change between its brackets."""
     source = program.source
     control = settings.control
@@ -46,15 +48,15 @@ def _region(program: Program, edit: Edit, settings: Settings) -> list[bytes]:
     if originals and (number := program.block(edit.first).sequence) is not None:
         sequence = f"{number.letter}{number.value_text} "
     marks = settings.dialect.comment_marks
-    title = bracket.title_text(edit.title, control.max_line_chars, marks, sequence)
+    title = bracket.title_text(edit.title, control.max_line_chars, marks, sequence, layer)
     lower = settings.dialect.reads_comments_in_lower_case
     kept = bracket.was_lines(originals, end, control.max_line_chars, marks, lower_case=lower)
     inner = [text.encode("latin-1") + end for text in kept]
     for item in edit.content:
         inner.append(print_moves(item, end) if isinstance(item, MoveTable) else item.encode("latin-1") + end)
     content = b"".join(inner)
-    head = f"{sequence}{bracket.comment(bracket.BEGIN, title, marks)}".encode("latin-1")
-    foot = bracket.comment(bracket.END, bracket.checksum(content), marks).encode("ascii")
+    head = f"{sequence}{bracket.comment(layer.begin, title, marks)}".encode("latin-1")
+    foot = bracket.comment(layer.end, bracket.checksum(content), marks).encode("ascii")
     # A file without a last line end keeps none.
     is_last = bool(originals) and not originals[-1].endswith((b"\n", b"\r"))
     return [head + end, content, foot if is_last else foot + end]

@@ -19,8 +19,8 @@ BROKEN = "RES002"
 class Region(NamedTuple):
     """One bracketed change in a filtered program.
 
-    Lines ``first`` (BEGIN) to ``last`` (exclusive, behind END); ``body`` is the first line behind the WAS
-    and HEX lines; ``original`` the bytes that were there.
+    Lines ``first`` (BEGIN or UNROLLED) to ``last`` (exclusive, behind END or ROLLED); ``body`` is the first
+    line behind the WAS and HEX lines; ``original`` the bytes that were there.
     """
 
     first: int
@@ -30,26 +30,26 @@ class Region(NamedTuple):
     original: bytes
 
 
-def regions(source: Source) -> list[Region]:
-    """The changes in a filtered program.
+def regions(source: Source, layer: bracket.Layer = bracket.CHANGES) -> list[Region]:
+    """The changes in a filtered program; of the outer layer once the inner one has been taken off.
 
     Raises ProgramRejectedError: RES001 when a bracketed part was edited, RES002 when a bracket is broken.
     """
     found: list[Region] = []
-    at = bracket.find(source.data, bracket.BEGIN)
+    at = bracket.find(source.data, layer.begin)
     while at >= 0:
         line = int(np.searchsorted(source.starts, at, "right")) - 1
         match = bracket.LINE.fullmatch(source.raw(line).rstrip(b"\r\n"))
-        if match and match["kind"].decode() == bracket.BEGIN:
-            region = _region(source, line, match["text"].decode("latin-1"))
+        if match and match["kind"].decode() == layer.begin:
+            region = _region(source, line, match["text"].decode("latin-1"), layer)
             found.append(region)
-            at = bracket.find(source.data, bracket.BEGIN, int(source.starts[region.last]))
+            at = bracket.find(source.data, layer.begin, int(source.starts[region.last]))
         else:
-            at = bracket.find(source.data, bracket.BEGIN, at + 1)
+            at = bracket.find(source.data, layer.begin, at + 1)
     return found
 
 
-def _region(source: Source, first: int, title: str) -> Region:
+def _region(source: Source, first: int, title: str, layer: bracket.Layer) -> Region:
     original = bytearray()
     line = first + 1
     while line < source.line_count:
@@ -64,7 +64,7 @@ def _region(source: Source, first: int, title: str) -> Region:
             break
         line += 1
     body = line
-    last = _end_line(source, first)
+    last = _end_line(source, first, layer)
     content = source.data[source.starts[first + 1] : source.starts[last - 1]]
     end = bracket.LINE.fullmatch(source.raw(last - 1).rstrip(b"\r\n"))
     assert end is not None
@@ -79,16 +79,16 @@ def _region(source: Source, first: int, title: str) -> Region:
     return Region(first, body, last, title.strip(), bytes(original))
 
 
-def _end_line(source: Source, first: int) -> int:
-    """The line behind the END that closes a BEGIN."""
+def _end_line(source: Source, first: int, layer: bracket.Layer) -> int:
+    """The line behind the bracket that closes the one in line ``first``."""
     start = int(source.starts[first + 1])
-    at = bracket.find(source.data, bracket.END, start)
-    inner = bracket.find(source.data, bracket.BEGIN, start, max(at, start))
+    at = bracket.find(source.data, layer.end, start)
+    inner = bracket.find(source.data, layer.begin, start, max(at, start))
     if at < 0 or inner >= 0:
-        raise _broken(source, first, "the END comment of this part is missing")
+        raise _broken(source, first, f"the {layer.end} comment of this part is missing")
     line = int(np.searchsorted(source.starts, at, "right")) - 1
     if bracket.LINE.fullmatch(source.raw(line).rstrip(b"\r\n")) is None:
-        raise _broken(source, line, "this END comment cannot be read")
+        raise _broken(source, line, f"this {layer.end} comment cannot be read")
     return line + 1
 
 
@@ -136,15 +136,26 @@ def restore(source: Source) -> Source:
 
     Raises ProgramRejectedError as :func:`regions` does.
     """
-    found = regions(source)
+    for layer in (bracket.CHANGES, bracket.UNROLLED_CYCLES):
+        source = _without(source, regions(source, layer))
+    return source
+
+
+def _without(source: Source, found: Sequence[Region]) -> Source:
+    """The program without these changes."""
     if not found:
         return source
     numbers: list[NDArray[np.int64]] = []
     line = 0
     for region in found:
-        numbers.append(np.arange(line, region.first) + 1)
+        numbers.append(line_numbers(source, line, region.first))
         count = read(region.original).line_count if region.original else 0
-        numbers.append(np.full(count, region.first + 1))
+        numbers.append(np.repeat(line_numbers(source, region.first, region.first + 1), count))
         line = region.last
-    numbers.append(np.arange(line, source.line_count) + 1)
+    numbers.append(line_numbers(source, line, source.line_count))
     return read(b"".join(restored(source, found)), source.name, np.concatenate(numbers))
+
+
+def line_numbers(source: Source, first: int, last: int) -> NDArray[np.int64]:
+    """The numbers of lines ``first`` to ``last`` (exclusive) in the user's file."""
+    return np.arange(first, last) + 1 if source.numbers is None else source.numbers[first:last]

@@ -14,6 +14,14 @@ from chipbreak.syntax.parse import Program
 CONTOUR_CYCLES = ("rough-cycle", "finish-cycle")
 
 
+class ContourCall(NamedTuple):
+    """A block that calls a contour by P and Q: lines ``first`` to ``last``, None where there is none."""
+
+    line: int
+    first: int | None = None
+    last: int | None = None
+
+
 class Flow(NamedTuple):
     """Jump targets and cycle contours.
 
@@ -45,7 +53,14 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
         if cycle:
             cycles.append((block, *cycle))
     numbers = _sequence_lines(program) if labels or cycles else {}
-    return Flow(_targets(labels, numbers), _contours(cycles, numbers))
+    return Flow(_targets(labels, numbers), _contours(_calls(cycles, numbers)))
+
+
+def contour_calls(program: Program, dialect: Dialect) -> list[ContourCall]:
+    """The cycles of a program that call a contour, in order."""
+    found = [(block, _contour_cycle(block, dialect)) for block in program.event_blocks()]
+    cycles = [(block, *names) for block, names in found if names]
+    return _calls(cycles, _sequence_lines(program) if cycles else {})
 
 
 def _targets(labels: set[str], numbers: dict[int, list[int]]) -> frozenset[int]:
@@ -77,16 +92,18 @@ def _sequence_lines(program: Program) -> dict[int, list[int]]:
     return found
 
 
-def _contours(
-    cycles: list[tuple[Block, int, int]], numbers: dict[int, list[int]]
-) -> tuple[tuple[int, int], ...]:
+def _calls(cycles: list[tuple[Block, int, int]], numbers: dict[int, list[int]]) -> list[ContourCall]:
     """The control takes the next such number behind the cycle; G70 may look back to the roughing's shape."""
-    ranges = set()
+    calls = []
     for block, first, last in cycles:
         starts = numbers.get(first, [])
         ahead = [line for line in starts if line > block.line] or starts[-1:]
-        if ahead:
-            ends = [line for line in numbers.get(last, []) if line >= ahead[0]]
-            if ends:
-                ranges.add((ahead[0], ends[0]))
+        ends = [line for line in numbers.get(last, []) if ahead and line >= ahead[0]]
+        lines = (ahead[0], ends[0]) if ends else (None, None)
+        calls.append(ContourCall(block.line, *lines))
+    return calls
+
+
+def _contours(calls: list[ContourCall]) -> tuple[tuple[int, int], ...]:
+    ranges = {(one.first, one.last) for one in calls if one.first is not None and one.last is not None}
     return tuple(sorted(ranges))

@@ -4,10 +4,10 @@ from chipbreak.passes.base import Pass
 from chipbreak.passes.check_tools import CHECK_TOOLS, CheckTools
 from chipbreak.passes.plug_ins import plug_ins_of
 from chipbreak.passes.speeds import CuttingSpeeds
-from chipbreak.passes.vibrate import Vibrate
+from chipbreak.passes.vibrate import VIBRATE, Vibrate
 from chipbreak.settings.sections import Settings
 
-__all__ = ["CHECK_TOOLS", "PASSES", "Pass", "passes_of"]
+__all__ = ["CHECK_TOOLS", "PASSES", "VIBRATE", "Pass", "passes_of"]
 
 # In the order in which they plan.  Of two insertions before one line, what was planned later stands first.
 PASSES: tuple[Pass, ...] = (

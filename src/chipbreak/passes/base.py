@@ -36,6 +36,7 @@ class RunOptions:
 class Context:
     """All that a pass may look at.
 
+    ``cut_operations`` are the operations in which each cycle that was written out is one of its own.
     ``read_tools`` gives the tool table, read when it is first asked for.  ``planned`` are the edits of the
     passes before.  ``given_up`` are edits, by their first line, that were tried and are not planned again.
     """
@@ -43,6 +44,7 @@ class Context:
     interpreted: InterpretedProgram
     main: MainProgram
     operations: Sequence[Operation]
+    cut_operations: Sequence[Operation]
     read_tools: Callable[[], ToolTable]
     options: RunOptions = RunOptions()
     planned: tuple[Edit, ...] = ()

@@ -22,15 +22,17 @@ from chipbreak.text.diagnostics import Diagnostic
 from chipbreak.vibration.left_cut import said_of_left
 from chipbreak.vibration.request import requests_of
 
+VIBRATE = "vibrate"
+
 
 class Vibrate(Pass):
     """Cuts that break their chips by swinging or by standing."""
 
-    name = "vibrate"
+    name = VIBRATE
 
     def plan(self, context: Context) -> Planned:
         """The blocks of every vibrated cut, and the programmed spindle speed where it is needed again."""
-        asked = requests_of(context.interpreted, context.operations)
+        asked = requests_of(context.interpreted, context.cut_operations)
         left = asked.left
         edits: Sequence[Edit] = ()
         diagnostics = asked.diagnostics
@@ -59,7 +61,7 @@ class Vibrate(Pass):
 
         return findings_of_cuts(
             context.interpreted,
-            context.operations,
+            context.cut_operations,
             reports,
             allow_unbroken=context.options.allow_unbroken,
         )
@@ -72,7 +74,7 @@ class Vibrate(Pass):
 
         return errors_of_cuts(
             context.interpreted,
-            context.operations,
+            context.cut_operations,
             reports,
             allow_unbroken=context.options.allow_unbroken,
         )

@@ -246,6 +246,20 @@ class Tools:
 
 
 @dataclass(frozen=True)
+class Cycles:
+    """Roughing and finishing cycles that are written out as plain blocks.
+
+    ``unroll``: those whose cuts are asked to vibrate, all, or none.  ``depth_unit`` is what D without a
+    decimal point counts in a block that says the whole cycle.  ``finish_pass``: the last pass of G71 and G72
+    runs along the contour.
+    """
+
+    unroll: str = _one_of("asked", "always", "never")
+    depth_unit: str = _one_of("increment", "program")
+    finish_pass: bool = True
+
+
+@dataclass(frozen=True)
 class Passes:
     """Passes of other installed packages that run behind the shipped ones, in the order of their names."""
 
@@ -270,6 +284,7 @@ class Settings:
     tools: Tools
     planner: Planner
     passes: Passes
+    cycles: Cycles
     axes: Mapping[str, Axis]
     axis_words: AxisWords
     call_sets: Mapping[str, Mapping[str, tuple[str, ...]]]
@@ -316,6 +331,7 @@ SECTIONS: Mapping[str, type[Any]] = {
     "macros": Macros,
     "tools": Tools,
     "passes": Passes,
+    "cycles": Cycles,
     **{f"axes.{axis}": Axis for axis in AXES},
 }
 # Tables whose keys the user chooses: operation kinds with regular expressions, named sets of calls, options

@@ -108,12 +108,14 @@ class Requests(NamedTuple):
     """The cuts that are asked to vibrate, in order; those that a wish does not reach; what is to be said.
 
     ``air_lines`` (from 0) are moves back through what was just cut: they need no spindle speed.
+    ``cycles`` are the lines of cycles that a wish passed over, with who asked.
     """
 
     requests: list[Request]
     left: list[LeftCut]
     air_lines: frozenset[int]
     diagnostics: list[Diagnostic]
+    cycles: dict[int, AskedBy]
 
 
 class RequestReader:
@@ -405,7 +407,13 @@ def requests_of(interpreted: InterpretedProgram, operations: Sequence[Operation]
     """All requests of a program in order, and what is wrong with them."""
     reader = RequestReader(interpreted, operations)
     reader.read()
-    return Requests(reader.requests, reader.left, frozenset(reader.air_lines), reader.diagnostics)
+    cycles = {
+        passed.line: wish.asked_by
+        for wish in reader.wishes
+        for passed in wish.passed
+        if wish.on and passed.what == "cycle"
+    }
+    return Requests(reader.requests, reader.left, frozenset(reader.air_lines), reader.diagnostics, cycles)
 
 
 def _looks_asking(text: str) -> bool:

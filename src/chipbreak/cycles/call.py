@@ -1,0 +1,169 @@
+"""The words of a cycle: depth, allowances, feed and speed, from one block or from two in a row.
+
+::
+
+    G71 U2. R0.5                          G71 P10 Q20 U0.4 W0.1 D2000 F0.3
+    G71 P10 Q20 U0.4 W0.1 F0.3
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from chipbreak.dialects.base import ContourCycle
+from chipbreak.model.flow import ContourCall
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.modal import State
+from chipbreak.model.words import is_diameter, length_mm
+from chipbreak.settings.sections import Settings
+from chipbreak.syntax.nodes import Block, Word
+from chipbreak.text.diagnostics import RefusalError
+
+NO_CONTOUR = "CYC001"
+BAD_DEPTH = "CYC004"
+UNREAD_FORM = "CYC007"
+_WORDS_OF_CALL = frozenset("GPQUWDFS")
+_WORDS_OF_FINISH = frozenset("GPQFS")
+_FIRST_BLOCK = {"along-z": frozenset("GUR"), "along-x": frozenset("GWR")}
+
+
+class Call(NamedTuple):
+    """A cycle as its blocks say it; lines ``first`` to ``last`` (exclusive), lengths in mm.
+
+    ``contour_first``, ``contour_last``  the lines of its contour, both inclusive
+    ``depth_mm``       of a pass, as a radius;  ``retract_mm`` how far the tool goes back
+    ``x_allowance_mm``, ``z_allowance_mm``  with the sign of the program, X as a radius
+    ``feed``, ``speed``  F and S as written, empty where the cycle says none
+    """
+
+    kind: ContourCycle
+    first: int
+    last: int
+    contour_first: int
+    contour_last: int
+    name: str
+    depth_mm: float = math.nan
+    retract_mm: float = 0.0
+    x_allowance_mm: float = 0.0
+    z_allowance_mm: float = 0.0
+    feed: str = ""
+    speed: str = ""
+
+
+def kind_of(block: Block, settings: Settings) -> ContourCycle | None:
+    """Which contour cycle a block calls."""
+    cycles = settings.dialect.contour_cycles
+    return next((cycles[code] for n in block.numbers("G") if (code := round(n * 10)) in cycles), None)
+
+
+def read_call(interpreted: InterpretedProgram, contour: ContourCall) -> Call:
+    """The words of a cycle.
+
+    Errors: CYC001 without a contour, CYC004 without a depth, CYC007 for a form that is not known.
+    """
+    block = interpreted.program.block(contour.line)
+    kind = kind_of(block, interpreted.settings)
+    if kind is None or kind == "pattern":
+        raise RefusalError(UNREAD_FORM, "this cycle is not written out as passes", "write its passes as G1")
+    if contour.first is None or contour.last is None:
+        names = f"N{block.number('P'):g} to N{block.number('Q'):g}"
+        message = f"the contour {names} of this cycle is not in the program, or runs backwards"
+        raise RefusalError(NO_CONTOUR, message, "P names its first block, Q its last one behind it")
+    _refuse_words(block, _WORDS_OF_FINISH if kind == "finish" else _WORDS_OF_CALL)
+    codes = [f"G{number:g}" for number in block.numbers("G")]
+    name = f"{codes[0]} P{block.number('P'):g} Q{block.number('Q'):g}"
+    call = Call(kind, contour.line, contour.line + 1, contour.first, contour.last, name)
+    call = call._replace(feed=_text(block, "F"), speed=_text(block, "S"))
+    return call if kind == "finish" else _with_lengths(call, block, interpreted)
+
+
+def _with_lengths(call: Call, block: Block, interpreted: InterpretedProgram) -> Call:
+    state = interpreted.before(block.line)
+    settings = interpreted.settings
+    halved = 2.0 if is_diameter(state, settings.control) else 1.0
+    signs = settings.axis_words.signs
+    call = call._replace(
+        x_allowance_mm=_length(block, "U", state, settings) / halved * signs["X"],
+        z_allowance_mm=_length(block, "W", state, settings) * signs["Z"],
+    )
+    if block.has("D"):
+        return _checked(call._replace(depth_mm=_depth_of_one_line(block, state, settings)))
+    before = _first_block(call, interpreted)
+    if before is None:
+        message = "nothing says how deep the passes of this cycle are"
+        raise RefusalError(
+            BAD_DEPTH, message, "write the block with the depth straight before it: G71 U2. R0.5"
+        )
+    letter = "U" if call.kind == "along-z" else "W"
+    return _checked(
+        call._replace(
+            first=before.line,
+            depth_mm=_length(before, letter, state, settings),
+            retract_mm=_length(before, "R", state, settings),
+        )
+    )
+
+
+def _first_block(call: Call, interpreted: InterpretedProgram) -> Block | None:
+    """The block with the depth and the retract, with nothing but comments between it and the cycle."""
+    for line in range(call.first - 1, interpreted.program.source.body.start - 1, -1):
+        block = interpreted.program.block(line)
+        if block.is_empty and not block.opaque:
+            continue
+        if block.has("P") or kind_of(block, interpreted.settings) != call.kind:
+            return None
+        _refuse_words(block, _FIRST_BLOCK[call.kind])
+        return block
+    return None
+
+
+def _checked(call: Call) -> Call:
+    """Depth and retract can be, and no value is worked out on the control."""
+    lengths = (call.depth_mm, call.retract_mm, call.x_allowance_mm, call.z_allowance_mm)
+    if any(math.isnan(value) for value in lengths):
+        message = "a length of this cycle is a variable, or a number without a decimal point"
+        raise RefusalError(UNREAD_FORM, message, "write the number with its point")
+    if call.depth_mm <= 0.0 or call.retract_mm < 0.0:
+        message = f"a depth of {call.depth_mm:g} mm and a retract of {call.retract_mm:g} mm cannot be"
+        raise RefusalError(BAD_DEPTH, message, "give the depth of a pass as a number above zero")
+    return call
+
+
+def _depth_of_one_line(block: Block, state: State, settings: Settings) -> float:
+    """D of a block that says the whole cycle: increments where it has no point, or a length as others."""
+    word = block.word("D")
+    assert word is not None
+    if word.number is None:
+        return math.nan
+    if word.has_point or settings.cycles.depth_unit == "program":
+        return word.number * state.mm_per_unit
+    return word.number * settings.control.increment_mm * (2.54 if state.is_inch else 1.0)
+
+
+def _length(block: Block, letter: str, state: State, settings: Settings) -> float:
+    word = block.word(letter)
+    return 0.0 if word is None else length_mm(word, state, settings)
+
+
+def _text(block: Block, letter: str) -> str:
+    word = block.word(letter)
+    if word is not None and word.number is None:
+        raise RefusalError(UNREAD_FORM, f"{letter} of this cycle is a variable", "write the number itself")
+    return "" if word is None else f"{letter}{word.value_text}"
+
+
+def _refuse_words(block: Block, known: frozenset[str]) -> None:
+    """Every word of the block has a meaning here, and nothing else stands in it."""
+    foreign = next((word for word in block.words if word.address not in known), None)
+    if foreign is not None:
+        raise RefusalError(
+            UNREAD_FORM, f"{_shown(foreign)} has no known meaning in this cycle", "take it out"
+        )
+    if block.skip or block.has_macro or len(block.numbers("G")) > 1:
+        message = "a cycle with block delete, a variable or another G code in its block is not written out"
+        raise RefusalError(UNREAD_FORM, message, "write the cycle alone in its block, with plain numbers")
+
+
+def _shown(word: Word) -> str:
+    return f"{word.address}{word.value_text}"

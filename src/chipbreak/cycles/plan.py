@@ -1,0 +1,312 @@
+"""Which cycles are written out as plain blocks, and the edits that do it.
+
+A contour and all cycles that call it belong together: the contour stands in the way of the program, so it is
+taken out, and then nothing may call it any more.  One cycle that cannot be written out leaves them all.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from chipbreak.cycles.call import UNREAD_FORM, Call, kind_of, read_call
+from chipbreak.cycles.contour import Frame
+from chipbreak.cycles.promise import CopiedContour, RemovedContour, UnrolledRoughing
+from chipbreak.cycles.reading import (
+    BAD_CONTOUR,
+    TURNS_BACK,
+    Contour,
+    effects_of_contour,
+    goes_down,
+    read_contour,
+)
+from chipbreak.cycles.roughing import Roughing, roughing_passes
+from chipbreak.cycles.writing import BlockWriter, blocks_of_passes
+from chipbreak.editing.edits import Edit
+from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.flow import ContourCall, contour_calls
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.modal import State
+from chipbreak.operations.kinds import Kind
+from chipbreak.syntax.nodes import Block
+from chipbreak.text.diagnostics import RefusalError
+
+BAD_ALLOWANCE = "CYC005"
+_MOST_LINES_BETWEEN = 2000
+_DIRECTIVE = re.compile(r"\s*(VIB|OP)\b", re.IGNORECASE)
+
+
+class UnrolledEdit(NamedTuple):
+    """An edit of the unroll stage; ``kind`` is that of its cuts, None for a contour that is taken out.
+
+    ``group`` is the line of the first cycle that calls the same contour.
+    """
+
+    edit: Edit
+    kind: Kind | None
+    group: int = -1
+
+
+class Refused(NamedTuple):
+    """A cycle that was asked and stays as it is."""
+
+    line: int
+    error: RefusalError
+
+
+class UnrollPlan(NamedTuple):
+    """What the unroll stage does with a program."""
+
+    edits: list[UnrolledEdit]
+    refused: list[Refused]
+
+
+def cycle_lines(interpreted: InterpretedProgram) -> Mapping[int, Kind]:
+    """The lines of cycles that call a contour by P and Q, with the kind of their cuts."""
+    cycles = interpreted.settings.dialect.contour_cycles
+    if not cycles:
+        return {}
+    calls = contour_calls(interpreted.program, interpreted.settings.dialect)
+    kinds = ((one.line, kind_of(interpreted.program.block(one.line), interpreted.settings)) for one in calls)
+    return {line: Kind.FINISH if kind == "finish" else Kind.ROUGH for line, kind in kinds if kind}
+
+
+def plan_unrolling(interpreted: InterpretedProgram, asked: Iterable[int]) -> UnrollPlan:
+    """The edits that write out the cycles at ``asked`` lines (from 0), and all that share their contours."""
+    wanted = set(asked)
+    calls = contour_calls(interpreted.program, interpreted.settings.dialect)
+    starts = _start_states(interpreted, calls)
+    plan = UnrollPlan([], [])
+    for group in _groups(calls):
+        lines = [one.line for one in group if one.line in wanted]
+        if not lines:
+            continue
+        try:
+            plan.edits.extend(_edits_of_group(interpreted, group, starts))
+        except _StaysError as error:
+            said = error.line if error.line in wanted else lines[0]
+            plan.refused.append(Refused(said, error.refusal))
+    return plan
+
+
+class _StaysError(Exception):
+    """A cycle of a group cannot be written out."""
+
+    def __init__(self, line: int, refusal: RefusalError) -> None:
+        super().__init__(line, refusal)
+        self.line = line
+        self.refusal = refusal
+
+
+def _groups(calls: Sequence[ContourCall]) -> list[list[ContourCall]]:
+    """The calls whose contours share lines."""
+    groups: list[list[ContourCall]] = []
+    for one in calls:
+        shared = [group for group in groups if any(_shares(one, other) for other in group)]
+        merged = [call for group in shared for call in group] + [one]
+        groups = [group for group in groups if group not in shared] + [merged]
+    return groups
+
+
+def _shares(one: ContourCall, other: ContourCall) -> bool:
+    if one.first is None or one.last is None or other.first is None or other.last is None:
+        return False
+    return one.first <= other.last and other.first <= one.last
+
+
+def _start_states(interpreted: InterpretedProgram, calls: Sequence[ContourCall]) -> dict[int, State]:
+    """The state before each cycle, where the tool is back at the start behind the cycle before it."""
+    found: dict[int, State] = {}
+    last: ContourCall | None = None
+    for one in calls:
+        first = _first_line(interpreted, one)
+        state = interpreted.before(first)
+        near = last is not None and first - last.line <= _MOST_LINES_BETWEEN
+        if last is not None and near and math.isnan(state.position.x + state.position.z):
+            state = _behind_cycle(interpreted, last.line, first, found[last.line])
+        found[one.line] = state
+        last = one
+    return found
+
+
+def _behind_cycle(interpreted: InterpretedProgram, line: int, stop: int, start: State) -> State:
+    """The state before line ``stop``, from the cycle in ``line`` on, which ends where it began."""
+    state = interpreted.before(line + 1)._replace(position=start.position)
+    for at in range(line + 1, stop):
+        state = interpreted.interpreter.advance(state, interpreted.program.block(at)).after
+    return state
+
+
+def _first_line(interpreted: InterpretedProgram, one: ContourCall) -> int:
+    try:
+        return read_call(interpreted, one).first
+    except RefusalError:
+        return one.line
+
+
+def _edits_of_group(
+    interpreted: InterpretedProgram, group: Sequence[ContourCall], starts: Mapping[int, State]
+) -> list[UnrolledEdit]:
+    edits = []
+    for one in group:
+        try:
+            edits.append(_edit_of_call(interpreted, one, starts[one.line]))
+        except RefusalError as error:
+            raise _StaysError(one.line, error) from error
+    first = group[0].first
+    last = group[0].last
+    if first is None or last is None or any((one.first, one.last) != (first, last) for one in group):
+        message = "other cycles call another part of the same contour"
+        refusal = RefusalError(UNREAD_FORM, message, "let P and Q of all of them name the same blocks")
+        raise _StaysError(group[0].line, refusal)
+    edits.append(_contour_edit(interpreted, first, last))
+    _refuse_lines(interpreted, group[0].line, [one.edit for one in edits])
+    return [one._replace(group=group[0].line) for one in edits]
+
+
+def _refuse_lines(interpreted: InterpretedProgram, line: int, edits: Sequence[Edit]) -> None:
+    """Nothing may jump into what is replaced, and no wish of the user may get lost with it."""
+    lines = {at for edit in edits for at in range(edit.first, edit.last)}
+    comments = (comment for at in lines for comment in interpreted.program.block(at).comments)
+    error = None
+    if not lines.isdisjoint(interpreted.flow.targets) or _is_called(interpreted, lines):
+        error = RefusalError(UNREAD_FORM, "a jump leads into this cycle or its contour", "take the jump out")
+    elif any(_DIRECTIVE.match(comment.text) for comment in comments):
+        message = "a directive stands inside this cycle or its contour"
+        error = RefusalError(UNREAD_FORM, message, "write it before the first block of the cycle")
+    if error is not None:
+        raise _StaysError(line, error)
+
+
+def _is_called(interpreted: InterpretedProgram, lines: set[int]) -> bool:
+    """True where a call by block number, or a cycle whose P or Q is a variable, may lead into the lines."""
+    sequences = (interpreted.program.block(line).sequence for line in lines)
+    numbers = {sequence.number for sequence in sequences if sequence is not None}
+    for effect in interpreted.effects:
+        block = effect.block
+        calls = any(function.group == "subprogram" for function in effect.functions)
+        if calls and block.number("P") in numbers:
+            return True
+        words = block.words_of("PQ")
+        if any(word.number is None for word in words) and kind_of(block, interpreted.settings):
+            return True
+    return False
+
+
+def _contour_edit(interpreted: InterpretedProgram, first: int, last: int) -> UnrolledEdit:
+    numbers = [interpreted.program.block(line).sequence for line in (first, last)]
+    names = " to ".join(f"N{number.value_text}" for number in numbers if number is not None)
+    reason = "nothing calls this contour any more"
+    return UnrolledEdit(Edit(first, last + 1, (), f"CONTOUR {names}", reason, RemovedContour()), None)
+
+
+def _edit_of_call(interpreted: InterpretedProgram, contour: ContourCall, state: State) -> UnrolledEdit:
+    call = read_call(interpreted, contour)
+    _refuse_state(call, state)
+    if call.kind == "finish":
+        return UnrolledEdit(_finish_edit(interpreted, call, state), Kind.FINISH)
+    return UnrolledEdit(_rough_edit(interpreted, call, state), Kind.ROUGH)
+
+
+def _refuse_state(call: Call, state: State) -> None:
+    """The blocks are written for absolute numbers, without compensation, from a known place."""
+    modes = state.modes
+    why = ""
+    if math.isnan(state.position.x + state.position.z):
+        why = f"where this cycle starts is not known: {state.unknown_why}"
+    elif modes.distance == "incremental" or modes.arc_distance == "absolute":
+        why = "distances (G91) or centres given as places (G90.1) are in force"
+    elif modes.compensation != "off" and call.kind != "finish":
+        why = "nose compensation is in force at this cycle"
+    elif modes.motion not in ("rapid", "line") or modes.plane != "ZX":
+        why = "an arc, a cycle or another plane is in force at this cycle"
+    if why:
+        raise RefusalError(
+            UNREAD_FORM, why, "move to its start with G0 X Z in plain absolute numbers before it"
+        )
+
+
+def _rough_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Edit:
+    along = "Z" if call.kind == "along-z" else "X"
+    lines = (call.contour_first, call.contour_last)
+    contour = read_contour(interpreted, state, lines, along)
+    if goes_down(contour) and not contour.first_names_both:
+        message = (
+            "the contour goes down again, which a cycle whose first contour block moves one axis does not cut"
+        )
+        help_text = "name X and Z in the first block of the contour, where the control has pockets (type II)"
+        raise RefusalError(TURNS_BACK, message, help_text)
+    cycle = _cycle(call, contour, interpreted)
+    settings = interpreted.settings
+    blocks = blocks_of_passes(roughing_passes(cycle), contour.frame, state, settings, call.feed)
+    content = tuple(text for text in (call.speed, *blocks, *_motion_back(state)) if text)
+    reason = f"passes of {call.depth_mm:g} mm along {along} to the contour with its allowances"
+    promise = UnrolledRoughing(cycle=cycle, contour=contour)
+    return Edit(call.first, call.last, content, call.name, reason, promise)
+
+
+def _cycle(call: Call, contour: Contour, interpreted: InterpretedProgram) -> Roughing:
+    t_mm, h_mm = _allowances(call, contour.frame)
+    letters = "WU" if call.kind == "along-z" else "UW"
+    for value_mm, letter in zip((t_mm, h_mm), letters, strict=True):
+        if value_mm < 0.0:
+            message = f"the allowance {letter} of this cycle lies inside the finished part"
+            raise RefusalError(BAD_ALLOWANCE, message, f"give {letter} the sign that points to the stock")
+    return Roughing(
+        contour.start,
+        contour.segments,
+        call.depth_mm,
+        call.retract_mm,
+        t_mm,
+        h_mm,
+        contour.feeds_in,
+        interpreted.settings.cycles.finish_pass,
+    )
+
+
+def _allowances(call: Call, frame: Frame) -> tuple[float, float]:
+    """What stays against the direction of cutting, and towards the stock."""
+    moved = frame.inside(call.z_allowance_mm, call.x_allowance_mm)
+    return -moved.t + 0.0, moved.h
+
+
+def _finish_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Edit:
+    lines = (call.contour_first, call.contour_last)
+    effects = effects_of_contour(interpreted, state, *lines)
+    changed = set(state.modes.changed(effects[-1].after.modes)) - {"motion"}
+    if changed:
+        message = f"the contour leaves another {', '.join(sorted(changed))} in force behind this cycle"
+        raise RefusalError(UNREAD_FORM, message, "end in the contour what it begins: G40 in its last block")
+    ends = tuple(effect.move.end for effect in effects if effect.move is not None)
+    if any(math.isnan(end.x + end.z) for end in ends):
+        raise RefusalError(
+            BAD_CONTOUR, "a point of the contour cannot be known", "write it with plain numbers"
+        )
+    home = BlockWriter(effects[-1].after, interpreted.settings)
+    back = home.block("G0", state.position.z, state.position.x)
+    head = " ".join(text for text in (call.speed, call.feed) if text)
+    content = (head, *map(_without_number, _blocks(effects)), back, *_motion_back(state))
+    reason = "the contour as the finishing cycle runs it"
+    promise = CopiedContour(ends=ends)
+    return Edit(call.first, call.last, tuple(filter(None, content)), call.name, reason, promise)
+
+
+def _blocks(effects: Iterable[BlockEffect]) -> Iterator[Block]:
+    return (effect.block for effect in effects if effect.block.words or effect.block.comments)
+
+
+def _without_number(block: Block) -> str:
+    """The text of a block without its N word: the number names the block of the contour alone."""
+    number = block.sequence
+    return (
+        block.text.strip()
+        if number is None
+        else (block.text[: number.start] + block.text[number.end :]).strip()
+    )
+
+
+def _motion_back(state: State) -> list[str]:
+    """The motion code that was in force, where it was not G0."""
+    return ["G1"] if state.modes.motion == "line" else []

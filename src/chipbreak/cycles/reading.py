@@ -1,0 +1,153 @@
+"""The contour of a cycle, read from the blocks of the program as the control reads them."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from chipbreak.cycles.contour import Frame, Point, Segment, turns_back_along_h, turns_back_along_t
+from chipbreak.kinematics.toolpath import Leg, path_of
+from chipbreak.model.block_effect import BlockEffect, Move
+from chipbreak.model.flow import Flow
+from chipbreak.model.interpret import Interpreter
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.modal import State
+from chipbreak.text.diagnostics import RefusalError
+
+BAD_CONTOUR = "CYC002"
+TURNS_BACK = "CYC003"
+BEYOND_START = "CYC006"
+_TURNS = {"line": 0, "cw": -1, "ccw": 1, "rapid": 0}
+_GROUPS = frozenset({"motion", "compensation", "feed_mode", "speed_mode"})
+_SAME_MM = 1e-6
+_CHAMFERS = frozenset("CA")
+
+
+class Contour(NamedTuple):
+    """A contour in the axes of its passes, with the frame, the start, and how its first block moves.
+
+    ``first_names_both`` where its first block names both axes: then it may have pockets (type II).
+    """
+
+    frame: Frame
+    start: Point
+    segments: tuple[Segment, ...]
+    feeds_in: bool
+    first_names_both: bool
+
+
+def effects_of_contour(
+    interpreted: InterpretedProgram, state: State, first: int, last: int
+) -> list[BlockEffect]:
+    """What the blocks of a contour, lines ``first`` to ``last`` (inclusive), do one after the other.
+
+    Errors: CYC002 for a block that no contour can have.
+    """
+    reader = Interpreter(interpreted.settings, Flow(frozenset(), ()))
+    effects = []
+    for line in range(first, last + 1):
+        effect = reader.advance(state, interpreted.program.block(line))
+        _check_block(effect)
+        effects.append(effect)
+        state = effect.after
+    return effects
+
+
+def _check_block(effect: BlockEffect) -> None:
+    block = effect.block
+    why = ""
+    if block.opaque or block.skip or block.has_macro:
+        why = "cannot be read, has block delete or is worked out on the control"
+    elif effect.non_modal or set(effect.before.modes.changed(effect.after.modes)) - _GROUPS:
+        why = "has a G code that does not belong into a contour"
+    elif effect.unread or effect.vibration or block.has_any(_CHAMFERS):
+        why = "has a word that is not read here"
+    elif effect.move is not None and effect.move.kind not in _TURNS:
+        why = "is no line and no arc"
+    elif effect.functions or block.has_any("MT"):
+        why = "has an M or T word"
+    if why:
+        message = f"the contour block {block.text.strip()[:40]} {why}"
+        raise RefusalError(BAD_CONTOUR, message, "a contour has G0, G1, G2 and G3 with plain numbers")
+
+
+def read_contour(
+    interpreted: InterpretedProgram, state: State, lines: tuple[int, int], along: str
+) -> Contour:
+    """The contour that a cycle called in ``state`` cuts, its passes ``along`` Z or X.
+
+    Errors: CYC002 for a contour that cannot be used, CYC003 for one that turns back, CYC006 for one that
+    begins beyond the start point, VIB022 for an arc that cannot be.
+    """
+    moves = [e.move for e in effects_of_contour(interpreted, state, *lines) if e.move is not None]
+    if len(moves) < 2:
+        raise RefusalError(
+            BAD_CONTOUR, "the contour of this cycle has fewer than two moves", "give it its shape"
+        )
+    if any(math.isnan(value) for move in moves for value in (move.end.x, move.end.z)):
+        message = "a point of the contour cannot be known"
+        raise RefusalError(BAD_CONTOUR, message, "write its numbers with their decimal points")
+    if moves[0].kind not in ("rapid", "line"):
+        message = "the first block of the contour is an arc"
+        raise RefusalError(BAD_CONTOUR, message, "begin the contour with G0 or G1")
+    if any(move.kind == "rapid" for move in moves[1:]):
+        message = "the contour has a rapid behind its first block"
+        raise RefusalError(BAD_CONTOUR, message, "write the contour with G1, G2 and G3")
+    frame = _frame(moves, along)
+    segments = tuple(_segment(move, frame) for move in moves[1:])
+    segments = tuple(one for one in segments if one.length_mm > _SAME_MM)
+    start = frame.inside(moves[0].start.z, moves[0].start.x)
+    _check_shape(segments, start)
+    return Contour(frame, start, segments, moves[0].kind == "line", {"X", "Z"} <= set(moves[0].axes))
+
+
+def _frame(moves: list[Move], along: str) -> Frame:
+    """Cutting goes from the first point of the contour towards its last; stock is where the tool waits."""
+    begin, last, start = moves[0].end, moves[-1].end, moves[0].start
+    z_mm, x_mm = last.z - begin.z, start.x - begin.x
+    if along == "X":
+        x_mm, z_mm = start.z - begin.z, last.x - begin.x
+    if abs(x_mm) <= _SAME_MM or abs(z_mm) <= _SAME_MM:
+        message = "the contour begins at the height of the start point, or has no extent along the passes"
+        raise RefusalError(BEYOND_START, message, "start the cycle outside the stock, before the contour")
+    return Frame(along, 1 if z_mm > 0.0 else -1, 1 if x_mm > 0.0 else -1)
+
+
+def _segment(move: Move, frame: Frame) -> Segment:
+    start = frame.inside(move.start.z, move.start.x)
+    end = frame.inside(move.end.z, move.end.x)
+    if move.kind == "line":
+        return Segment(start, end)
+    (arc,) = path_of([leg_of(move)]).arcs
+    assert arc is not None
+    turn = _TURNS[move.kind] * (-1 if frame.mirrors else 1)
+    return Segment(start, end, frame.inside(arc.centre[2], arc.centre[0]), turn)
+
+
+def leg_of(move: Move) -> Leg:
+    """A move of the lathe as geometry; Y counts as 0."""
+    offsets = (math.nan,) * 3 if move.offsets is None else tuple(move.offsets)
+    return Leg(
+        (move.start.x, 0.0, move.start.z),
+        (move.end.x, 0.0, move.end.z),
+        _TURNS[move.kind],
+        move.plane or "ZX",
+        (offsets[0], offsets[1], offsets[2]),
+        move.radius_mm,
+    )
+
+
+def _check_shape(segments: tuple[Segment, ...], start: Point) -> None:
+    if not segments:
+        raise RefusalError(BAD_CONTOUR, "the contour of this cycle has no length", "give it its shape")
+    if segments[0].start.t < start.t - _SAME_MM:
+        message = "the contour begins before the start point of the cycle, seen along the passes"
+        raise RefusalError(BEYOND_START, message, "start the cycle before the contour")
+    if turns_back_along_t(segments) is not None:
+        message = "the contour turns back along the passes: an undercut"
+        raise RefusalError(TURNS_BACK, message, "take the undercut out of the contour, or cut it by itself")
+
+
+def goes_down(contour: Contour) -> bool:
+    """True for a contour with pockets, which cycles of type I cannot cut."""
+    return turns_back_along_h(contour.segments) is not None

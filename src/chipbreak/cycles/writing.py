@@ -1,0 +1,100 @@
+"""Moves of a cycle as blocks: G0 to G3 in the program's own units, axes that do not move left out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from chipbreak.cycles.contour import Frame
+from chipbreak.cycles.roughing import Motion, Pass
+from chipbreak.model.modal import State
+from chipbreak.model.words import is_diameter
+from chipbreak.settings.axis_words import CENTRES
+from chipbreak.settings.sections import Settings
+from chipbreak.syntax.numbers import print_number
+
+
+class BlockWriter:
+    """Writes moves from where the tool stands in ``state``; remembers what it has printed last."""
+
+    def __init__(self, state: State, settings: Settings) -> None:
+        self.state = state
+        self.settings = settings
+        self.words = settings.axis_words
+        self.at = {axis: self._place(axis, getattr(state.position, axis.lower())) for axis in "XZ"}
+        self.code = ""
+
+    def block(self, code: str, z_mm: float, radius_mm: float, behind: str = "") -> str:
+        """One move; empty where nothing would move."""
+        places = {"X": self._place("X", radius_mm), "Z": self._place("Z", z_mm)}
+        moved = [axis for axis in "XZ" if places[axis] != self.at[axis]]
+        if not moved:
+            return ""
+        self.at = places
+        said = [f"{self.words.letters[axis]}{places[axis]}" for axis in moved]
+        return " ".join([code, *said, *([behind] if behind else [])])
+
+    def _place(self, axis: str, value_mm: float) -> str:
+        factor = 2.0 if axis == "X" and is_diameter(self.state, self.settings.control) else 1.0
+        return self._number(value_mm * factor * self.words.signs[axis])
+
+    def _number(self, length_mm: float) -> str:
+        decimals = self.settings.output.decimals_of(is_inch=self.state.is_inch)
+        return print_number(length_mm / self.state.mm_per_unit, decimals)
+
+    def centre(self, z_mm: float, radius_mm: float) -> str:
+        """I and K of an arc: from its start to its centre, never a diameter."""
+        letters = {axis: CENTRES[self.words.places.index(axis)] for axis in "XZ"}
+        x = f"{letters['X']}{self._number(radius_mm * self.words.signs['X'])}"
+        z = f"{letters['Z']}{self._number(z_mm * self.words.signs['Z'])}"
+        return f"{x} {z}"
+
+    def comment(self, text: str) -> str:
+        """A comment of a pass."""
+        marks = self.settings.dialect.comment_marks
+        return f"{marks.before}{text.upper()}{marks.behind}"
+
+    @property
+    def mirrors(self) -> bool:
+        """True where a clockwise arc of the control turns the other way in the geometry."""
+        return self.words.plane(self.state.modes.plane)[1]
+
+
+def blocks_of_passes(
+    passes: Sequence[Pass], frame: Frame, state: State, settings: Settings, feed: str
+) -> list[str]:
+    """The blocks of all passes, one comment a pass; ``feed`` stands in the first block that cuts."""
+    writer = BlockWriter(state, settings)
+    blocks: list[str] = []
+    at = frame.inside(state.position.z, state.position.x)
+    for one in passes:
+        blocks.append(writer.comment(f"pass {one.number} {one.title}"))
+        for motion in one.moves:
+            text = _block(writer, frame, at, motion, feed)
+            if text:
+                blocks.append(text)
+                feed = "" if motion.cuts else feed
+            at = motion.end
+    return blocks
+
+
+def _block(writer: BlockWriter, frame: Frame, at: Sequence[float], motion: Motion, feed: str) -> str:
+    z_mm, radius_mm = frame.outside(motion.end)
+    behind = " ".join(_arc_words(writer, frame, at, motion))
+    if motion.cuts and feed:
+        behind = f"{behind} {feed}".strip()
+    return writer.block(_code(writer, frame, motion), z_mm, radius_mm, behind)
+
+
+def _code(writer: BlockWriter, frame: Frame, motion: Motion) -> str:
+    if motion.centre is None:
+        return "G1" if motion.cuts else "G0"
+    is_ccw = motion.turn > 0
+    return "G3" if is_ccw != (frame.mirrors != writer.mirrors) else "G2"
+
+
+def _arc_words(writer: BlockWriter, frame: Frame, at: Sequence[float], motion: Motion) -> Iterator[str]:
+    if motion.centre is None:
+        return
+    from_t, from_h = motion.centre.t - at[0], motion.centre.h - at[1]
+    z_mm, radius_mm = frame.outside(type(motion.centre)(from_t, from_h))
+    yield writer.centre(z_mm, radius_mm)

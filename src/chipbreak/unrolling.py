@@ -1,0 +1,202 @@
+"""The stage before the passes: cycles that are asked become plain blocks.
+
+What comes out is a program of its own, with the kinds of its operations as they were; the passes plan on it
+as if it had come in.  Where nothing asks, it is the program itself.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+from chipbreak.cycles.call import UNREAD_FORM
+from chipbreak.cycles.plan import Refused, UnrollPlan, cycle_lines, plan_unrolling
+from chipbreak.editing.bracket import UNROLLED_CYCLES
+from chipbreak.editing.edits import Edit
+from chipbreak.editing.render import render
+from chipbreak.editing.restore import regions
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.operations.kinds import Kind
+from chipbreak.operations.main_program import MainProgram, main_program
+from chipbreak.operations.operations import Operation
+from chipbreak.self_check import verify_unrolled
+from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
+from chipbreak.vibration.left_cut import LeftCut
+from chipbreak.vibration.request import may_be_left, profile_directive, requests_of
+from chipbreak.vibration.wish import AskedBy
+
+_UNKNOWN_REASON = "none of its passes can vibrate"
+
+
+class Span(NamedTuple):
+    """Lines ``first`` to ``last`` (exclusive) that stand for a cycle, the kind of its cuts, and its group."""
+
+    first: int
+    last: int
+    kind: Kind
+    group: int
+
+
+class Unrolled(NamedTuple):
+    """A program whose cycles are plain blocks, or the program itself.
+
+    ``cut_operations`` are the operations with the cycles as operations of their own, for wishes by kind.
+    ``diagnostics`` and ``left`` are about cycles that stay.
+    """
+
+    interpreted: InterpretedProgram
+    main: MainProgram
+    operations: Sequence[Operation]
+    cut_operations: Sequence[Operation]
+    spans: Sequence[Span] = ()
+    edits: Sequence[Edit] = ()
+    diagnostics: Sequence[Diagnostic] = ()
+    left: Sequence[LeftCut] = ()
+
+    def idle(self, edits: Sequence[Edit]) -> set[int]:
+        """The groups of cycles in whose blocks none of the edits lies."""
+        groups = {span.group for span in self.spans}
+        firsts = [edit.first for edit in edits]
+        busy = {span.group for span in self.spans if any(span.first <= first < span.last for first in firsts)}
+        return groups - busy
+
+
+def unroll(
+    interpreted: InterpretedProgram,
+    main: MainProgram,
+    operations: Sequence[Operation],
+    idle: Mapping[int, RefusalError],
+) -> Unrolled:
+    """Write out the cycles that are asked.
+
+    ``idle`` are groups of cycles whose blocks could not vibrate, by their line, and why.
+    """
+    asked = _asked(interpreted, operations)
+    plain = Unrolled(interpreted, main, operations, operations)
+    if not asked:
+        return plain
+    plan = plan_unrolling(interpreted, asked)
+    plan = UnrollPlan(
+        [one for one in plan.edits if one.group not in idle],
+        [*plan.refused, *(Refused(line, error) for line, error in idle.items())],
+    )
+    diagnostics, left = _said(interpreted, plan.refused, asked)
+    if not plan.edits:
+        return plain._replace(diagnostics=diagnostics, left=left)
+    edits = [one.edit._replace(pass_name="unroll") for one in plan.edits]
+    output = b"".join(render(interpreted.program, edits, interpreted.settings, UNROLLED_CYCLES))
+    result = verify_unrolled(interpreted, output, edits)
+    found = regions(result.program.source, UNROLLED_CYCLES)
+    ordered = sorted(plan.edits, key=lambda one: one.edit.first)
+    spans = [
+        Span(region.first, region.last, one.kind, one.group)
+        for region, one in zip(found, ordered, strict=True)
+        if one.kind is not None
+    ]
+    new_main = main_program(result)
+    place = _places([one.edit for one in ordered], [(region.first, region.last) for region in found])
+    moved = [_moved(operation, place, new_main) for operation in operations]
+    return Unrolled(result, new_main, moved, list(_split(moved, spans)), spans, edits, diagnostics, left)
+
+
+def _asked(interpreted: InterpretedProgram, operations: Sequence[Operation]) -> dict[int, AskedBy | None]:
+    """The lines of the cycles that are to be written out, with who asked; None where all are written out."""
+    settings = interpreted.settings
+    unroll_all = settings.cycles.unroll == "always"
+    may_wish = profile_directive(settings).on or b"VIB" in interpreted.program.source.data.upper()
+    if settings.cycles.unroll == "never" or not (unroll_all or may_wish):
+        return {}
+    kinds = cycle_lines(interpreted)
+    if not kinds:
+        return {}
+    if unroll_all:
+        return dict.fromkeys(kinds)
+    wishes = requests_of(interpreted, operations).cycles
+    only = frozenset(settings.vibration.only)
+    return {
+        line: asked_by
+        for line, asked_by in wishes.items()
+        if line in kinds
+        and (asked_by != "profile" or _is_meant(kinds[line], only, _tool_at(line, operations)))
+    }
+
+
+def _is_meant(kind: Kind, only: Collection[str], tool: int | None) -> bool:
+    """True where the profile's wish is for cycles of this kind."""
+    if not only:
+        return kind is Kind.ROUGH
+    return kind.value in only or f"T{tool}" in only
+
+
+def _tool_at(line: int, operations: Sequence[Operation]) -> int | None:
+    at = bisect_right([operation.first_line for operation in operations], line) - 1
+    return operations[at].tool if at >= 0 else None
+
+
+def _said(
+    interpreted: InterpretedProgram, refused: Sequence[Refused], asked: Mapping[int, AskedBy | None]
+) -> tuple[list[Diagnostic], list[LeftCut]]:
+    """An error for a cycle that must be written out; a warning where it may stay as it was."""
+    diagnostics = []
+    left = []
+    rule = interpreted.settings.vibration.refused
+    for line, error in refused:
+        asked_by = asked.get(line)
+        stays = asked_by is None or may_be_left(asked_by, rule)
+        severity = Severity.WARNING if stays else Severity.ERROR
+        said = interpreted.program.diagnose(line, error.code, error.message, error.help, severity=severity)
+        if stays:
+            said = said._replace(message=f"{said.message}; the cycle stays as it was")
+        diagnostics.append(said)
+        if stays and asked_by is not None:
+            left.append(LeftCut(line, line + 1, said, asked_by))
+    return diagnostics, left
+
+
+def _places(edits: Sequence[Edit], regions: Sequence[tuple[int, int]]) -> Callable[[int], int]:
+    """From a line of the original to one of the result; a replaced line is where its blocks begin."""
+    firsts = [edit.first for edit in edits]
+
+    def place(line: int) -> int:
+        at = bisect_right(firsts, line) - 1
+        if at < 0:
+            return line
+        first, last = regions[at]
+        return first if line < edits[at].last else last + line - edits[at].last
+
+    return place
+
+
+def _moved(operation: Operation, place: Callable[[int], int], main: MainProgram) -> Operation:
+    """An operation where its lines stand now; what it is stays."""
+    first, last = place(operation.first_line), place(operation.last_line)
+    first_cut, last_cut = main.cut_ends(first, last) or (None, None)
+    call = None if operation.call_line is None else place(operation.call_line)
+    return replace(
+        operation, first_line=first, last_line=last, call_line=call, first_cut=first_cut, last_cut=last_cut
+    )
+
+
+def _split(operations: Sequence[Operation], spans: Sequence[Span]) -> list[Operation]:
+    """The operations, with each cycle in one of its own."""
+    found: list[Operation] = []
+    for operation in operations:
+        line = operation.first_line
+        for span in spans:
+            if operation.first_line <= span.first < operation.last_line:
+                found.append(replace(operation, first_line=line, last_line=span.first))
+                found.append(replace(operation, first_line=span.first, last_line=span.last, kind=span.kind))
+                line = span.last
+        found.append(replace(operation, first_line=line))
+    return found
+
+
+def reason_of(left: Sequence[LeftCut], unrolled: Unrolled, group: int) -> RefusalError:
+    """Why nothing in a group of cycles vibrates: what its first cut that was left says."""
+    for cut in left:
+        if cut.said.code and any(s.group == group and s.first <= cut.first < s.last for s in unrolled.spans):
+            message = f"{_UNKNOWN_REASON}: {cut.said.message}"
+            return RefusalError(cut.said.code, message, cut.said.help)
+    return RefusalError(UNREAD_FORM, _UNKNOWN_REASON, "ask for another n, f or S, or take the wish out")

@@ -1,0 +1,234 @@
+"""Cycles on the whole way: what is asked is written out and vibrates, what is not stays byte for byte."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import chipbreak
+from chipbreak.editing.bracket import CHANGES, UNROLLED_CYCLES
+from chipbreak.editing.restore import regions
+from chipbreak.model.interpreted_program import interpret
+from chipbreak.settings import load
+from chipbreak.syntax.parse import parse
+from chipbreak.text.diagnostics import ProgramRejectedError
+from chipbreak.text.source import read
+
+SAMPLE = (Path(__file__).parents[2] / "samples" / "roughing.nc").read_bytes()
+CONTOUR = b"N10 G0 X16. F0.1\nG1 Z-15.\nX30. Z-30.\nN20 X52.\n"
+CYCLE = b"""G21 G40 G99
+T0101
+G97 S1200 M3
+G0 X52. Z2.
+G71 U2. R0.5
+G71 P10 Q20 U0.4 W0.1 F0.3
+N10 G0 X16. F0.1
+G1 Z-15.
+X30. Z-30.
+N20 X52.
+G70 P10 Q20
+G0 X100. Z100.
+M30
+"""
+ALWAYS = ['cycles.unroll="always"']
+
+
+def filtered(program: bytes, *options: str, profile: str = "fanuc-lathe") -> bytes:
+    return chipbreak.rewrite(program, load(profile, options)).data
+
+
+def without_vibration(output: bytes) -> bytes:
+    """The program with its cycles written out, as the passes saw it."""
+    source = read(output)
+    pieces = []
+    line = 0
+    for region in regions(source, CHANGES):
+        pieces += [source.data[source.starts[line] : source.starts[region.first]], region.original]
+        line = region.last
+    return b"".join([*pieces, source.data[source.starts[line] :]])
+
+
+def cut_lines(program: bytes) -> Iterator[str]:
+    for line in program.decode().splitlines():
+        if re.match(r"G[123] ", line):
+            yield line
+
+
+@pytest.mark.parametrize(
+    "options", [(), ("vibration.n=1.5", 'vibration.only=["drill"]'), ('cycles.unroll="never"',)]
+)
+def test_what_nobody_asks_stays_byte_for_byte(options: tuple[str, ...]) -> None:
+    assert filtered(CYCLE, *options) == CYCLE
+
+
+@pytest.mark.parametrize(
+    "options",
+    [ALWAYS, ["vibration.n=1.5"], ["vibration.n=1.5", 'vibration.only=["rough", "finish"]']],
+    ids=str,
+)
+@pytest.mark.parametrize("program", [CYCLE, CYCLE.replace(b"\n", b"\r\n"), CYCLE[:-1], SAMPLE], ids=len)
+def test_it_is_put_back_and_a_second_run_changes_nothing(program: bytes, options: list[str]) -> None:
+    output = filtered(program, *options)
+    assert b"(CHIPBREAK UNROLLED G71 P10 Q20)" in output
+    assert chipbreak.restore(output) == program
+    assert filtered(output, *options) == output
+    assert chipbreak.verify(output, load("fanuc-lathe", options)).data == output
+
+
+def test_an_edited_part_is_refused() -> None:
+    output = filtered(CYCLE, *ALWAYS)
+    for edited in (output.replace(b"G0 X48.", b"G0 X47."), output.replace(b"ROLLED ", b"ROLED ", 9)):
+        with pytest.raises(ProgramRejectedError):
+            chipbreak.restore(edited.replace(b"UNROLED", b"UNROLLED"))
+
+
+def test_every_roughing_pass_of_the_sample_vibrates_and_nothing_else() -> None:
+    output = filtered(SAMPLE)
+    source = read(output)
+    inner = [region for region in regions(source) if region.title.startswith("VIB ")]
+    asked = [line for region in inner for line in region.original.decode().splitlines()]
+    opened = without_vibration(output)
+    (rough, contour, finish) = regions(read(opened), UNROLLED_CYCLES)
+    body = read(opened)
+    of_rough = [body.text(line) for line in range(rough.body, rough.last)]
+    assert asked == [line for line in of_rough if re.match(r"G[123] ", line)]
+    assert len(asked) >= 15
+    assert contour.body == contour.last - 1, "nothing stands for the contour"
+    shape = SAMPLE[SAMPLE.index(b"N10 ") : SAMPLE.index(b"G0 X100.")].decode().splitlines()
+    assert [body.text(line) for line in range(finish.body, finish.last - 1)] == [
+        *(re.sub(r"^N[0-9]+ ", "", line) for line in shape),
+        "G0 Z2.",
+    ]
+    behind = SAMPLE[SAMPLE.index(b"T0303") :]
+    assert output.endswith(behind)
+
+
+def test_a_message_names_the_line_of_the_users_file() -> None:
+    result = chipbreak.rewrite(SAMPLE, load("fanuc-lathe"))
+    lines = {cut.plan.chain.first for cut in result.cuts}
+    assert {result.source.place(line).line for line in lines} == {8}
+    again = chipbreak.rewrite(result.data, load("fanuc-lathe"))
+    begin = result.data[: result.data.index(b"(CHIPBREAK UNROLLED")].count(b"\n") + 1
+    assert {again.source.place(line).line for line in lines} == {begin}
+
+
+def test_kinds_of_operations_stay_what_they_were() -> None:
+    plain = chipbreak.rewrite(CYCLE, load("fanuc-lathe")).operations
+    written = chipbreak.rewrite(CYCLE, load("fanuc-lathe", ALWAYS)).operations
+    assert [(o.kind, o.tool, o.label) for o in written] == [(o.kind, o.tool, o.label) for o in plain]
+
+
+def test_feed_and_place_behind_the_cycle_are_those_of_the_control() -> None:
+    """The tool is back at the start, F of the cycle is in force; G70 leaves that of the contour."""
+    settings = load("fanuc-lathe", ALWAYS)
+    program = CYCLE.replace(b"G70 P10 Q20\n", b"")
+    for text, feed in ((program, 0.3), (CYCLE, 0.1)):
+        opened = interpret(parse(read(filtered(text, *ALWAYS)), settings.dialect), settings)
+        line = next(
+            n
+            for n in range(opened.program.source.line_count)
+            if opened.program.source.text(n) == "G0 X100. Z100."
+        )
+        state = opened.before(line)
+        assert (state.position.x, state.position.z) == pytest.approx((26.0, 2.0))
+        assert state.feed is not None
+        assert state.feed.value == feed
+
+
+@pytest.mark.parametrize(
+    ("system", "codes"), [("B", (70, 71)), ("C", (72, 73))], ids=["system B", "system C"]
+)
+def test_other_code_systems_have_their_own_numbers(system: str, codes: tuple[int, int]) -> None:
+    finish, rough = codes
+    program = re.sub(rb"G71", f"G{rough}".encode(), CYCLE.replace(b"G70", f"G{finish}".encode()))
+    program = program.replace(b"G21 G40 G99", b"G90 G40 G95")
+    output = filtered(program, *ALWAYS, f"control.lathe_system={system}")
+    mine = list(cut_lines(output))
+    assert mine == list(cut_lines(filtered(CYCLE, *ALWAYS)))
+    assert len(mine) == 12
+
+
+def test_one_block_says_the_same_as_two() -> None:
+    one = CYCLE.replace(b"G71 U2. R0.5\n", b"").replace(b"W0.1", b"W0.1 D2000")
+    two = CYCLE.replace(b"R0.5", b"R0.")
+    assert list(cut_lines(filtered(one, *ALWAYS))) == list(cut_lines(filtered(two, *ALWAYS)))
+    in_mm = one.replace(b"D2000", b"D2")
+    rule = 'cycles.depth_unit="program"'
+    assert list(cut_lines(filtered(in_mm, *ALWAYS, rule))) == list(cut_lines(filtered(two, *ALWAYS)))
+
+
+def test_facing_goes_along_x() -> None:
+    program = CYCLE.replace(b"G71 U2.", b"G72 W2.").replace(b"G71 P", b"G72 P")
+    program = program.replace(
+        b"N10 G0 X16. F0.1\nG1 Z-15.\nX30. Z-30.\nN20 X52.", b"N10 G0 Z-11.\nG1 X20.\nN20 Z2."
+    )
+    cuts = list(cut_lines(filtered(program, *ALWAYS)))
+    assert cuts[:2] == ["G1 X20.4 F0.3", "G1 X20.4"]
+
+
+def test_boring_goes_from_the_inside_out() -> None:
+    program = CYCLE.replace(b"G0 X52. Z2.", b"G0 X18. Z2.").replace(b"U0.4", b"U-0.4")
+    program = program.replace(
+        b"X16. F0.1\nG1 Z-15.\nX30. Z-30.\nN20 X52.", b"X40. F0.1\nG1 Z-15.\nX30. Z-30.\nN20 X18."
+    )
+    output = filtered(program, *ALWAYS)
+    assert b"\nG0 X22.\nG1 Z-35.9" not in output
+    assert b"\nG0 X22.\nG1 Z-29.9 F0.3\n" in output
+
+
+def test_inches_and_the_words_of_the_axes() -> None:
+    program = CYCLE.replace(b"G21", b"G20")
+    output = filtered(program, *ALWAYS)
+    assert b"\nG0 X48.\nG1 Z-29.9 F0.3\n" in output
+
+
+def test_a_contour_behind_the_end_of_the_program() -> None:
+    program = CYCLE.replace(CONTOUR, b"") + CONTOUR
+    assert list(cut_lines(filtered(program, *ALWAYS))) == list(cut_lines(filtered(CYCLE, *ALWAYS)))
+    assert chipbreak.restore(filtered(program, *ALWAYS)) == program
+
+
+STAYS = [
+    (b"X30. Z-30.", b"X30. ,C1. Z-30.", "CYC002"),
+    (b"X30. Z-30.", b"X30. Z-30. M8", "CYC002"),
+    (b"X30. Z-30.", b"X#1 Z-30.", "CYC002"),
+    (b"N20 X52.", b"N20 G42 X52.", "CYC007"),
+    (b"G0 X52. Z2.", b"G0 X52.", "CYC007"),
+    (b"G0 X52. Z2.", b"G0 G42 X52. Z2.", "CYC007"),
+    (b"F0.3", b"F0.3 M8", "CYC007"),
+    (b"G71 U2. R0.5", b"G71 U2. R0.5 Q3", "CYC007"),
+    (b"G1 Z-15.", b"(VIB OFF)\nG1 Z-15.", "CYC007"),
+    (b"G0 X100.", b"G70 P10 Q#1\nG0 X100.", "CYC007"),
+    (b"G0 X100.", b"M97 P10\nG0 X100.", "CYC007"),
+    (b"G0 X100.", b"IF[#1EQ1]GOTO10\nG0 X100.", "CYC007"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "code"), STAYS)
+def test_what_cannot_be_written_out_stays_with_all_that_share_its_contour(
+    old: bytes, new: bytes, code: str
+) -> None:
+    program = CYCLE.replace(old, new, 1)
+    result = chipbreak.rewrite(program, load("fanuc-lathe", ["vibration.n=1.5"]))
+    assert b"UNROLLED" not in result.data
+    assert code in {d.code for d in result.diagnostics}
+    assert code in {cut.said.code for cut in result.left}
+
+
+@pytest.mark.parametrize(("old", "new", "code"), STAYS)
+def test_what_a_comment_asks_and_cannot_be_is_an_error(old: bytes, new: bytes, code: str) -> None:
+    program = CYCLE.replace(old, new, 1).replace(b"T0101", b"T0101\n(VIB N1.5)", 1)
+    with pytest.raises(ProgramRejectedError) as caught:
+        chipbreak.rewrite(program, load("fanuc-lathe"))
+    assert code in {d.code for d in caught.value.diagnostics}
+
+
+def test_cycles_whose_passes_cannot_vibrate_stay() -> None:
+    """The spindle does not turn: written out, nothing would vibrate."""
+    program = CYCLE.replace(b"M3", b"M5")
+    result = chipbreak.rewrite(program, load("fanuc-lathe", ["vibration.n=1.5"]))
+    assert result.data == program
+    assert any("none of its passes can vibrate" in d.message for d in result.diagnostics)
