@@ -90,7 +90,7 @@ def left_behind(cycle: Roughing, passes: list[Pass]) -> tuple[np.ndarray, np.nda
         if abs(way[-1, 0] - way[0, 0]) < 1e-9:
             continue
         way = way if way[-1, 0] > way[0, 0] else way[::-1]
-        inside = (t > way[0, 0] + 1e-6) & (t < way[-1, 0] - 1e-6)
+        inside = (t > way[0, 0] + 1e-9) & (t < way[-1, 0] - 1e-9)
         there = np.interp(t[inside], way[:, 0], way[:, 1])
         if move.cuts:
             assert (height[inside] - there).max(initial=0.0) <= cycle.depth_mm + 2e-3

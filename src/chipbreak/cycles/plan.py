@@ -83,21 +83,13 @@ def plan_unrolling(interpreted: InterpretedProgram, asked: Iterable[int]) -> Unr
         lines = [one.line for one in group if one.line in wanted]
         if not lines:
             continue
-        try:
-            plan.edits.extend(_edits_of_group(interpreted, group, starts))
-        except _StaysError as error:
-            said = error.line if error.line in wanted else lines[0]
-            plan.refused.append(Refused(said, error.refusal))
+        edits, refused = _edits_of_group(interpreted, group, starts)
+        if refused is None:
+            plan.edits.extend(edits)
+        else:
+            said = refused.line if refused.line in wanted else lines[0]
+            plan.refused.append(refused._replace(line=said))
     return plan
-
-
-class _StaysError(Exception):
-    """A cycle of a group cannot be written out."""
-
-    def __init__(self, line: int, refusal: RefusalError) -> None:
-        super().__init__(line, refusal)
-        self.line = line
-        self.refusal = refusal
 
 
 def _groups(calls: Sequence[ContourCall]) -> list[list[ContourCall]]:
@@ -148,36 +140,31 @@ def _first_line(interpreted: InterpretedProgram, one: ContourCall) -> int:
 
 def _edits_of_group(
     interpreted: InterpretedProgram, group: Sequence[ContourCall], starts: Mapping[int, State]
-) -> list[UnrolledEdit]:
+) -> tuple[list[UnrolledEdit], Refused | None]:
+    """The edits of all cycles of a contour, or the first of them that cannot be written out."""
     edits = []
-    for one in group:
-        try:
-            edits.append(_edit_of_call(interpreted, one, starts[one.line]))
-        except RefusalError as error:
-            raise _StaysError(one.line, error) from error
-    first = group[0].first
-    last = group[0].last
-    if first is None or last is None or any((one.first, one.last) != (first, last) for one in group):
-        message = "other cycles call another part of the same contour"
-        refusal = RefusalError(UNREAD_FORM, message, "let P and Q of all of them name the same blocks")
-        raise _StaysError(group[0].line, refusal)
-    edits.append(_contour_edit(interpreted, first, last))
-    _refuse_lines(interpreted, group[0].line, [one.edit for one in edits])
-    return [one._replace(group=group[0].line) for one in edits]
+    line = group[0].line
+    try:
+        for one in group:
+            line = one.line
+            edits.append(_edit_of_call(interpreted, one, starts[line]))
+        line = group[0].line
+        edits.append(_contour_edit(interpreted, group))
+        _refuse_lines(interpreted, [one.edit for one in edits])
+    except RefusalError as error:
+        return [], Refused(line, error)
+    return [one._replace(group=line) for one in edits], None
 
 
-def _refuse_lines(interpreted: InterpretedProgram, line: int, edits: Sequence[Edit]) -> None:
+def _refuse_lines(interpreted: InterpretedProgram, edits: Sequence[Edit]) -> None:
     """Nothing may jump into what is replaced, and no wish of the user may get lost with it."""
     lines = {at for edit in edits for at in range(edit.first, edit.last)}
     comments = (comment for at in lines for comment in interpreted.program.block(at).comments)
-    error = None
     if not lines.isdisjoint(interpreted.flow.targets) or _is_called(interpreted, lines):
-        error = RefusalError(UNREAD_FORM, "a jump leads into this cycle or its contour", "take the jump out")
-    elif any(_DIRECTIVE.match(comment.text) for comment in comments):
+        raise RefusalError(UNREAD_FORM, "a jump leads into this cycle or its contour", "take the jump out")
+    if any(_DIRECTIVE.match(comment.text) for comment in comments):
         message = "a directive stands inside this cycle or its contour"
-        error = RefusalError(UNREAD_FORM, message, "write it before the first block of the cycle")
-    if error is not None:
-        raise _StaysError(line, error)
+        raise RefusalError(UNREAD_FORM, message, "write it before the first block of the cycle")
 
 
 def _is_called(interpreted: InterpretedProgram, lines: set[int]) -> bool:
@@ -195,7 +182,12 @@ def _is_called(interpreted: InterpretedProgram, lines: set[int]) -> bool:
     return False
 
 
-def _contour_edit(interpreted: InterpretedProgram, first: int, last: int) -> UnrolledEdit:
+def _contour_edit(interpreted: InterpretedProgram, group: Sequence[ContourCall]) -> UnrolledEdit:
+    """The contour is taken out of the way.  Errors: CYC007 where the cycles call different parts of it."""
+    _, first, last = group[0]
+    if first is None or last is None or any((one.first, one.last) != (first, last) for one in group):
+        message = "other cycles call another part of the same contour"
+        raise RefusalError(UNREAD_FORM, message, "let P and Q of all of them name the same blocks")
     numbers = [interpreted.program.block(line).sequence for line in (first, last)]
     names = " to ".join(f"N{number.value_text}" for number in numbers if number is not None)
     reason = "nothing calls this contour any more"
