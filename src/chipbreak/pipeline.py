@@ -215,7 +215,12 @@ def _context(whole: _Whole, unrolled: Unrolled, options: RunOptions) -> Context:
     """What the passes may look at."""
     tools = cache(partial(_tools_for_checks, whole.interpreted))
     return Context(
-        unrolled.interpreted, unrolled.main, unrolled.operations, unrolled.cut_operations, tools, options
+        unrolled.interpreted,
+        unrolled.main,
+        unrolled.operations,
+        tools,
+        options,
+        split_operations=unrolled.cut_operations,
     )
 
 

@@ -36,19 +36,24 @@ class RunOptions:
 class Context:
     """All that a pass may look at.
 
-    ``cut_operations`` are the operations in which each cycle that was written out is one of its own.
     ``read_tools`` gives the tool table, read when it is first asked for.  ``planned`` are the edits of the
     passes before.  ``given_up`` are edits, by their first line, that were tried and are not planned again.
+    ``split_operations`` are the operations with each cycle that was written out as one of its own.
     """
 
     interpreted: InterpretedProgram
     main: MainProgram
     operations: Sequence[Operation]
-    cut_operations: Sequence[Operation]
     read_tools: Callable[[], ToolTable]
     options: RunOptions = RunOptions()
     planned: tuple[Edit, ...] = ()
     given_up: Mapping[int, Diagnostic] = field(default_factory=FrozenTable)
+    split_operations: Sequence[Operation] = ()
+
+    @property
+    def cut_operations(self) -> Sequence[Operation]:
+        """The operations as wishes by kind see them."""
+        return self.split_operations or self.operations
 
     @property
     def settings(self) -> Settings:
