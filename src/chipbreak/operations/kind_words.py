@@ -206,10 +206,14 @@ NOT_A_TITLE: Final = LazyPattern(
 # --- tools ----------------------------------------------------------------------------------------------
 # Canonical name (the words of Fusion's library) and how comments write it; the leftmost match wins, the
 # first of the table at the same place.
+_EM: Final = r"E\.?\s?M\.?"
 TOOL_TYPES: Final = (
-    ("flat end mill", r"FLAT[\s-]*END[\s-]*MILL|SCHAFTFR\S{0,3}SER"),
-    ("ball end mill", r"END_?MILL_SPHER|BALL[\s-]*(?:NOSED?|(?:END[\s-]*)?MILL)|KUGELFR\S{0,3}SER"),
-    ("bull nose end mill", r"BULL[\s-]*(?:NOSE[\s-]*)?(?:END[\s-]*)?MILL|BULL[\s-]*NOSE|TIP[\s-]*RADIUSED"),
+    ("flat end mill", rf"FLAT[\s-]*(?:END[\s-]*MILL|{_EM})|SCHAFTFR\S{{0,3}}SER"),
+    ("ball end mill", rf"END_?MILL_SPHER|BALL[\s-]*(?:NOSED?|(?:END[\s-]*)?MILL|{_EM})|KUGELFR\S{{0,3}}SER"),
+    (
+        "bull nose end mill",
+        rf"BULL[\s-]*(?:NOSE[\s-]*)?(?:(?:END[\s-]*)?MILL|{_EM})|BULL[\s-]*NOSE|TIP[\s-]*RADIUSED",
+    ),
     ("end mill", r"END[\s_-]*MILL|E\.\s?M\.?|EM|(?:UNIVERSAL[\s-]*)?FR(?:AE|Ä)SER"),
     ("face mill", r"(?:FACE|SHELL)[\s-]*MILL|PLANFR\S{0,3}SER"),
     ("chamfer mill", r"CHAMFER[\s-]*(?:END[\s-]*)?(?:MILL|TOOL)|ENGRAVER|GRAVIERER"),
