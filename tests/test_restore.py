@@ -228,21 +228,23 @@ def test_messages_name_lines_of_the_file_the_user_has() -> None:
     assert complaint(wrong) == ("VIB005", line)
 
 
+SMALL = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5 (cut)\nM30\n"
 CHAIN = b"G97 S3000 M3\nG0 X20. Z2.\n(VIB N1.5)\nG1 Z-3. F0.05\nX24. Z-5.\n(VIB OFF)\nG1 X30.\nM30\n"
 
 
-@pytest.mark.parametrize("program", [CUT, CHAIN], ids=["one block", "a chain"])
+@pytest.mark.parametrize("program", [CUT, CHAIN, SMALL], ids=["one block", "a chain", "as bytes"])
 def test_restored_lines_have_the_numbers_of_the_file_at_hand(program: bytes) -> None:
-    """A block that was put back is found at the BEGIN of its part, every other line where it stands."""
+    """A block that was put back is found in the comment that keeps it, every other line where it stands."""
     filtered = read(chipbreak.rewrite(program, SETTINGS).data)
     back = restore(filtered)
     assert back.data == program
-    begins = [region.first + 1 for region in regions(filtered) if region.original]
-    lines = [(back.raw(line), back.place(line).line) for line in range(back.line_count)]
-    moved = [number for text, number in lines if text and filtered.raw(number - 1) != text]
-    assert set(moved) <= set(begins)
-    put_back = b"".join(text for text, number in lines if number in begins)
-    assert put_back == b"".join(region.original for region in regions(filtered))
+    for line in range(back.line_count):
+        place, shown, text = back.place(line), back.shown(line), back.text(line)
+        assert shown == filtered.text(place.line - 1)
+        if "HEX" not in shown:
+            assert shown[place.column - 1 : place.end_column - 1] == text
+        else:
+            assert bytes.fromhex(shown[len("(CHIPBREAK HEX ") : -1]).startswith(text.encode())
 
 
 def test_regions_say_what_was_there() -> None:

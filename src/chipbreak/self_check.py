@@ -11,19 +11,18 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chipbreak.editing.bracket import UNROLLED_CYCLES
 from chipbreak.editing.edits import Edit, in_order
 from chipbreak.editing.promise import Written
-from chipbreak.editing.restore import Region, line_numbers, regions, restores
+from chipbreak.editing.restore import Region, regions, restores
 from chipbreak.editing.unroll import unrolled
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
 from chipbreak.model.state_difference import difference, is_same_place, moved, spindle_speed
 from chipbreak.model.words import codes_of
 from chipbreak.syntax.parse import parse_changed
 from chipbreak.text.diagnostics import ChipbreakError, SelfCheckError
-from chipbreak.text.source import Source, read
+from chipbreak.text.source import Source, UserLines, in_a_row, read, user_lines
 
 
 class Kept(NamedTuple):
@@ -80,24 +79,24 @@ def verify_unrolled(
         raise SelfCheckError(f"{len(ordered)} cycles were planned, {len(found)} stand in the output")
     _check_lengths(source, found, ordered, interpreted)
     kept = _kept(interpreted, source, ordered, found)
-    source = source._replace(numbers=_numbers(original, ordered, found, kept))
+    source = source._replace(user_lines=_user_lines(original, ordered, found, kept))
     result = interpret(parse_changed(source, interpreted.program, kept), interpreted.settings)
     for edit, region in zip(ordered, found, strict=True):
         _report(Written(edit, region, interpreted, result, original.body.stop))
     return result
 
 
-def _numbers(
+def _user_lines(
     original: Source, edits: Sequence[Edit], found: Sequence[Region], kept: Sequence[tuple[int, int, int]]
-) -> NDArray[np.int64]:
-    """The line of the user's file for every line of the output; that of its cycle for a new block."""
-    pieces = [line_numbers(original, kept[0][2], kept[0][2] + kept[0][1] - kept[0][0])]
+) -> UserLines:
+    """Where every line of the output stands in the user's file; a new block stands where its cycle does."""
+    pieces = [user_lines(original, kept[0][2], kept[0][2] + kept[0][1] - kept[0][0])]
     for edit, region, (first, last, old_first) in zip(edits, found, kept[1:], strict=True):
-        pieces.append(
-            np.repeat(line_numbers(original, edit.first, edit.first + 1), region.last - region.first)
-        )
-        pieces.append(line_numbers(original, old_first, old_first + last - first))
-    return np.concatenate(pieces)
+        file, numbers, shifts = user_lines(original, edit.first, edit.first + 1)
+        count = region.last - region.first
+        pieces.append(UserLines(file, np.repeat(numbers, count), np.full_like(shifts, -1).repeat(count)))
+        pieces.append(user_lines(original, old_first, old_first + last - first))
+    return in_a_row(pieces)
 
 
 def written_edits(interpreted: InterpretedProgram, output: bytes, edits: Sequence[Edit]) -> Iterator[Written]:

@@ -135,9 +135,8 @@ def _say(verdicts: dict[int, EdgeVerdict], heading: str, *, as_json: bool) -> No
     click.echo(heading)
     for tooth, verdict in verdicts.items():
         word = "CHIPPED" if verdict.is_chipped else "fine"
-        click.echo(
-            f"  tooth {tooth}: {verdict.inward_mm:.4f} mm inward at height {verdict.height_mm:.3f} mm, {word}"
-        )
+        inward = f"{verdict.inward_mm:z.4f} mm inward at height {verdict.height_mm:z.3f} mm"
+        click.echo(f"  tooth {tooth}: {inward}, {word}")
 
 
 @click.command()

@@ -105,7 +105,7 @@ def test_what_is_too_fast_is_refused_and_the_way_out_works() -> None:
             job.filtered()
         (refusal,) = caught.value.diagnostics
         assert refusal.code == "VIB030"
-        needs, has = map(float, re.findall(r"(?:needs|has) ([0-9.]+) m/s²", refusal.message))
+        needs, has = map(float, re.findall(r"(?:needs|has) ([0-9.]+) m/s2", refusal.message))
         assert has * 1000 == job.acceleration_mm_s2 < needs * 1000
         works = re.search(r"works at f ([0-9.]+) Hz, S ([0-9]+)", refusal.help)
         assert works, refusal.help

@@ -14,7 +14,7 @@ from chipbreak.dialects import GENERIC_LATHE, Dialect
 from chipbreak.syntax.grammar import grammar_of
 from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.parse import LONGEST_LINE, emit, parse, read_block
-from chipbreak.text.source import BLANKS, read
+from chipbreak.text.source import BLANKS, UserLines, read
 
 from .controls import every_grammar, every_iso_control
 from .fragments import lines, programs
@@ -180,7 +180,10 @@ def test_places_count_from_one_and_follow_the_numbers_of_the_user() -> None:
     assert str(read(data, "a.nc").place(1, 3)) == "a.nc:2:4"
     assert read(data).place(0, 0, 2)[2:] == (1, 3)
     assert read(data).place(1)[2:] == (1, 5)
-    assert read(data, "a.nc", np.array([7, 9])).place(1).line == 9
+    filtered = read(b"\n" * 6 + b"(CHIPBREAK WAS G1 X1)\n(CHIPBREAK HEX 4732)\n", "a.nc")
+    source = read(data, "a.nc", UserLines(filtered, np.array([7, 8]), np.array([15, -1])))
+    assert (str(source.place(0, 3)), source.shown(0)) == ("a.nc:7:19", "(CHIPBREAK WAS G1 X1)")
+    assert (str(source.place(1, 3)), source.shown(1)) == ("a.nc:8:1", "(CHIPBREAK HEX 4732)")
 
 
 def test_an_unreadable_line_is_reported_where_it_is() -> None:

@@ -135,7 +135,7 @@ def _defined(block: Block, numbers: Collection[int], name_prefix: str) -> str:
         if control.keyword == "O-SUB" and is_ours:
             return f"o{control.label}"
     number = None if block.controls else block.number("O")
-    return f"O{number:.0f}" if number in numbers else ""
+    return f"O{number:z.0f}" if number in numbers else ""
 
 
 def _called_number(interpreted: InterpretedProgram, macros: MacroSet) -> Clash | None:

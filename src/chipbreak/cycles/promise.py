@@ -118,9 +118,9 @@ class _Left:
         there = np.interp(self.t[inside], way[:, 0], way[:, 1])
         taken_mm = float((self.height[inside] - there).max(initial=0.0))
         if not is_cut and taken_mm > self.tolerance_mm:
-            raise SelfCheckError(f"a rapid of an unrolled cycle goes through {taken_mm:.3f} mm of stock")
+            raise SelfCheckError(f"a rapid of an unrolled cycle goes through {taken_mm:z.3f} mm of stock")
         if taken_mm > self.cycle.depth_mm + self.tolerance_mm:
-            raise SelfCheckError(f"a pass takes {taken_mm:.3f} mm, {self.cycle.depth_mm:g} are commanded")
+            raise SelfCheckError(f"a pass takes {taken_mm:z.3f} mm, {self.cycle.depth_mm:g} are commanded")
         if is_cut:
             on_way = (self.t >= way[0, 0]) & (self.t <= way[-1, 0])
             there = np.interp(self.t[on_way], way[:, 0], way[:, 1])
@@ -144,7 +144,7 @@ class _Left:
         above_mm = float((self.height - near.max(axis=0)).max(initial=0.0))
         below_mm = float((near.min(axis=0) - self.height).max(initial=0.0))
         if max(above_mm, below_mm) > self.tolerance_mm:
-            wrong = f"{above_mm:.3f} mm too much, {below_mm:.3f} mm too little"
+            wrong = f"{above_mm:z.3f} mm too much, {below_mm:z.3f} mm too little"
             raise SelfCheckError(f"an unrolled cycle leaves {wrong} over its contour")
 
 

@@ -40,7 +40,7 @@ class Stock:
         for index in range(begin, end):
             taken = self.heights[index] - level_mm
             if taken > depth_mm + _SAME_MM:
-                raise SelfCheckError(f"a pass takes {taken:.4f} mm, {depth_mm:g} are allowed")
+                raise SelfCheckError(f"a pass takes {taken:z.4f} mm, {depth_mm:g} are allowed")
             self.heights[index] = min(self.heights[index], level_mm)
 
     def highest(self, first_mm: float, last_mm: float) -> float:

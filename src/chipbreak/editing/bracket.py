@@ -99,5 +99,5 @@ def was_lines(
 def checksum(content: bytes) -> str:
     """CRC-32 of the lines between the brackets, blind to how lines end (transmission may change that)."""
     if b"\r" in content:
-        content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+        content = content.replace(b"\n\r\r", b"\n").replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     return f"{zlib.crc32(content):08X}"

@@ -6,11 +6,10 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chipbreak.editing import bracket
 from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, Severity
-from chipbreak.text.source import Source, read
+from chipbreak.text.source import Source, UserLines, in_a_row, read, user_lines
 
 EDITED = "RES001"
 BROKEN = "RES002"
@@ -105,9 +104,10 @@ def _broken(source: Source, line: int, message: str) -> ProgramRejectedError:
 
 
 def _rejected(source: Source, line: int, code: str, message: str, help_text: str) -> ProgramRejectedError:
-    text = source.text(line)
-    place = source.place(line)
-    return ProgramRejectedError([Diagnostic(code, Severity.ERROR, message, help_text, place, text)])
+    found = Diagnostic(
+        code, Severity.ERROR, message, help_text, source.place(line), source.shown(line), source.encoding
+    )
+    return ProgramRejectedError([found])
 
 
 def restored(source: Source, found: Sequence[Region]) -> Iterator[bytes | memoryview]:
@@ -145,17 +145,28 @@ def _without(source: Source, found: Sequence[Region]) -> Source:
     """The program without these changes."""
     if not found:
         return source
-    numbers: list[NDArray[np.int64]] = []
+    pieces = []
     line = 0
     for region in found:
-        numbers.append(line_numbers(source, line, region.first))
-        count = read(region.original).line_count if region.original else 0
-        numbers.append(np.repeat(line_numbers(source, region.first, region.first + 1), count))
+        pieces += [user_lines(source, line, region.first), _kept_at(source, region)]
         line = region.last
-    numbers.append(line_numbers(source, line, source.line_count))
-    return read(b"".join(restored(source, found)), source.name, np.concatenate(numbers))
+    pieces.append(user_lines(source, line, source.line_count))
+    return read(b"".join(restored(source, found)), source.name, in_a_row(pieces))
 
 
-def line_numbers(source: Source, first: int, last: int) -> NDArray[np.int64]:
-    """The numbers of lines ``first`` to ``last`` (exclusive) in the user's file."""
-    return np.arange(first, last) + 1 if source.numbers is None else source.numbers[first:last]
+def _kept_at(source: Source, region: Region) -> UserLines:
+    """For every original line of a change: where the comment that keeps it stands in the user's file."""
+    comments = user_lines(source, region.first + 1, region.body)
+    offsets: list[int] = []
+    shifts: list[int] = []
+    at = 0
+    for line, shift in zip(range(region.first + 1, region.body), comments.shifts.tolist(), strict=True):
+        match = bracket.LINE.fullmatch(source.raw(line).rstrip(b"\r\n"))
+        assert match is not None
+        is_text = match["kind"].decode() == bracket.WAS
+        offsets.append(at)
+        shifts.append(match.start("text") + shift if is_text and shift >= 0 else -1)
+        at += len(match["text"] + source.line_end if is_text else _from_hex(source, line, match["text"]))
+    starts = read(region.original).starts[:-1] if region.original else np.empty(0, np.int64)
+    of_line = np.searchsorted(offsets, starts, "right") - 1
+    return UserLines(comments.file, comments.numbers[of_line], np.array(shifts, np.int64)[of_line])

@@ -284,7 +284,7 @@ def _speed(
         why.append(f"S {shown(given.value)} -> {shown(printed_rpm)} rpm so that N is {shown(wanted)}")
     if not math.isclose(printed_rpm, exact_rpm, rel_tol=1e-9):
         count = shown(_ratio(period, printed_rpm))
-        why.append(f"S {exact_rpm:.4f} prints as {shown(printed_rpm)} rpm, which makes N {count}")
+        why.append(f"S {exact_rpm:z.4f} prints as {shown(printed_rpm)} rpm, which makes N {count}")
     return printed_rpm
 
 

@@ -194,7 +194,7 @@ def _arc_of(leg: Leg) -> _Arc:
     radius = math.dist(start, centre)
     end_radius = math.dist(end, centre)
     if radius == 0.0 or abs(radius - end_radius) > _RADIUS_TOLERANCE_MM:
-        message = f"the arc starts {radius:.4f} mm and ends {end_radius:.4f} mm from its centre"
+        message = f"the arc starts {radius:z.4f} mm and ends {end_radius:z.4f} mm from its centre"
         raise RefusalError(BAD_ARC, message, "check I, J, K or R of the block")
     first = math.atan2(start[1] - centre[1], start[0] - centre[0])
     sweep = math.atan2(end[1] - centre[1], end[0] - centre[0]) - first
@@ -218,7 +218,7 @@ def _centre_from_radius(start: Floats, end: Floats, leg: Leg) -> Floats:
         message = "the arc has neither centre nor radius"
         raise RefusalError(BAD_ARC, message, "give I, J, K or R on the block")
     if length == 0.0 or radius < length / 2.0 - _RADIUS_TOLERANCE_MM:
-        message = f"no arc of radius {leg.radius_mm:g} mm joins points {length:.4f} mm apart"
+        message = f"no arc of radius {leg.radius_mm:g} mm joins points {length:z.4f} mm apart"
         raise RefusalError(BAD_ARC, message, "give I, J, K or a fitting R on the block")
     height = math.sqrt(max(0.0, radius * radius - length * length / 4.0))
     side = leg.turn * math.copysign(1.0, leg.radius_mm)

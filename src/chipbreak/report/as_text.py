@@ -107,30 +107,30 @@ def _verdict(cut: ExplainedCut) -> Iterator[str]:
     longest = _chip(verdict.longest_chip_rev, verdict.longest_chip_mm)
     first = _chip(verdict.first_chip_rev, verdict.first_chip_mm)
     yield (
-        f"{chips}, margin {verdict.margin:.2f}, {verdict.chips_per_rev:.3g} per revolution,"
+        f"{chips}, margin {verdict.margin:z.2f}, {verdict.chips_per_rev:.3g} per revolution,"
         f" longest {longest}, first {first}"
     )
 
 
 def _chip(revolutions: float, length_mm: float | None) -> str:
-    return f"{revolutions:.2f} rev" + ("" if length_mm is None else f" ({length_mm:.0f} mm)")
+    return f"{revolutions:z.2f} rev" + ("" if length_mm is None else f" ({length_mm:z.0f} mm)")
 
 
 def _load(cut: ExplainedCut) -> Iterator[str]:
     verdict = cut.verdict
     ramps = ""
     if verdict.ramp_peak_thickness > _MUCH_THICKER * verdict.peak_thickness:
-        ramps = f" ({verdict.ramp_peak_thickness:.2f} while the stroke grows or shrinks)"
+        ramps = f" ({verdict.ramp_peak_thickness:z.2f} while the stroke grows or shrinks)"
     yield (
-        f"{verdict.cut_share:.0%} of the time in the cut, peak chip {verdict.peak_thickness:.2f}"
-        f" x feed{ramps}, theoretical roughness x {verdict.roughness_factor:.1f}"
+        f"{verdict.cut_share:.0%} of the time in the cut, peak chip {verdict.peak_thickness:z.2f}"
+        f" x feed{ramps}, theoretical roughness x {verdict.roughness_factor:z.1f}"
     )
 
 
 def _band(cut: ExplainedCut) -> Iterator[str]:
     if cut.verdict.speed_band_rpm:
         low, high = cut.verdict.speed_band_rpm
-        yield f"breaks from {low:.0f} to {high:.0f} rpm at this frequency"
+        yield f"breaks from {low:z.0f} to {high:z.0f} rpm at this frequency"
 
 
 def _machine(cut: ExplainedCut) -> Iterator[str]:
@@ -138,7 +138,7 @@ def _machine(cut: ExplainedCut) -> Iterator[str]:
     if cut.servo_share is not None:
         needs += f", the servo leaves {cut.servo_share:.0%} of the stroke"
     if cut.flank_clearance:
-        used = ", ".join(f"{c.deg:.2f} at {c.diameter_mm:.4g} mm" for c in cut.flank_clearance)
+        used = ", ".join(f"{c.deg:z.2f} at {c.diameter_mm:.4g} mm" for c in cut.flank_clearance)
         needs += f"; degrees of flank clearance that the forward stroke uses: {used}"
     yield needs
 
@@ -150,10 +150,10 @@ def _moved(cut: ExplainedCut) -> Iterator[str]:
 
 
 def _output(cut: ExplainedCut) -> Iterator[str]:
-    ends = f", stands {cut.end_stand_s * MS_PER_S:.0f} ms at its end" if cut.end_stand_s else ""
+    ends = f", stands {cut.end_stand_s * MS_PER_S:z.0f} ms at its end" if cut.end_stand_s else ""
     peak_mm_min = cut.verdict.peak_speed_mm_s * S_PER_MIN
-    was = "" if cut.programmed_s is None else f" ({cut.programmed_s:.2f} s as programmed)"
-    yield f"{cut.moves} moves, {cut.duration_s:.2f} s{was}, axis up to {peak_mm_min:.0f} mm/min{ends}"
+    was = "" if cut.programmed_s is None else f" ({cut.programmed_s:z.2f} s as programmed)"
+    yield f"{cut.moves} moves, {cut.duration_s:z.2f} s{was}, axis up to {peak_mm_min:z.0f} mm/min{ends}"
 
 
 def _loop(cut: ExplainedCut) -> Iterator[str]:
@@ -165,7 +165,7 @@ def _loop(cut: ExplainedCut) -> Iterator[str]:
         return
     drift = max(loop.drift_steps for loop in cut.loops)
     is_off = drift > _LEAST_DRIFT_STEPS
-    off = f", points up to {0.5 + drift / 2.0:.2f} steps from the exact motion" if is_off else ""
+    off = f", points up to {0.5 + drift / 2.0:z.2f} steps from the exact motion" if is_off else ""
     yield f"{', '.join(map(_repeats, cut.loops))}; {cut.written_moves} blocks of motion{off}"
 
 

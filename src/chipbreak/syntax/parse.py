@@ -29,6 +29,7 @@ LONGEST_LINE = 1 << 16
 _COMMENT_HAS_ENDED = "where the comment has ended at its first ')'"
 _INNER = "take the inner parentheses out; "
 _NOTHING_CHANGED = "nothing is changed here; vibration and checks refuse to cross it"
+_FOREIGN_RUN = re.compile(r"[\xa1-\xff][\x80-\xff]{0,29}")
 _NESTED = re.compile(r"\([^()]*\([^()]*\)")
 _BLANK_CHARACTERS = BLANKS.decode("latin-1")
 
@@ -80,7 +81,10 @@ class Program(NamedTuple):
         """A diagnostic at characters ``at`` of a line, or at its first word."""
         text = self.source.text(line)
         start, end = at or _first_word(text)
-        return Diagnostic(code, severity, message, help, self.source.place(line, start, end), text)
+        source = self.source
+        said = (source.meant(message), source.meant(help))
+        place = source.place(line, start, end)
+        return Diagnostic(code, severity, *said, place, source.shown(line), source.encoding)
 
     def unreadable(self) -> list[Diagnostic]:
         """A warning for every line that could not be read."""
@@ -198,5 +202,9 @@ def _why(text: str, column: int, *, ended: bool) -> str:
         return "it ends in the middle of a word or an expression"
     nested = _NESTED.search(text, 0, column)
     behind = f", {_COMMENT_HAS_ENDED}" if nested else ""
-    shown = text[column] if text[column].isprintable() else f"byte 0x{ord(text[column]):02X}"
-    return f"{shown!r} is not expected here{behind}"
+    # Of other alphabets the whole run is shown, for one byte of it may mean nothing.
+    shown = _FOREIGN_RUN.match(text, column)
+    if shown:
+        return f"'{shown[0]}' is not expected here{behind}"
+    one = text[column] if text[column].isprintable() else f"byte 0x{ord(text[column]):02X}"
+    return f"{one!r} is not expected here{behind}"

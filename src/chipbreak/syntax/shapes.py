@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.syntax.grammar import Grammar
-from chipbreak.text.source import Source
+from chipbreak.text.source import TAPE_END, TAPE_LINE_END, Source
 
 PLAIN_LETTERS = "XYZUVWABCIJKRF"
 # What a plain line has, as bits: its letters, a code of motion, a number without a point.
@@ -84,17 +84,20 @@ class ShapeReader:
 
 def line_shapes(source: Source, first: int, stop: int) -> Iterator[list[bytes]]:
     """The shapes of lines ``first`` to ``stop`` (exclusive), in order, a chunk of lines at a time."""
+    is_tape = source.line_end == TAPE_END
     while first < stop:
         limit = source.starts[first] + _CHUNK_BYTES
         last = max(first + 1, int(np.searchsorted(source.starts, limit, "right")) - 1)
         last = min(last, stop)
         data = source.data[source.starts[first] : min(source.starts[last], limit + LONGEST_PLAIN)]
-        yield _chunk_shapes(data)[: last - first]
+        yield _chunk_shapes(data, is_tape=is_tape)[: last - first]
         first = last
 
 
-def _chunk_shapes(data: bytes) -> list[bytes]:
+def _chunk_shapes(data: bytes, *, is_tape: bool) -> list[bytes]:
     if b"\r" in data:
+        if is_tape:
+            data = TAPE_LINE_END.sub(b"\n", data)
         data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     for byte in _MOTIONS + _LEFT_OUT:
         if byte in data:

@@ -6,6 +6,7 @@ import enum
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
+from chipbreak.text.encoding import LATIN_1, cells, escaped, meant
 from chipbreak.text.span import Place
 
 
@@ -18,7 +19,11 @@ class Severity(enum.Enum):
 
 
 class Diagnostic(NamedTuple):
-    """One finding.  ``line_text`` is the line it points at, as latin-1 text without its line end."""
+    """One finding.
+
+    ``line_text`` is the line it points at, without its line end: of a program as latin-1 text, one character
+    a byte, which means what ``encoding`` says.
+    """
 
     code: str
     severity: Severity
@@ -26,20 +31,34 @@ class Diagnostic(NamedTuple):
     help: str = ""
     place: Place | None = None
     line_text: str = ""
+    encoding: str = LATIN_1
 
     def render(self) -> str:
-        """The text for stderr: place, severity, code and message, the line with a caret, and the way out."""
+        """The text for stderr: place, severity, code and message, the line with a caret, and the way out.
+
+        What cannot be printed is escaped: neither a file nor its name gives orders to a terminal.
+        """
         head = f"{self.place}: " if self.place else ""
-        lines = [f"{head}{self.severity.value} {self.code}: {self.message}"]
+        lines = [escaped(f"{head}{self.severity.value} {self.code}: {self.message}")]
         if self.place and self.line_text:
-            shown = "".join(c if c.isprintable() else "?" for c in self.line_text.replace("\t", " "))
-            first = max(0, self.place.column - 60)
-            width = max(1, min(self.place.end_column, first + 100) - self.place.column)
-            lines.append("    " + shown[first : first + 100].rstrip())
-            lines.append("    " + " " * (self.place.column - 1 - first) + "^" * width)
+            lines += self._line_and_caret(self.place)
         if self.help:
-            lines.append(f"  help: {self.help}")
+            lines.append(escaped(f"  help: {self.help}"))
         return "\n".join(lines)
+
+    def _line_and_caret(self, place: Place) -> list[str]:
+        """The line around the place, and a caret under the place."""
+        first = max(0, place.column - 60)
+        at = place.column - 1
+        end = max(at + 1, min(place.end_column - 1, first + 99))
+        before, inside, behind = (
+            escaped(meant(self.line_text[a:b].replace("\t", " "), self.encoding))
+            for a, b in ((first, at), (at, end), (end, first + 100))
+        )
+        beyond = max(0, end - max(at, len(self.line_text)))  # the line may end before the place
+        missing = max(0, at - max(first, len(self.line_text)))
+        caret = " " * (cells(before) + missing) + "^" * (cells(inside) + beyond)
+        return [f"    {before}{inside}{behind}".rstrip(), f"    {caret}"]
 
     def as_json(self) -> dict[str, Any]:
         """The same facts for a program to read."""

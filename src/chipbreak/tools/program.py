@@ -90,4 +90,4 @@ def _values(table: ToolTable, number: int) -> Sequence[Any]:
 def _shown(value: Any) -> str:
     if value is None:
         return "-"
-    return f"{value:.4f}".rstrip("0").rstrip(".") if isinstance(value, float) else str(value)
+    return f"{value:z.4f}".rstrip("0").rstrip(".") if isinstance(value, float) else str(value)

@@ -197,11 +197,11 @@ class ControlLaw(ABC):
         if time_s >= least * (1.0 - 1e-9):
             return
         needed = self._acceleration_for(length_mm, time_s)
-        has = f"{self.limiting} {self.acceleration_mm_s2 / 1000:.3g} m/s²"
+        has = f"{self.limiting} {self.acceleration_mm_s2 / 1000:.3g} m/s2"
         way = (
             f"this stroke takes at least {least * 1000:.4g} ms; ask for a lower frequency or a smaller stroke"
         )
-        raise RefusalError("VIB030", f"{stroke} needs {needed / 1000:.3g} m/s², {has}", way)
+        raise RefusalError("VIB030", f"{stroke} needs {needed / 1000:.3g} m/s2, {has}", way)
 
     @property
     def limiting(self) -> str:
@@ -234,13 +234,13 @@ class ControlLaw(ABC):
         """Errors: VIB031 speed, VIB032 blocks per second, of blocks that take their spans exactly."""
         top = float(feeds_mm_s.max())
         if top > self.velocity_mm_s:
-            has = f"{self.axis or 'the axis'} has {self.velocity_mm_s * S_PER_MIN:.0f}"
+            has = f"{self.axis or 'the axis'} has {self.velocity_mm_s * S_PER_MIN:z.0f}"
             help_text = "ask for a lower frequency, a smaller stroke or less feed"
-            message = f"the strokes need {top * S_PER_MIN:.0f} mm/min, {has}"
+            message = f"the strokes need {top * S_PER_MIN:z.0f} mm/min, {has}"
             raise RefusalError("VIB031", message, help_text)
         least_s = float(spans_s.min())
         if self.blocks_per_s is not None and least_s * self.blocks_per_s < 1.0 - 1e-9:
-            message = f"needs {1.0 / least_s:.0f} blocks per second, the control reads {self.blocks_per_s:g}"
+            message = f"needs {1.0 / least_s:z.0f} blocks per second, the control reads {self.blocks_per_s:g}"
             help_text = 'ask for a lower frequency, or take output.segments = "stroke"'
             raise RefusalError("VIB032", message, help_text)
 

@@ -61,7 +61,7 @@ def with_advice(
             continue
         works = (
             f"N {shown(round(cut.solution.per_rev, 4))} with the same feed works at"
-            f" f {shown(period.frequency_hz)} Hz, S {slower.solution.speed_rpm:.0f}"
+            f" f {shown(period.frequency_hz)} Hz, S {slower.solution.speed_rpm:z.0f}"
         )
         return RefusalError(error.code, error.message, f"{_first_help(error, cut)}; {works}{_standing(cut)}")
     return RefusalError(error.code, error.message, f"{_first_help(error, cut)}{_standing(cut)}")

@@ -167,7 +167,7 @@ def _check_feed_digits(cut: CutPlan, spans: Floats, feeds: Floats, digits: int) 
     with np.errstate(divide="ignore"):
         took_s = float((spans * feeds / np.round(feeds, digits)).sum())
     if abs(took_s - planned_s) > PLANNED_TIME_SHARE * planned_s:
-        message = f"with {digits} decimals of F this cut of {planned_s:.3f} s would take {took_s:.3f} s"
+        message = f"with {digits} decimals of F this cut of {planned_s:z.3f} s would take {took_s:z.3f} s"
         raise RefusalError("VIB059", message, "raise output.feed_decimals, or take another output.feed_mode")
 
 

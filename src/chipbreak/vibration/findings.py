@@ -74,8 +74,8 @@ def _missed(judged: Judged) -> Diagnostic | None:
         return None
     planned_s = plan.wave.duration_s + plan.end_dwell_s
     message = (
-        f"the control would take {report.duration_s:.2f} s for this cut of {planned_s:.2f} s"
-        f" and make N {report.verdict.per_rev:.3f} of {plan.solution.per_rev:.3f}"
+        f"the control would take {report.duration_s:z.2f} s for this cut of {planned_s:z.2f} s"
+        f" and make N {report.verdict.per_rev:z.3f} of {plan.solution.per_rev:z.3f}"
     )
     if len(plan.path.legs) > 1 or plan.path.arcs[0] is not None:
         message += ": it rests at bends of the path"
@@ -93,9 +93,9 @@ def _unbroken(judged: Judged) -> Diagnostic | None:
     if verdict.breaks or judged.report.misses_plan:
         return None
     message = (
-        f"this cut would not break chips: with a stroke of {plan.wave.stroke_mm:.4f} mm at N"
-        f" {verdict.per_rev or plan.solution.per_rev:.3f} the weakest vibration has a margin of"
-        f" {verdict.margin:.2f}, 1 is needed"
+        f"this cut would not break chips: with a stroke of {plan.wave.stroke_mm:z.4f} mm at N"
+        f" {verdict.per_rev or plan.solution.per_rev:z.3f} the weakest vibration has a margin of"
+        f" {verdict.margin:z.2f}, 1 is needed"
     )
     # Who lets whole chips pass does not wait for what would break them.
     works = "" if judged.allow_unbroken else judged.ways_out()
@@ -112,9 +112,11 @@ def _weak_servo(judged: Judged) -> Diagnostic | None:
         return None
     message = (
         f"the servo leaves {share:.0%} of the stroke at {judged.report.plan.solution.frequency_hz:.4g} Hz:"
-        f" the margin of {margin:.2f} becomes {margin * share:.2f}, and the chips do not break"
+        f" the margin of {margin:z.2f} becomes {margin * share:z.2f}, and the chips do not break"
     )
-    help_text = f"take a lower f, or vibration.margin {1.05 / share:.2f}, if the machine allows such a stroke"
+    help_text = (
+        f"take a lower f, or vibration.margin {1.05 / share:z.2f}, if the machine allows such a stroke"
+    )
     return judged.diagnose(SERVO, message, help_text, judged.unbroken_severity)
 
 
@@ -132,7 +134,7 @@ def _surface_speed(judged: Judged) -> Diagnostic | None:
         return None
     message = (
         f"G96 S{state.speed.text} runs as S{speed_rpm:g}: at diameter {diameter_mm:.4g} mm"
-        f" that is {made_m_min:.0f} m/min, {asked_m_min:.0f} were asked for"
+        f" that is {made_m_min:z.0f} m/min, {asked_m_min:z.0f} were asked for"
     )
     help_text = "cut towards the centre, or give this cut N and a lower f, or a lower clamp (G50 S)"
     return judged.diagnose(TOO_FAST, message, help_text, Severity.WARNING)
@@ -147,8 +149,8 @@ def _finishing(judged: Judged) -> Diagnostic | None:
         return None
     peak = max(verdict.peak_thickness, verdict.ramp_peak_thickness)
     message = (
-        f"vibration on a finishing operation: peak chip {peak:.2f} times the feed,"
-        f" theoretical roughness {verdict.roughness_factor:.1f} times as high"
+        f"vibration on a finishing operation: peak chip {peak:z.2f} times the feed,"
+        f" theoretical roughness {verdict.roughness_factor:z.1f} times as high"
     )
     help_text = "write (VIB OFF) before the finishing cut, or lower its feed"
     return judged.diagnose(FINISHING, message, help_text, Severity.WARNING)

@@ -42,7 +42,7 @@ def _time(judged: Judged) -> Diagnostic | None:
     now_s = judged.report.duration_s
     if was is None or was.duration_s is None or now_s <= _TIME_SHARE * was.duration_s:
         return None
-    message = f"this cut takes {now_s:.1f} s instead of {was.duration_s:.1f} s"
+    message = f"this cut takes {now_s:z.1f} s instead of {was.duration_s:z.1f} s"
     help_text = "take a higher f with the same N, so that S stays up, or a shorter stand of a dwell"
     return judged.diagnose(TAKES_LONGER, message, help_text, Severity.WARNING)
 
@@ -55,7 +55,7 @@ def _acceleration(judged: Judged) -> Diagnostic | None:
     if not unknown or report.acceleration_mm_s2 <= _USUAL_MM_S2:
         return None
     keys = ", ".join(f"axes.{axis}.max_acceleration_mm_s2" for axis in unknown)
-    needs = f"{report.acceleration_mm_s2 / 1000.0:.1f} m/s2"
+    needs = f"{report.acceleration_mm_s2 / 1000.0:z.1f} m/s2"
     message = f"the strokes need {needs}, and the profile does not say that the axis has as much"
     help_text = f"give {keys}, or take a lower f or feed"
     return judged.diagnose(NOT_PROVEN, message, help_text, Severity.WARNING)

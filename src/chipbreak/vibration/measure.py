@@ -227,7 +227,7 @@ def _is_late(law: ControlLaw, duration_s: float, planned_s: float) -> bool:
     tolerance_s = TIME_SHARE * planned_s
     if law.keeps_time:
         if abs(duration_s - planned_s) > tolerance_s:
-            raise SelfCheckError(f"a cut planned to take {planned_s:.3f} s takes {duration_s:.3f} s")
+            raise SelfCheckError(f"a cut planned to take {planned_s:z.3f} s takes {duration_s:z.3f} s")
         return False
     return abs(duration_s - planned_s) > tolerance_s + _STOP_TOLERANCE_S
 
@@ -250,10 +250,10 @@ def _check_path(result: InterpretedProgram, moves: ReadBack, plan: CutPlan, expa
     drift = max((loop.drift_steps for loop in expansion.loops or ()), default=0.0)
     tolerance = math.sqrt(3.0) * 0.5 * (1.0 + drift) * step_mm + 1e-6
     if away.max() > tolerance + result.settings.vibration.chord_mm:
-        raise SelfCheckError(f"a point lies {away.max():.4f} mm off the path")
+        raise SelfCheckError(f"a point lies {away.max():z.4f} mm off the path")
     astray = float(np.abs(along - expansion.distance_mm).max())
     if astray > tolerance:
-        raise SelfCheckError(f"a point lies {astray:.4f} mm from where it was planned")
+        raise SelfCheckError(f"a point lies {astray:z.4f} mm from where it was planned")
     if along.min() < -tolerance or along.max() > plan.path.length_mm + tolerance:
         raise SelfCheckError("a point lies before the start or past the end of the cut")
     if not abs(along[-1] - plan.path.length_mm) <= tolerance:

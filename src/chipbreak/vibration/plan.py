@@ -216,7 +216,7 @@ def _check_passes(wave: WaveformParameters, edges: int) -> None:
     turn_s = S_PER_MIN / wave.speed_rpm / edges
     knots = wave.knots_per_vibration * max(1.0, turn_s / wave.period_s)
     if knots * passes**2 > _MOST_GAPS:
-        times = f"{wave.stroke_mm / wave.feed_mm_rev:.0f} times the feed of {shown(wave.feed_mm_rev)} mm/rev"
+        times = f"{wave.stroke_mm / wave.feed_mm_rev:z.0f} times the feed of {shown(wave.feed_mm_rev)} mm/rev"
         message = f"the stroke of {shown(wave.stroke_mm)} mm is {times}, out of range"
         help_text = "give a higher feed (is its unit the right one?), or a smaller Q or A"
         if wave.form == "tick":
@@ -245,7 +245,7 @@ def _active_speed(
         rpm = math.floor(limit / step) * step
     rpm = round(rpm, 9)  # 25862 * 0.1 is not 2586.2 in binary
     typed = typed_surface_speed(speed.value, is_inch=state.is_inch)
-    reasons.append(f"G96 S{typed:g} -> G97 at the start diameter {diameter_mm:g} mm: {rpm:.0f} rpm")
+    reasons.append(f"G96 S{typed:g} -> G97 at the start diameter {diameter_mm:g} mm: {rpm:z.0f} rpm")
     return SourcedValue(rpm, f"G96 at diameter {diameter_mm:g} mm, {speed.origin}")
 
 

@@ -51,7 +51,7 @@ class Swing(Expander):
 
     def told_need(self, acceleration_mm_s2: float) -> str:
         """See :meth:`Expander.told_need`."""
-        return f"needs {acceleration_mm_s2:.0f} mm/s2"
+        return f"needs {acceleration_mm_s2:z.0f} mm/s2"
 
     def told_without_count(self) -> str:
         """See :meth:`Expander.told_without_count`."""

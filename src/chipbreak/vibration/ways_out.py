@@ -58,7 +58,7 @@ def _lower_frequency(interpreted: InterpretedProgram, report: CutReport) -> str:
         wish = {"N": per_rev, "F": frequency_hz}
         works = _breaks(interpreted, plan.chain, wish, without="SE")
         if works is not None:
-            speed = f"S {works.solution.speed_rpm:.0f}"
+            speed = f"S {works.solution.speed_rpm:z.0f}"
             return f"N {shown(per_rev)} f {shown(frequency_hz)} Hz ({speed}) with the same feed and stroke"
     return ""
 

@@ -1,0 +1,92 @@
+"""What the bytes of a program mean to a person: its encoding, guessed a file at a time, for messages alone.
+
+Inside, a program is latin-1 text, one character a byte; nothing here ever changes a byte of it.
+"""
+
+from __future__ import annotations
+
+import codecs
+import re
+import unicodedata
+
+LATIN_1, UTF_8, SHIFT_JIS = "latin-1", "utf-8", "cp932"
+# So much of the lines that are not ASCII is looked at.
+_MOST_BYTES = 1 << 16
+_NOT_ASCII = re.compile(rb"[^\r\n]*[\x80-\xff][^\r\n]*")
+# Two characters of two bytes in a row whose first byte no European text has side by side.
+_JAPANESE = re.compile(r"[\u3000-\u30ff\u4e00-\u9fff\uff01-\uff5e]{2}")
+_FOREIGN_TO_JAPANESE = re.compile(r"[\ue000-\uf8ff]")
+_WIDE = ("W", "F")
+_AS_IT_IS = "chipbreak-as-latin-1"
+
+
+def _as_latin_1(error: UnicodeError) -> tuple[str, int]:
+    assert isinstance(error, UnicodeDecodeError)
+    return error.object[error.start : error.end].decode(LATIN_1), error.end
+
+
+codecs.register_error(_AS_IT_IS, _as_latin_1)
+
+
+def encoding_of(data: bytes) -> str:
+    """UTF_8 or SHIFT_JIS where the bytes are text of it, else LATIN_1.
+
+    Shift-JIS takes nearly any bytes, so it must also read as Japanese: kana or kanji side by side.
+    """
+    if data.isascii():
+        return LATIN_1
+    sample = bytearray()
+    for match in _NOT_ASCII.finditer(data):
+        sample += match[0] + b"\n"
+        if len(sample) > _MOST_BYTES:
+            break
+    if _reads(sample, UTF_8) is not None:
+        return UTF_8
+    japanese = _reads(sample, SHIFT_JIS) or ""
+    is_japanese = _JAPANESE.search(japanese) and not _FOREIGN_TO_JAPANESE.search(japanese)
+    return SHIFT_JIS if is_japanese else LATIN_1
+
+
+def _reads(data: bytes | bytearray, encoding: str) -> str | None:
+    try:
+        return data.decode(encoding)
+    except UnicodeDecodeError:
+        return None
+
+
+def meant(text: str, encoding: str) -> str:
+    """Latin-1 text of a program as its encoding means it; what does not belong to it stays as it is."""
+    if encoding == LATIN_1 or text.isascii():
+        return text
+    try:
+        return text.encode(LATIN_1).decode(encoding, _AS_IT_IS)
+    except UnicodeEncodeError:  # not of a program
+        return text
+
+
+def escaped(text: str) -> str:
+    """Text that a terminal shows and does not obey: ``\\x1b`` for what cannot be printed."""
+    return text if text.isprintable() else "".join(map(_escaped, text))
+
+
+def _escaped(character: str) -> str:
+    if character.isprintable():
+        return character
+    number = ord(character)
+    return f"\\x{number:02x}" if number <= 0xFF else f"\\u{number:04x}"
+
+
+def cells(text: str) -> int:
+    """How many columns of a terminal a text takes."""
+    if text.isascii():
+        return len(text)
+    return sum(1 + (unicodedata.east_asian_width(c) in _WIDE) for c in text if not unicodedata.combining(c))
+
+
+def is_utf_16(data: bytes) -> bool:
+    """True for a program that was saved with two bytes a character, with or without a byte-order mark."""
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return True
+    halves = (data[0::2], data[1::2])
+    empty = [half.count(0) > 0.9 * len(half) for half in halves]
+    return len(data) >= 4 and any(empty) and not all(empty)

@@ -1,0 +1,110 @@
+"""What a message shows of a program: its own line, in its own encoding, and nothing that a terminal obeys."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+import chipbreak
+from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.text.encoding import LATIN_1, SHIFT_JIS, UTF_8, encoding_of
+from chipbreak.text.source import read
+from chipbreak.text.span import Place
+
+_CUT = "G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nG0 X30.\nM30\n"
+
+
+def test_place_and_text_of_a_filtered_program_agree() -> None:
+    settings = chipbreak.load("fanuc-lathe")
+    filtered = chipbreak.rewrite(_CUT.encode(), settings, "b.nc").data
+    narrow = chipbreak.load("fanuc-lathe", ["spindle.max_rpm=2000"])
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        chipbreak.rewrite(filtered, narrow, "b.nc")
+    (found,) = caught.value.diagnostics
+    assert found.place is not None
+    line = filtered.decode().splitlines()[found.place.line - 1]
+    assert found.line_text == line == "(CHIPBREAK WAS G1 Z-30. F0.05 N1.5)"
+    assert line[found.place.column - 1 : found.place.end_column - 1] == "N1.5"
+
+
+@pytest.mark.parametrize(
+    ("comment", "encoding", "meant"),
+    [
+        ("(外径荒加工 X&)", "cp932", SHIFT_JIS),
+        ("(外径荒加工 X&)", "utf-8", UTF_8),
+        ("(Länge Ø20 X&)", "utf-8", UTF_8),
+        ("(Länge Ø20 größer X&)", "latin-1", LATIN_1),
+        ("(ЧЕРНОВАЯ обработка X&)", "cp1251", LATIN_1),
+        ("(Größe Länge X&)", "cp850", LATIN_1),
+    ],
+)
+def test_a_comment_is_shown_as_its_encoding_means_it(comment: str, encoding: str, meant: str) -> None:
+    data = f"G0 X1. {comment} &\nM30\n".encode(encoding)
+    assert encoding_of(data) == meant
+    settings = chipbreak.load("fanuc-lathe")
+    result = chipbreak.rewrite(data, settings)
+    assert result.data == data
+    shown = result.diagnostics[0].render().splitlines()
+    assert shown[1] == f"    G0 X1. {data.decode(meant).splitlines()[0][7:]}" or meant == LATIN_1
+    assert shown[2].strip() == "^"
+
+
+def test_the_caret_stands_under_its_place_behind_wide_characters() -> None:
+    data = "G0 X1. (外径) &\nM30\n".encode("cp932") + "(荒加工)".encode("cp932")
+    (found,) = chipbreak.check(data, chipbreak.load("fanuc-lathe"))
+    assert found.render().splitlines()[2] == "    " + " " * len("G0 X1. (1234) ") + "^"
+
+
+def test_a_message_quotes_a_program_in_its_encoding() -> None:
+    data = "(OP 荒加工X)\nG0 X1. (TOOL (OLD) 外径荒 X5.\nM30\n".encode()
+    text = " ".join(d.message for d in chipbreak.check(data, chipbreak.load("fanuc-lathe")))
+    assert "å" not in text
+
+
+def test_nothing_of_a_file_gives_orders_to_a_terminal() -> None:
+    data = b"G0 X1. \x1b[2J &\x07\nM30\n"
+    (found,) = chipbreak.check(data, chipbreak.load("fanuc-lathe"), "a\x1b[31m\n.nc")
+    said = found.render()
+    assert "\x1b" not in said and "\x07" not in said
+    assert r"a\x1b[31m\x0a.nc:1:8" in said
+    assert r"G0 X1. \x1b[2J &\x07" in said
+    assert len(said.splitlines()) == 4
+
+
+def test_a_caret_beyond_the_end_of_its_line() -> None:
+    said = Diagnostic("SYN001", Severity.ERROR, "m", "", Place("a", 1, 8, 12), "G0 X1").render()
+    assert said.splitlines()[1:] == ["    G0 X1", "           ^^^^"]
+
+
+@pytest.mark.parametrize("line", ["X", "", "(A)", "G1 X1. Y2."])
+def test_the_line_end_of_punched_tape_is_one_line_end(line: str) -> None:
+    data = f"%\nO1\n{line}\n\nG0 X& \nM30\n%\n".encode().replace(b"\n", b"\n\r\r")
+    source = read(data)
+    assert source.line_count == data.count(b"\n\r\r")
+    assert b"".join(source.raw(at) for at in range(source.line_count)) == data
+    found = chipbreak.check(data, chipbreak.load("fanuc-lathe"))
+    assert [d.place.line for d in found if d.place and d.code == "SYN001"][-1] == 5
+
+
+def test_a_tape_is_filtered_and_put_back() -> None:
+    settings = chipbreak.load("fanuc-lathe")
+    data = _CUT.encode().replace(b"\n", b"\n\r\r")
+    result = chipbreak.rewrite(data, settings)
+    assert result.data.replace(b"\n\r\r", b"\n") == chipbreak.rewrite(_CUT.encode(), settings).data
+    assert chipbreak.restore(result.data) == data
+    sent = result.data.replace(b"\n\r\r", b"\r\n")
+    assert chipbreak.restore(sent) == _CUT.encode().replace(b"\n", b"\r\n")
+
+
+def test_a_return_before_the_line_feed_is_no_tape() -> None:
+    assert read(b"X1\r\r\n\r\r\nX2\r\r\n").line_count == 6
+
+
+def test_no_number_of_a_message_is_minus_zero() -> None:
+    """Lengths and shares with fixed decimals are printed by ``z``, which knows no ``-0.0``."""
+    allowed = ("edge_figure.py", "numbers.py", "units.py", "findings.py")
+    for file in Path(chipbreak.__file__).parent.rglob("*.py"):
+        text = file.read_text("utf-8")
+        assert file.name in allowed or not re.findall(r"\{[^{}\"]*:\.[0-9]f\}", text), file
