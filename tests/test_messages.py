@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 import chipbreak
+from chipbreak.cli import cli
 from chipbreak.text.diagnostics import Diagnostic, Severity
 from chipbreak.text.encoding import LATIN_1, SHIFT_JIS, UTF_8, encoding_of
 from chipbreak.text.source import read
@@ -100,6 +105,59 @@ def test_a_tape_is_filtered_and_put_back() -> None:
 
 def test_a_return_before_the_line_feed_is_no_tape() -> None:
     assert read(b"X1\r\r\n\r\r\nX2\r\r\n").line_count == 6
+
+
+@pytest.mark.parametrize(
+    ("encoding", "mark"),
+    [("utf-16-le", b"\xff\xfe"), ("utf-16-be", b"\xfe\xff"), ("utf-16-le", b""), ("utf-16-be", b"")],
+)
+def test_utf_16_is_refused_and_its_way_out_works(encoding: str, mark: bytes) -> None:
+    settings = chipbreak.load("fanuc-lathe")
+    data = mark + _CUT.replace("\n", "\r\n").encode(encoding)
+    for run in (chipbreak.rewrite, chipbreak.verify):
+        with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+            run(data, settings, "a.nc")
+        (found,) = caught.value.diagnostics
+        assert (found.code, str(found.place)) == ("SYN005", "a.nc:1:1")
+    with pytest.raises(chipbreak.ProgramRejectedError):
+        chipbreak.diff(data, data)
+    command = re.search(r"iconv -f (\S+) -t (\S+)", found.help)
+    assert command is not None
+    converted = data.decode(command[1]).encode(command[2])
+    assert chipbreak.rewrite(converted, settings).changed
+
+
+@pytest.mark.parametrize("data", [b"", b"%", b"X1\0\0", b"\0" * 300 + b"%\nG0 X1.\nM30\n%\n", b"\0\0\0\0"])
+def test_runout_of_a_tape_is_no_utf_16(data: bytes) -> None:
+    assert chipbreak.rewrite(data, chipbreak.load("fanuc-lathe")).data == data
+
+
+def test_a_name_gives_no_orders_to_a_terminal(tmp_path: Path) -> None:
+    name = "a\x1b[31m.nc"
+    profile = ["-p", "fanuc-lathe"]
+    commands = (["check", *profile], ["filter", *profile], ["explain", *profile], ["restore"], ["diff", name])
+    for command in commands:
+        done = CliRunner().invoke(cli, [*command, name])
+        assert done.exit_code == 2, command
+        assert r"cannot read a\x1b[31m.nc" in done.stderr, command
+        assert "\x1b" not in done.stderr, command
+    program = tmp_path / "b\x1b[31m.nc"
+    program.write_bytes(b"(TOOL \x1b[2J)\nG0 X& \nM30\n")
+    done = CliRunner().invoke(cli, ["explain", "-p", "fanuc-lathe", str(program)])
+    assert done.exit_code == 0
+    assert r"b\x1b[31m.nc" in done.output
+    assert "\x1b" not in done.output + done.stderr
+
+
+def test_explain_shows_what_the_stream_has_not_as_escapes() -> None:
+    run = [sys.executable, "-m", "chipbreak", "explain", "-p", "fanuc-lathe", "-"]
+    data = f"T0101\n(荒加工)\n{_CUT}".encode("cp932")
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    done = subprocess.run(run, input=data, capture_output=True, env=environment, check=True)
+    assert rb"\u8352" in done.stdout
+    environment = {**os.environ, "PYTHONIOENCODING": "utf-8"}
+    done = subprocess.run(run, input=data, capture_output=True, env=environment, check=True)
+    assert "荒加工" in done.stdout.decode()
 
 
 def test_no_number_of_a_message_is_minus_zero() -> None:

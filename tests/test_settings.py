@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+import chipbreak
 from chipbreak.settings import Settings, SettingsError, load, profile_names
 from chipbreak.text.frozen_table import FrozenTable
 
@@ -202,3 +203,49 @@ def test_a_feed_mode_the_control_has_not_is_said_at_once() -> None:
     code, _, help_text = refused("fanuc-lathe", "output.feed_mode=inverse")
     assert code == "SET003"
     assert help_text == "one of rev, minute"
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "column"),
+    [
+        ("[checks]\nenabled = true\n\n[checks.w_mm]\n4 = 0.02\n5 = -1\n", 6, 1),
+        ("[checks]\nenabled = true\nw_mm = { 4 = 0.02, 5 = -1 }\n", 3, 20),
+        ('# all\nchecks = { w_mm = { "5" = -1 } }\n', 2, 21),
+        ("[checks]\nw_mm.5 = -1\n", 2, 1),
+        ('[axes]\nX = { letter = "X" }\nZ = { sign = 3 }\n', 3, 7),
+        ("[axes.Z]\n'sign' = 3\n", 2, 1),
+        ('[vibration]\nmargin = 1.3 # alpha = 3\nalpha = 3 # "\n', 3, 1),
+        ("[checks]\nonly = [\n 1,\n 2,\n]\nevery = 0\n", 6, 1),
+        ("[vibration]\nmargin = 1.3\n[vibrations]\nn = 1.5\n", 3, 2),
+    ],
+)
+def test_a_mistake_in_any_table_names_its_line(tmp_path: Path, text: str, line: int, column: int) -> None:
+    base = 'base = "fanuc-lathe"\n'
+    with pytest.raises(SettingsError) as caught:
+        load(written(tmp_path, base + text))
+    place = caught.value.diagnostic.place
+    assert place is not None
+    assert (place.line - 1, place.column) == (line, column)
+
+
+def test_a_profile_with_a_byte_order_mark_is_read(tmp_path: Path) -> None:
+    file = tmp_path / "my.toml"
+    file.write_bytes(b'\xef\xbb\xbfbase = "fanuc-lathe"\r\n[vibration]\r\nmargin = 1.3\r\n')
+    assert load(file).vibration.margin == 1.3
+    assert load(file).origin("vibration.margin").endswith("line 3")
+
+
+@pytest.mark.parametrize("path", [r"C:\work\tools.csv", r"C:\Users\tools.csv"])
+def test_a_path_of_windows_says_how_it_is_written(tmp_path: Path, path: str) -> None:
+    base = 'base = "fanuc-lathe"\n[tools]\n'
+    code, line, help_text = refused(written(tmp_path, f'{base}files = ["{path}"]\n'))
+    assert (code, line) == ("SET004", 3)
+    assert "'C:\\tools.csv' in single quotes" in help_text
+    for way_out in (f"'{path}'", '"' + path.replace("\\", "/") + '"'):
+        assert load(written(tmp_path, f"{base}files = [{way_out}]\n")).tools.files
+
+
+def test_a_path_of_windows_with_a_tab_in_it() -> None:
+    with pytest.raises(chipbreak.ToolFileError) as caught:
+        chipbreak.read_tools("C:\tools.csv")
+    assert "single quotes" in caught.value.diagnostics[0].help

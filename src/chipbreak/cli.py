@@ -29,7 +29,7 @@ from chipbreak.options import (
     settings_of,
     verify_program,
 )
-from chipbreak.streams import read_input, replace_file, write_json, write_stdout
+from chipbreak.streams import read_input, replace_file, say, write_json, write_stdout
 from chipbreak.tool_commands import inspect, tools
 
 if TYPE_CHECKING:
@@ -133,7 +133,7 @@ def _print_report(result: Result, settings: Settings, asked: Asked) -> None:
         return
     asked.reporter.show(result.diagnostics)
     for line in report.lines():
-        click.echo(line)
+        say(line)
 
 
 @cli.command()

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TextIO
 import click
 
 from chipbreak.streams import Reporter
+from chipbreak.text.encoding import escaped
 
 if TYPE_CHECKING:
     from chipbreak.pipeline import Result
@@ -196,7 +197,7 @@ def verify_program(data: bytes, settings: Settings, source: str, asked: Asked) -
             way_out = "verify it with the profile and the settings that filtered it, or filter it again"
             if find(data, BEGIN) < 0:
                 way_out = "nothing in it was written by chipbreak: filter it first"
-            click.echo(f"{name}: error SLF003: {what}\n  help: {way_out}", err=True)
+            click.echo(escaped(f"{name}: error SLF003: {what}") + f"\n  help: {way_out}", err=True)
             sys.exit(FAILED)
 
     try:
@@ -232,6 +233,6 @@ def _guarded(name: str, asked: Asked, work: Callable[[], Result]) -> Result:
 
 def fail(message: str) -> NoReturn:
     """Say that the fault is ours, and exit with 4."""
-    click.echo(message, err=True)
+    click.echo(escaped(message), err=True)
     click.echo("  help: nothing was written; please report this with the program", err=True)
     sys.exit(FAILED)

@@ -31,6 +31,7 @@ from chipbreak.text.diagnostics import (
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.place_order import in_place_order
 from chipbreak.text.source import Source, read
+from chipbreak.text.utf_16 import refuse_utf_16
 from chipbreak.tools.merge import ToolTable
 from chipbreak.unrolling import Unrolled, reason_of, unroll
 from chipbreak.vibration.left_cut import LeftCut
@@ -81,6 +82,7 @@ def rewrite(
     not do what was promised; then nothing may be written.  Raises SettingsError for a profile whose rules or
     calls cannot be used, and ToolFileError for a file of tools that cannot be read.
     """
+    refuse_utf_16(data, name)
     source = restore(read(data, name))
     return _run(source, data, settings, None, RunOptions(allow_unbroken))
 
@@ -91,6 +93,7 @@ def verify_filtered(data: bytes, settings: Settings, name: str = "<stdin>") -> R
     Raises what :func:`rewrite` raises; SelfCheckError also for a program that another profile or version has
     written, whose changes are not those that would be made now.
     """
+    refuse_utf_16(data, name)
     source = restore(read(data, name))
     try:
         return _run(source, data, settings, data, RunOptions(allow_unbroken=True))

@@ -13,6 +13,7 @@ import click
 
 from chipbreak.report.schema import SCHEMA
 from chipbreak.text.diagnostics import Diagnostic
+from chipbreak.text.encoding import escaped
 
 _COLOURS = {"error": "red", "warning": "yellow", "note": "cyan"}
 
@@ -48,6 +49,12 @@ def write_json(value: Any, *, indent: int | None = None, err: bool = False) -> N
     click.echo(json.dumps(versioned, indent=indent), err=err)
 
 
+def say(line: str) -> None:
+    """A line to stdout; what its encoding does not have is escaped."""
+    encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
+    click.echo(line.encode(encoding, "backslashreplace").decode(encoding))
+
+
 def read_input(source: str) -> bytes:
     """All bytes of a file, or of stdin for ``-``.  Raises click.UsageError (exit 2)."""
     if source == "-" and sys.stdin is None:
@@ -58,7 +65,7 @@ def read_input(source: str) -> bytes:
         return Path(source).read_bytes()
     except OSError as error:
         shown = "standard input" if source == "-" else source or "a file without a name"
-        raise click.UsageError(f"cannot read {shown}: {error.strerror}") from None
+        raise click.UsageError(escaped(f"cannot read {shown}: {error.strerror}")) from None
 
 
 def write_stdout(pieces: Iterable[bytes]) -> None:
@@ -115,7 +122,7 @@ def replace_file(target: Path, pieces: Iterable[bytes]) -> None:
                 temporary.unlink(missing_ok=True)
                 raise
     except OSError as error:
-        raise click.UsageError(f"cannot write {target}: {error.strerror}") from None
+        raise click.UsageError(escaped(f"cannot write {target}: {error.strerror}")) from None
 
 
 def _private(path: str, flags: int) -> int:

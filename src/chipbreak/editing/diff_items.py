@@ -20,6 +20,7 @@ from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Assignment, Block, Control, Word
 from chipbreak.syntax.parse import Program, parse
 from chipbreak.text.source import read
+from chipbreak.text.utf_16 import refuse_utf_16
 from chipbreak.units import mm_per_unit
 
 # Letters whose number is a length, an angle, a feed or a time: there a control may read 5 and 5. differently.
@@ -122,8 +123,9 @@ def items_of(
     """The comparable items of a program.
 
     With ``settings`` numbers are read as that control reads them; without, 5 and 5. are different lengths.
-    Raises ProgramRejectedError for a broken bracket.
+    Raises ProgramRejectedError for a broken bracket, and for a program in UTF-16.
     """
+    refuse_utf_16(data, name)
     source = read(data, name)
     program = parse(source, settings.dialect if settings else GENERIC_LATHE)
     reader = _Reader(program, settings, ignore_comments=ignore_comments)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
+from chipbreak.text.encoding import escaped
 from chipbreak.units import MS_PER_S, S_PER_MIN
 
 if TYPE_CHECKING:
@@ -24,7 +25,11 @@ _MEMBERS = {"tool": "the tool (tool post)", "work": "the work (spindle carrier)"
 
 
 def report_lines(report: Report) -> Iterator[str]:
-    """Every vibrated cut, operation and check, with the reasons."""
+    """Every vibrated cut, operation and check, with the reasons; nothing in them that a terminal obeys."""
+    return map(escaped, _lines_of(report))
+
+
+def _lines_of(report: Report) -> Iterator[str]:
     yield f"{report.file}, profile {report.profile}"
     yield ""
     yield f"Vibrated cuts: {len(report.cuts) or 'none'}"

@@ -41,7 +41,7 @@ def report_of(result: Result, settings: Settings) -> Report:
             ExplainedCheck(
                 line=_line_number(source, edit.first),
                 title=edit.title,
-                reason=edit.reason,
+                reason=source.meant(edit.reason),
                 is_at_end=edit.first == source.line_count,
             )
             for edit in checks
@@ -60,7 +60,7 @@ def _left(cut: LeftCut, source: Source) -> ExplainedLeft:
     return ExplainedLeft(
         first_line=source.place(cut.first).line,
         last_line=source.place(cut.last - 1).line,
-        block=source.text(cut.first).strip(),
+        block=source.meant(source.text(cut.first).strip()),
         code=cut.said.code,
         reason=cut.said.message,
         way_out=cut.said.help,
@@ -99,7 +99,7 @@ def _cut(cut: CutReport, source: Source, settings: Settings) -> ExplainedCut:
         flank_clearance=tuple(FlankClearance(c.diameter_mm, c.degrees) for c in cut.clearances),
         moved=_moved(plan.chain.axes, settings),
         verdict=cut.verdict,
-        block=plan.chain.requests[0].effect.block.text.strip(),
+        block=source.meant(plan.chain.requests[0].effect.block.text.strip()),
         period_s=solution.period.period_s,
         advance_mm=wave.speed_mm_s * wave.period_s,
         output_form="expanded" if loops is None else "loop",
@@ -132,8 +132,8 @@ def _operation(operation: Operation, source: Source) -> ExplainedOperation:
     return ExplainedOperation(
         tool=operation.tool,
         kind=operation.kind.value,
-        label=operation.label,
-        reason=operation.reason,
+        label=source.meant(operation.label),
+        reason=source.meant(operation.reason),
         first_line=_line_number(source, operation.first_line),
         last_line=_line_number(source, operation.last_line - 1),
     )

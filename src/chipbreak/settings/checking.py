@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-import re
 import types
 import typing
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from typing import Any, NamedTuple
 
+from chipbreak.settings.key_places import find_key
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS
 from chipbreak.text.diagnostics import ChipbreakError, Diagnostic, RefusalError, Severity
 from chipbreak.text.nearest import nearest
@@ -20,6 +20,9 @@ WRONG_TYPE = "SET002"
 IMPOSSIBLE = "SET003"
 UNREADABLE = "SET004"
 UNKNOWN_PROFILE = "SET005"
+BACKSLASH = (
+    "in double quotes a \\ begins an escape: write 'C:\\tools.csv' in single quotes, or \"C:/tools.csv\""
+)
 
 
 # No machine has a value nearer to zero or larger; arithmetic with them would leave the numbers.
@@ -55,13 +58,13 @@ class Layer(NamedTuple):
 
     def fail(self, code: str, key: str, message: str, help_text: str) -> SettingsError:
         """The error of one key, at its place in the text."""
-        line, start, end, shown = _find_key(self.text, key)
-        place = Place(self.name, line, start + 1, end + 1)
-        return SettingsError(Diagnostic(code, Severity.ERROR, message, help_text, place, shown))
+        found = find_key(self.text, key)
+        place = Place(self.name, found.line, found.start + 1, found.end + 1)
+        return SettingsError(Diagnostic(code, Severity.ERROR, message, help_text, place, found.text))
 
     def origin(self, key: str) -> str:
         """Where a value came from, for messages."""
-        line = _find_key(self.text, key)[0]
+        line = find_key(self.text, key).line
         return self.name if self.name.startswith("--") else f"profile {self.name}, line {line}"
 
 
@@ -198,23 +201,3 @@ def hint_at(key: str, known: Iterable[str]) -> str:
     names = list(known)
     near = nearest(key, names, 0.5)
     return f"did you mean {near}?" if near else f"known: {', '.join(names)}"
-
-
-def _find_key(text: str, key: str) -> tuple[int, int, int, str]:
-    """Line (from 1), first and last column (from 0) and text of a key in TOML text."""
-    section, _, name = key.rpartition(".")
-    inside = not section
-    fallback = (1, 0, 1, text.split("\n", 1)[0])
-    for number, line in enumerate(text.split("\n"), 1):
-        header = re.match(r"\s*\[\s*([^\]]+?)\s*\]", line)
-        if header:
-            inside = header[1] == section
-            if header[1] == key:
-                return number, header.start(1), header.end(1), line
-            if inside:
-                fallback = (number, header.start(1), header.end(1), line)
-        elif inside or "." in line:
-            match = re.match(rf"\s*({re.escape(name)}|{re.escape(key)})\s*=", line)
-            if match:
-                return number, match.start(1), match.end(1), line
-    return fallback

@@ -14,6 +14,7 @@ from chipbreak.dialects import Dialect, dialect_names, find
 from chipbreak.dialects.modes import UNSAID
 from chipbreak.settings.axis_words import AXES, AxisWords, axis_words
 from chipbreak.settings.checking import (
+    BACKSLASH,
     IMPOSSIBLE,
     UNKNOWN_KEY,
     UNREADABLE,
@@ -229,6 +230,8 @@ def _profile_layers(profile: str, seen: set[str]) -> Iterable[Layer]:
         message = f"profile {name} is not TOML: {str(error).split(' (at', maxsplit=1)[0].lower()}"
         shown = lines[line - 1] if line <= len(lines) else ""
         hint = 'sections are [name], values are key = value, text stands in "quotes"'
+        if "\\" in shown:
+            hint = BACKSLASH
         raise SettingsError(Diagnostic(UNREADABLE, Severity.ERROR, message, hint, place, shown)) from None
     base = values.pop("base", None)
     layer = Layer(name, text, _flat(values))

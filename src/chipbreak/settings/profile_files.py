@@ -37,7 +37,7 @@ def profile_text(profile: str) -> tuple[str, str]:
     is_path = path.suffix == ".toml" or path.is_file()
     file = path if is_path else _offered(profile)
     try:
-        return profile, file.read_text("utf-8")
+        return profile, file.read_text("utf-8-sig")  # Windows editors put a mark in front
     except (OSError, ValueError) as error:
         message = f"profile {profile} cannot be read: {_os_reason(error)}"
         raise _error(UNREADABLE, message, "check the path; a profile is a TOML file in UTF-8") from None

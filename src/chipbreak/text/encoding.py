@@ -81,12 +81,3 @@ def cells(text: str) -> int:
     if text.isascii():
         return len(text)
     return sum(1 + (unicodedata.east_asian_width(c) in _WIDE) for c in text if not unicodedata.combining(c))
-
-
-def is_utf_16(data: bytes) -> bool:
-    """True for a program that was saved with two bytes a character, with or without a byte-order mark."""
-    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return True
-    halves = (data[0::2], data[1::2])
-    empty = [half.count(0) > 0.9 * len(half) for half in halves]
-    return len(data) >= 4 and any(empty) and not all(empty)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from chipbreak.settings.checking import BACKSLASH
 from chipbreak.settings.sections import Settings
 from chipbreak.tools.data import CANNOT_OPEN, MOST_BYTES, Errors, ToolData
 from chipbreak.tools.reader import Unit
@@ -46,7 +47,9 @@ def read_bytes(name: str) -> bytes:
             data = file.read(MOST_BYTES + 1)
     except (OSError, ValueError) as error:  # a NUL in a name is a ValueError
         why = error.strerror if isinstance(error, OSError) else str(error)
-        errors.stop(CANNOT_OPEN, f"this file cannot be read: {why}", "check the path")
+        # "C:\tools" in TOML is C:, a tab and ools.
+        way_out = "check the path" if name.isprintable() else BACKSLASH
+        errors.stop(CANNOT_OPEN, f"this file cannot be read: {why}", way_out)
     if len(data) > MOST_BYTES:
         errors.stop(CANNOT_OPEN, "this file is larger than any list of tools", IS_IT_THE_RIGHT_FILE)
     return data
