@@ -7,7 +7,7 @@ as if it had come in.  Where nothing asks, it is the program itself.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -25,17 +25,21 @@ from chipbreak.self_check import verify_unrolled
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.vibration.left_cut import LeftCut
 from chipbreak.vibration.request import may_be_left, profile_directive, requests_of
+from chipbreak.vibration.scope import Scope
 from chipbreak.vibration.wish import AskedBy
 
 _UNKNOWN_REASON = "none of its passes can vibrate"
 
 
 class Span(NamedTuple):
-    """Lines ``first`` to ``last`` (exclusive) that stand for a cycle, the kind of its cuts, and its group."""
+    """Lines ``first`` to ``last`` (exclusive) that stand for a cycle, the kind of its cuts, and its group.
+
+    A cycle that says no kind has that of its operation.
+    """
 
     first: int
     last: int
-    kind: Kind
+    kind: Kind | None
     group: int
 
 
@@ -93,7 +97,7 @@ def unroll(
     spans = [
         Span(region.first, region.last, one.kind, one.group)
         for region, one in zip(found, ordered, strict=True)
-        if one.kind is not None
+        if one.edit.content
     ]
     new_main = main_program(result)
     place = _places([one.edit for one in ordered], [(region.first, region.last) for region in found])
@@ -114,25 +118,22 @@ def _asked(interpreted: InterpretedProgram, operations: Sequence[Operation]) -> 
     if unroll_all:
         return dict.fromkeys(kinds)
     wishes = requests_of(interpreted, operations).cycles
-    only = frozenset(settings.vibration.only)
-    return {
-        line: asked_by
-        for line, asked_by in wishes.items()
-        if line in kinds
-        and (asked_by != "profile" or _is_meant(kinds[line], only, _tool_at(line, operations)))
-    }
+    scope = Scope(settings.vibration.only, operations)
+    asked: dict[int, AskedBy | None] = {}
+    for line, asked_by in wishes.items():
+        if line in kinds and (asked_by != "profile" or _is_meant(line, kinds[line], scope)):
+            asked[line] = asked_by
+    return asked
 
 
-def _is_meant(kind: Kind, only: Collection[str], tool: int | None) -> bool:
-    """True where the profile's wish is for cycles of this kind."""
-    if not only:
+def _is_meant(line: int, kind: Kind | None, scope: Scope) -> bool:
+    """True where the profile's wish is for this cycle; one that says no kind has that of its operation."""
+    if kind is None:
+        return scope.is_asked(line)
+    if not scope.only:
         return kind is Kind.ROUGH
-    return kind.value in only or f"T{tool}" in only
-
-
-def _tool_at(line: int, operations: Sequence[Operation]) -> int | None:
-    at = bisect_right([operation.first_line for operation in operations], line) - 1
-    return operations[at].tool if at >= 0 else None
+    operation = scope.operation_of(line)
+    return kind.value in scope.only or (operation is not None and f"T{operation.tool}" in scope.only)
 
 
 def _said(
@@ -185,12 +186,17 @@ def _split(operations: Sequence[Operation], spans: Sequence[Span]) -> list[Opera
     for operation in operations:
         line = operation.first_line
         for span in spans:
-            if operation.first_line <= span.first < operation.last_line:
+            if span.kind is not None and operation.first_line <= span.first < operation.last_line:
                 found.append(replace(operation, first_line=line, last_line=span.first))
-                found.append(replace(operation, first_line=span.first, last_line=span.last, kind=span.kind))
+                found.append(_of_cycle(operation, span.first, span.last, span.kind))
                 line = span.last
         found.append(replace(operation, first_line=line))
     return found
+
+
+def _of_cycle(operation: Operation, first: int, last: int, kind: Kind) -> Operation:
+    reason = "its cycle was written out"
+    return replace(operation, first_line=first, last_line=last, kind=kind, reason=reason)
 
 
 def reason_of(left: Sequence[LeftCut], unrolled: Unrolled, group: int) -> RefusalError:

@@ -153,7 +153,7 @@ def test_other_code_systems_have_their_own_numbers(system: str, codes: tuple[int
 
 def test_one_block_says_the_same_as_two() -> None:
     one = CYCLE.replace(b"G71 U2. R0.5\n", b"").replace(b"W0.1", b"W0.1 D2000")
-    two = CYCLE.replace(b"R0.5", b"R0.")
+    two = CYCLE
     assert list(cut_lines(filtered(one, *ALWAYS))) == list(cut_lines(filtered(two, *ALWAYS)))
     in_mm = one.replace(b"D2000", b"D2")
     rule = 'cycles.depth_unit="program"'
@@ -232,3 +232,23 @@ def test_cycles_whose_passes_cannot_vibrate_stay() -> None:
     result = chipbreak.rewrite(program, load("fanuc-lathe", ["vibration.n=1.5"]))
     assert result.data == program
     assert any("none of its passes can vibrate" in d.message for d in result.diagnostics)
+
+
+def test_the_profile_asks_for_roughing_and_not_for_finishing() -> None:
+    """One tool does both, so the operation is called a finishing one."""
+    result = chipbreak.rewrite(CYCLE, load("fanuc-lathe", ["vibration.n=1.5"]))
+    (finish,) = [
+        i for i, text in enumerate(result.data.split(b"\n")) if text.startswith(b"(CHIPBREAK UNROLLED G70")
+    ]
+    assert b"BEGIN VIB" not in b"\n".join(result.data.split(b"\n")[finish:])
+    assert len(result.cuts) == 9
+    both = chipbreak.rewrite(
+        CYCLE, load("fanuc-lathe", ["vibration.n=1.5", 'vibration.only=["rough", "finish"]'])
+    )
+    assert len(both.cuts) == 10
+
+
+def test_the_retract_of_the_profile_counts_where_the_cycle_says_none() -> None:
+    program = CYCLE.replace(b" R0.5", b"")
+    assert filtered(program, *ALWAYS).count(b"G0 X49. Z-29.4\n") == 1
+    assert filtered(program, *ALWAYS, "cycles.retract_mm=1").count(b"G0 X50. Z-28.9\n") == 1

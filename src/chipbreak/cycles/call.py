@@ -87,6 +87,7 @@ def _with_lengths(call: Call, block: Block, interpreted: InterpretedProgram) -> 
         x_allowance_mm=_length(block, "U", state, settings) / halved * signs["X"],
         z_allowance_mm=_length(block, "W", state, settings) * signs["Z"],
     )
+    call = call._replace(retract_mm=settings.cycles.retract_mm)
     if block.has("D"):
         return _checked(call._replace(depth_mm=_depth_of_one_line(block, state, settings)))
     before = _first_block(call, interpreted)
@@ -100,7 +101,7 @@ def _with_lengths(call: Call, block: Block, interpreted: InterpretedProgram) -> 
         call._replace(
             first=before.line,
             depth_mm=_length(before, letter, state, settings),
-            retract_mm=_length(before, "R", state, settings),
+            retract_mm=_length(before, "R", state, settings) if before.has("R") else call.retract_mm,
         )
     )
 

@@ -23,6 +23,7 @@ from chipbreak.cycles.reading import (
     read_contour,
 )
 from chipbreak.cycles.roughing import Roughing, roughing_passes
+from chipbreak.cycles.single_passes import first_lines, single_passes
 from chipbreak.cycles.writing import BlockWriter, blocks_of_passes
 from chipbreak.editing.edits import Edit
 from chipbreak.model.block_effect import BlockEffect
@@ -39,7 +40,7 @@ _DIRECTIVE = re.compile(r"\s*(VIB|OP)\b", re.IGNORECASE)
 
 
 class UnrolledEdit(NamedTuple):
-    """An edit of the unroll stage; ``kind`` is that of its cuts, None for a contour that is taken out.
+    """An edit of the unroll stage; ``kind`` is that of its cuts, None where the cycle says none.
 
     ``group`` is the line of the first cycle that calls the same contour.
     """
@@ -63,14 +64,14 @@ class UnrollPlan(NamedTuple):
     refused: list[Refused]
 
 
-def cycle_lines(interpreted: InterpretedProgram) -> Mapping[int, Kind]:
-    """The lines of cycles that call a contour by P and Q, with the kind of their cuts."""
-    cycles = interpreted.settings.dialect.contour_cycles
-    if not cycles:
-        return {}
+def cycle_lines(interpreted: InterpretedProgram) -> dict[int, Kind | None]:
+    """The lines of cycles that can be written out, with the kind of their cuts where the cycle says it."""
+    found: dict[int, Kind | None] = dict.fromkeys(first_lines(interpreted))
+    if not interpreted.settings.dialect.contour_cycles:
+        return found
     calls = contour_calls(interpreted.program, interpreted.settings.dialect)
     kinds = ((one.line, kind_of(interpreted.program.block(one.line), interpreted.settings)) for one in calls)
-    return {line: Kind.FINISH if kind == "finish" else Kind.ROUGH for line, kind in kinds if kind}
+    return found | {line: Kind.FINISH if kind == "finish" else Kind.ROUGH for line, kind in kinds if kind}
 
 
 def plan_unrolling(interpreted: InterpretedProgram, asked: Iterable[int]) -> UnrollPlan:
@@ -79,6 +80,11 @@ def plan_unrolling(interpreted: InterpretedProgram, asked: Iterable[int]) -> Unr
     calls = contour_calls(interpreted.program, interpreted.settings.dialect)
     starts = _start_states(interpreted, calls)
     plan = UnrollPlan([], [])
+    for line in sorted(wanted.intersection(first_lines(interpreted))):
+        try:
+            plan.edits.append(UnrolledEdit(single_passes(interpreted, line), None, line))
+        except RefusalError as error:
+            plan.refused.append(Refused(line, error))
     for group in _groups(calls):
         lines = [one.line for one in group if one.line in wanted]
         if not lines:

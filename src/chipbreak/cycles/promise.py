@@ -18,7 +18,7 @@ from chipbreak.editing.promise import Promise, Written
 from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.toolpath import path_of
 from chipbreak.model.block_effect import Move
-from chipbreak.model.modal import Position
+from chipbreak.model.modal import Position, State
 from chipbreak.model.state_difference import difference, moved
 from chipbreak.text.diagnostics import SelfCheckError
 
@@ -29,21 +29,31 @@ _POINTS_OF_ARC = 2001
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class UnrolledCycle(Promise):
-    """The tool comes back to where it was, and nothing but F and S may be another."""
+    """The tool comes back to where it was, and nothing but F and S may be another.
+
+    Where ``leaves_motion``, the next move says its own motion code.
+    """
 
     leaves_speed: bool = True
 
     def check(self, written: Written) -> None:
         """Compare the states before and behind the blocks.  Raises SelfCheckError."""
         before = written.result.before(written.region.first)
-        behind = written.now_behind
-        original = written.original.before(written.edit.first)
-        where = f"behind the cycle at line {written.edit.first + 1}"
-        kept = before._replace(feed=behind.feed)
-        wrong = difference(kept, behind) or moved(before, behind, written.original.settings)
-        wrong = wrong or difference(original._replace(feed=before.feed), before)
+        wrong = moved(before, written.now_behind, written.original.settings)
+        pairs = (
+            (written.original.before(written.edit.first), before),
+            (written.was_behind, written.now_behind),
+        )
+        wrong = wrong or next((said for was, now in pairs if (said := self._difference(was, now))), "")
         if wrong:
-            raise SelfCheckError(f"{where} {wrong} differs")
+            raise SelfCheckError(f"{wrong} differs at the cycle in line {written.edit.first + 1}")
+
+    def _difference(self, was: State, now: State) -> str:
+        """What differs, but for F, which the original is not known to set in a cycle."""
+        if now.ended:
+            return ""  # a contour behind the end of the program
+        was = was._replace(feed=now.feed)
+        return difference(was.with_motion(now.modes.motion) if self.leaves_motion else was, now)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -64,6 +74,26 @@ class CopiedContour(UnrolledCycle):
         pairs = zip(self.ends, ends, strict=True)
         if any(abs(a.x - b.x) > _SAME_MM or abs(a.z - b.z) > _SAME_MM for a, b in pairs):
             raise SelfCheckError(f"the finishing cut at line {written.edit.first + 1} misses its contour")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SinglePasses(UnrolledCycle):
+    """Passes of four moves each: to the level, along it, out, and back to the start."""
+
+    moves: tuple[tuple[bool, float, float], ...]
+    leaves_motion: bool = True
+
+    def check(self, written: Written) -> None:
+        """Compare the moves: whether each cuts, Z and radius of its end.  Raises SelfCheckError."""
+        super().check(written)
+        near_mm = 1.01 * written.original.settings.output.step_mm(is_inch=written.now_behind.is_inch)
+        found = [(move.is_cut, move.end.z, move.end.x) for move in _moves(written)]
+        pairs = zip(self.moves, found, strict=False)
+        wrong = len(self.moves) != len(found) or any(
+            a[0] != b[0] or abs(a[1] - b[1]) > near_mm or abs(a[2] - b[2]) > near_mm for a, b in pairs
+        )
+        if wrong:
+            raise SelfCheckError(f"the passes at line {written.edit.first + 1} are not those of the cycle")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

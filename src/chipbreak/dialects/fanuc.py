@@ -83,6 +83,7 @@ FANUC_LATHE_A = Dialect(
     machine_retract=("G28 U0", "G28 W0"),
     loop=_LOOP,
     contour_cycles=_CONTOURS_AB,
+    turning_cycles=FrozenTable({900: "along-z", 940: "along-x"}),
 )
 
 FANUC_LATHE_B = Dialect(
@@ -111,6 +112,7 @@ FANUC_LATHE_B = Dialect(
     machine_retract=("G28 U0", "G28 W0"),
     loop=_LOOP,
     contour_cycles=_CONTOURS_AB,
+    turning_cycles=FrozenTable({770: "along-z", 790: "along-x"}),
 )
 
 FANUC_LATHE_C = Dialect(
@@ -145,6 +147,7 @@ FANUC_LATHE_C = Dialect(
     machine_retract=("G28 U0", "G28 W0"),
     loop=_LOOP,
     contour_cycles=FrozenTable({720: "finish", 730: "along-z", 740: "along-x", 750: "pattern"}),
+    turning_cycles=FrozenTable({200: "along-z", 240: "along-x"}),
 )
 
 FANUC_MILL = Dialect(

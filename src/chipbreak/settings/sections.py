@@ -251,12 +251,13 @@ class Cycles:
 
     ``unroll``: those whose cuts are asked to vibrate, all, or none.  ``depth_unit`` is what D without a
     decimal point counts in a block that says the whole cycle.  ``finish_pass``: the last pass of G71 and G72
-    runs along the contour.
+    runs along the contour.  ``retract_mm`` is how far the tool goes back where the cycle does not say it.
     """
 
     unroll: str = _one_of("asked", "always", "never")
     depth_unit: str = _one_of("increment", "program")
     finish_pass: bool = True
+    retract_mm: float = _at_least(0.5)
 
 
 @dataclass(frozen=True)
