@@ -111,8 +111,8 @@ def test_a_message_names_the_line_of_the_users_file() -> None:
     lines = {cut.plan.chain.first for cut in result.cuts}
     assert {result.source.place(line).line for line in lines} == {8}
     again = chipbreak.rewrite(result.data, load("fanuc-lathe"))
-    begin = result.data[: result.data.index(b"(CHIPBREAK UNROLLED")].count(b"\n") + 1
-    assert {again.source.place(line).line for line in lines} == {begin}
+    kept = result.data[: result.data.index(b"(CHIPBREAK WAS G71")].count(b"\n") + 1
+    assert {again.source.place(line).line for line in lines} == {kept}
 
 
 def test_kinds_of_operations_stay_what_they_were() -> None:
