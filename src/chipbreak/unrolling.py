@@ -9,10 +9,8 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from chipbreak.cycles.call import UNREAD_FORM
-from chipbreak.cycles.plan import Refused, UnrollPlan, cycle_lines, plan_unrolling
 from chipbreak.editing.bracket import UNROLLED_CYCLES
 from chipbreak.editing.edits import Edit
 from chipbreak.editing.render import render
@@ -27,6 +25,9 @@ from chipbreak.vibration.left_cut import LeftCut
 from chipbreak.vibration.request import may_be_left, profile_directive, requests_of
 from chipbreak.vibration.scope import Scope
 from chipbreak.vibration.wish import AskedBy
+
+if TYPE_CHECKING:
+    from chipbreak.cycles.plan import Refused
 
 _UNKNOWN_REASON = "none of its passes can vibrate"
 
@@ -81,6 +82,9 @@ def unroll(
     plain = Unrolled(interpreted, main, operations, operations)
     if not asked:
         return plain
+    # Few programs pay for loading the cycles.
+    from chipbreak.cycles.plan import Refused, UnrollPlan, plan_unrolling
+
     plan = plan_unrolling(interpreted, asked)
     plan = UnrollPlan(
         [one for one in plan.edits if one.group not in idle],
@@ -112,6 +116,8 @@ def _asked(interpreted: InterpretedProgram, operations: Sequence[Operation]) -> 
     may_wish = profile_directive(settings).on or b"VIB" in interpreted.program.source.data.upper()
     if settings.cycles.unroll == "never" or not (unroll_all or may_wish):
         return {}
+    from chipbreak.cycles.plan import cycle_lines
+
     kinds = cycle_lines(interpreted)
     if not kinds:
         return {}
@@ -205,4 +211,6 @@ def reason_of(left: Sequence[LeftCut], unrolled: Unrolled, group: int) -> Refusa
         if cut.said.code and any(s.group == group and s.first <= cut.first < s.last for s in unrolled.spans):
             message = f"{_UNKNOWN_REASON}: {cut.said.message}"
             return RefusalError(cut.said.code, message, cut.said.help)
+    from chipbreak.cycles.call import UNREAD_FORM
+
     return RefusalError(UNREAD_FORM, _UNKNOWN_REASON, "ask for another n, f or S, or take the wish out")

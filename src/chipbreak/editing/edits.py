@@ -12,7 +12,7 @@ from chipbreak.kinematics.floats import Floats
 from chipbreak.text.diagnostics import SelfCheckError
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class MoveTable:
     """Many moves as columns of numbers, one row a block.
 

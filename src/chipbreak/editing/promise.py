@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from chipbreak.editing.edits import Edit
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Written:
     """An edit, and what stands for it in the output.
 
@@ -69,7 +69,7 @@ class Written:
         return self.region.last + line - self.edit.last
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Promise:
     """Nothing but what every edit keeps: the state of the control, the place of the tool, the spindle speed.
 
@@ -88,7 +88,7 @@ class Promise:
         return None
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class SpeedCommanded(Promise):
     """Behind the edit the spindle is commanded to turn at ``speed_rpm``."""
 
@@ -103,7 +103,7 @@ class SpeedCommanded(Promise):
             raise SelfCheckError(f"{needed}, S{now.value:g} is commanded")
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class SpeedGivenBack(Promise):
     """Behind the edit the spindle speed is the programmed one, in its mode."""
 
@@ -116,7 +116,7 @@ class SpeedGivenBack(Promise):
             raise SelfCheckError(f"before line {line} the spindle speed is not the programmed one")
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class SpindleRestarted(Promise):
     """The spindle is stopped and started again; the next cut behind has the programmed speed."""
 

@@ -104,7 +104,7 @@ class _Said(NamedTuple):
         return self.mark is not None and not self.mark.is_start
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)
 class _Draft:
     """An operation while it is read.
 

@@ -22,8 +22,7 @@ from chipbreak.tools.merge import ToolTable
 from chipbreak.vibration.left_cut import LeftCut
 
 
-@dataclass(frozen=True)
-class RunOptions:
+class RunOptions(NamedTuple):
     """What the user wants of this run, whatever the machine.
 
     ``allow_unbroken``: cuts that do not break their chips are let pass, with a warning.
@@ -32,7 +31,7 @@ class RunOptions:
     allow_unbroken: bool = False
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Context:
     """All that a pass may look at.
 

@@ -35,8 +35,26 @@ def _digits(default: int) -> Any:
     return field(default=default, metadata={"at_least": 0, "below": 10})
 
 
-@dataclass(frozen=True)
-class Control:
+@dataclass(frozen=True, eq=False, repr=False)
+class Section:
+    """What all sections share: equal where their values are, and shown with them.
+
+    Written once, because a dataclass makes these anew for every class, and every run waits for it.
+    """
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and vars(other) == vars(self)
+
+    def __hash__(self) -> int:
+        return hash(tuple(vars(self).values()))
+
+    def __repr__(self) -> str:
+        said = ", ".join(f"{name}={value!r}" for name, value in vars(self).items())
+        return f"{type(self).__name__}({said})"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Control(Section):
     """How the control reads and prints blocks."""
 
     dialect: str = ""
@@ -48,8 +66,8 @@ class Control:
     dwell_word: str = _one_of("", "X", "U", "P")
 
 
-@dataclass(frozen=True)
-class Command:
+@dataclass(frozen=True, eq=False, repr=False)
+class Command(Section):
     """The periods in which the control can command a vibration."""
 
     base_period_ms: float = _above(4.0)
@@ -63,8 +81,8 @@ class Command:
 OPERATION_KINDS = ("rough", "semi-finish", "finish", "drill", "thread", "probe", "unknown")
 
 
-@dataclass(frozen=True)
-class Vibration:
+@dataclass(frozen=True, eq=False, repr=False)
+class Vibration(Section):
     """Defaults for what a program does not say about its vibrated cuts.
 
     ``only`` names the operations for whose cuts the profile asks, kinds or tools (``T3``).  ``refused`` says
@@ -97,8 +115,8 @@ class Vibration:
     air: str = _one_of("leave", "vibrate")
 
 
-@dataclass(frozen=True)
-class Output:
+@dataclass(frozen=True, eq=False, repr=False)
+class Output(Section):
     """How an expanded cut is written."""
 
     feed_mode: str = _one_of("rev", "inverse", "minute")
@@ -122,8 +140,8 @@ class Output:
         return fine if self.feed_mode == "rev" else max(1, fine - 3)
 
 
-@dataclass(frozen=True)
-class Axis:
+@dataclass(frozen=True, eq=False, repr=False)
+class Axis(Section):
     """How the control commands one axis, and what it can do.
 
     ``letter`` is the axis's own name where it is not set.  ``sign`` is 1 where the tool moves, -1 where the
@@ -141,8 +159,8 @@ class Axis:
     steps_per_mm: float | None = _above(None)
 
 
-@dataclass(frozen=True)
-class Planner:
+@dataclass(frozen=True, eq=False, repr=False)
+class Planner(Section):
     """How the control times blocks, and the path mode and smoothing it needs around a vibrated cut."""
 
     model: str = _one_of(*LAW_KEYS)
@@ -155,8 +173,8 @@ class Planner:
     smoothing_on: str = ""
 
 
-@dataclass(frozen=True)
-class Spindle:
+@dataclass(frozen=True, eq=False, repr=False)
+class Spindle(Section):
     """What the spindle can do."""
 
     min_rpm: float = _at_least(0.0)
@@ -165,8 +183,8 @@ class Spindle:
     settle_s: float = field(default=0.0, metadata={"at_least": 0.0, "below": 600.0})
 
 
-@dataclass(frozen=True)
-class Checks:
+@dataclass(frozen=True, eq=False, repr=False)
+class Checks(Section):
     """Tool checks: whether, which calls, which limits.
 
     ``strict`` makes an error of a check that is left out.  ``sister`` is the tool that may take another one's
@@ -199,8 +217,8 @@ class Checks:
     alarm_base: int = _between(100, 1, 9_900)
 
 
-@dataclass(frozen=True)
-class Macros:
+@dataclass(frozen=True, eq=False, repr=False)
+class Macros(Section):
     """What the macros must know about the machine and its laser barrier; lengths in mm, feeds in mm/min.
 
     Positions are in machine coordinates.  ``beam_input`` is the number of the signal variable (#1000 and up)
@@ -237,16 +255,16 @@ class Macros:
     laser_off: str = ""
 
 
-@dataclass(frozen=True)
-class Tools:
+@dataclass(frozen=True, eq=False, repr=False)
+class Tools(Section):
     """Files with tool data, the first that says something first; ``table_unit`` is that of ``tool.tbl``."""
 
     files: tuple[str, ...] = ()
     table_unit: str = _one_of("program", "mm", "inch")
 
 
-@dataclass(frozen=True)
-class Cycles:
+@dataclass(frozen=True, eq=False, repr=False)
+class Cycles(Section):
     """Roughing and finishing cycles that are written out as plain blocks.
 
     ``unroll``: those whose cuts are asked to vibrate, all, or none.  ``depth_unit`` is what D without a
@@ -260,15 +278,15 @@ class Cycles:
     retract_mm: float = _at_least(0.5)
 
 
-@dataclass(frozen=True)
-class Passes:
+@dataclass(frozen=True, eq=False, repr=False)
+class Passes(Section):
     """Passes of other installed packages that run behind the shipped ones, in the order of their names."""
 
     extra: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
-class Settings:
+@dataclass(frozen=True, eq=False, repr=False)
+class Settings(Section):
     """Everything a run needs to know about the machine.  ``origins`` maps ``section.key`` to its source.
 
     ``plugins`` holds the options of each pass of another package as the profile says them, unchecked.

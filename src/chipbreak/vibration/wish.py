@@ -34,7 +34,7 @@ class Passed(NamedTuple):
     line: int
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)
 class Wish:
     """Who asks, with which values, from ``line`` (from 0) on; ``blocked`` is why nothing there can vibrate.
 
