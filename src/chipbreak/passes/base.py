@@ -31,6 +31,9 @@ class RunOptions(NamedTuple):
     allow_unbroken: bool = False
 
 
+_NO_OPTIONS = RunOptions()
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Context:
     """All that a pass may look at.
@@ -44,7 +47,7 @@ class Context:
     main: MainProgram
     operations: Sequence[Operation]
     read_tools: Callable[[], ToolTable]
-    options: RunOptions = RunOptions()
+    options: RunOptions = _NO_OPTIONS
     planned: tuple[Edit, ...] = ()
     given_up: Mapping[int, Diagnostic] = field(default_factory=FrozenTable)
     split_operations: Sequence[Operation] = ()
