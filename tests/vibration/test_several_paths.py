@@ -130,3 +130,18 @@ def test_no_check_stands_in_a_program_of_several_paths() -> None:
     assert not result.changed
     assert "several paths ($1, line 1)" in " ".join(d.message for d in result.diagnostics)
     assert chipbreak.rewrite((head[3:] + "T2 M6\nM30\n").encode(), settings).changed
+
+
+def test_a_path_without_a_spindle_may_turn_with_another_ones() -> None:
+    guest = "$2\nG0 X10. Z5.\nG1 Z-10. F0.1\nG0 Z5.\n"
+    settings = chipbreak.load("fanuc-lathe")
+
+    def said(program: str, *sets: str) -> list[tuple[str, int]]:
+        found = chipbreak.check(program.encode(), chipbreak.load("fanuc-lathe", sets) if sets else settings)
+        return [(d.code, d.place.line if d.place else 0) for d in found if d.code == "VIB078"]
+
+    program = f"$1\n{_ONE}{guest}$0\nM30\n"
+    assert said(program) == [("VIB078", 6)]
+    assert said(program, "vibration.correct='count'") == []
+    assert said(program.replace("G0 X10.", "S900 M3\nG0 X10.")) == []
+    assert said(f"$1\n{_ONE}$0\nM30\n") == []

@@ -26,6 +26,7 @@ from chipbreak.vibration.left_cut import LeftCut
 from chipbreak.vibration.loop_names import LoopNames, free_names
 from chipbreak.vibration.plan import CutPlan, plan_cut
 from chipbreak.vibration.request import Request
+from chipbreak.vibration.shared_spindle import shared_spindle
 from chipbreak.vibration.speeds import SpeedChange, UnknownSpeedError, speed_changes
 
 _MOST_ADVISED = 3  # what works is tried for the first refused cuts; the others fail alike
@@ -106,7 +107,8 @@ def _tried(
         may_be_left = chain.may_be_left(interpreted.settings.vibration.refused)
         return {error.first: said} if may_be_left else Cuts([], [said], left)
     edits = _edits(interpreted, made.cuts, changes)
-    return Cuts(edits, [*made.warnings, *_smoothed(interpreted, [plan.chain for plan in plans])], left)
+    warnings = [*made.warnings, *_smoothed(interpreted, [plan.chain for plan in plans])]
+    return Cuts(edits, [*warnings, *shared_spindle(interpreted, plans)], left)
 
 
 def _edits(
