@@ -34,6 +34,17 @@ def test_place_and_text_of_a_filtered_program_agree() -> None:
     assert line[found.place.column - 1 : found.place.end_column - 1] == "N1.5"
 
 
+@pytest.mark.parametrize(("line", "said"), [("/G0 X1. Z1.", "is skipped"), ("G0 X1. Z&", "cannot be read")])
+def test_a_reason_names_the_line_of_the_filtered_file(line: str, said: str) -> None:
+    settings = chipbreak.load("fanuc-lathe")
+    filtered = chipbreak.rewrite(_CUT.replace("M30\n", "").encode(), settings).data
+    program = filtered + f"{line}\nG1 Z-30. F0.05 N1.5\nM30\n".encode()
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        chipbreak.rewrite(program, settings)
+    number = filtered.count(b"\n") + 1
+    assert f"line {number} {said}" in str(caught.value)
+
+
 @pytest.mark.parametrize(
     ("comment", "encoding", "meant"),
     [

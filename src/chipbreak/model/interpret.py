@@ -86,7 +86,7 @@ class Interpreter:
             return BlockEffect(block, state, state, vibration=asks, in_contour=True, functions=functions)
         effect = self._with_cutting_speed(self._execute(state, block))
         if block.skip:
-            effect = effect._replace(after=_maybe(state, effect.after, block.line))
+            effect = effect._replace(after=_maybe(state, effect.after, self._user_line(block)))
         return effect
 
     def _begun(self, state: State, block: Block) -> State:
@@ -247,10 +247,13 @@ def _lose_axes(state: State, axes: list[str], why: str, *, everything: bool) -> 
 
 
 def _maybe(before: State, after: State, line: int) -> State:
-    """After a block that an operator may switch off: what differs cannot be known."""
+    """After a block that an operator may switch off: what differs cannot be known.
+
+    ``line`` is that of the block in the user's file.
+    """
     pairs = zip(before.position, after.position, strict=True)
     position = Position(*(b if a == b else math.nan for a, b in pairs))
     if position != after.position:
-        why = f"line {line + 1} is skipped while block delete is on"
+        why = f"line {line} is skipped while block delete is on"
         after = after._replace(position=position, unknown_why=why)
     return after._replace(ended=before.ended)
