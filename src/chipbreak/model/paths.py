@@ -32,6 +32,8 @@ def begins_program(block: Block, dialect: Dialect) -> bool:
 
 def marks_that(block: Block, dialect: Dialect, *meanings: str) -> list[Control]:
     """The marks of a block that say one of these things on this control."""
+    if not block.controls:  # as nearly every block
+        return []
     return [mark for mark in block.marks if dialect.marks.get(mark.keyword) in meanings]
 
 
@@ -87,11 +89,13 @@ def spindle_choice(block: Block, codes: BlockCodes, dialect: Dialect) -> str:
         return marks[0]
     if not block.has_any("MS"):
         return ""
-    functions = {word: dialect.m_codes.get(int(word.number)) for word in block.words_of("M") if word.number}
-    for word, function in functions.items():
-        if function is not None and function.group == "other_spindle":
-            return block.text_of(word)
-    said = [function for function in functions.values() if function is not None]
+    said = []
+    for word in block.words_of("M"):
+        function = dialect.m_codes.get(int(word.number or 0))
+        if function is not None:
+            said.append(function)
+            if function.group == "other_spindle":
+                return block.text_of(word)
     return "" if codes.modes.motion == "cycle" else _chosen_by_letter(block, codes, dialect, said)
 
 

@@ -53,8 +53,8 @@ class BlockBuilder:
 
     def add_word(self, word: Word) -> None:
         """A word; a leading N is the sequence number, always, also behind marks."""
-        is_marked = all(control.keyword in MARKS for control in self.controls)
-        first = is_marked and not (self.words or self.assignments or self.sequence)
+        first = not (self.words or self.assignments or self.sequence)
+        first = first and all(control.keyword in MARKS for control in self.controls)
         if first and word.address == "N" and word.number is not None:
             self.sequence = word
         else:
