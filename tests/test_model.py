@@ -13,7 +13,7 @@ import chipbreak
 from chipbreak.dialects.modes import Modes
 from chipbreak.model.interpret import initial_state
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
-from chipbreak.model.modal import State
+from chipbreak.model.modal import Setting, State
 from chipbreak.settings import load
 from chipbreak.syntax.parse import parse
 from chipbreak.text.source import read
@@ -287,7 +287,8 @@ def test_the_shape_of_a_cycle_moves_nothing_where_it_stands() -> None:
         ("S500\n(SPEED V188.5 D20)", None, 3000.0),
         ("S500\nV188.5", None, 500.0),
         ("S#1", None, "unknown"),
-        ("G4 X1. F5.", None, None),
+        ("G4 X1. F5.", 5.0, None),
+        ("G4 F5.", None, None),
         ("G65 P1 S3. F2.", None, None),
         ("f.1 s500", 0.1, 500.0),
     ],
@@ -309,8 +310,9 @@ def test_speed_limits(program: str, limit: float | None) -> None:
 
 
 def test_the_limit_of_linuxcnc_stands_with_its_g96() -> None:
-    assert after("G96 D1500 S120", "linuxcnc-lathe").speed_limit == (1500.0, "1500", 0)
-    assert after("G96 D1500 S120\nS100", "linuxcnc-lathe").speed_limit == (1500.0, "1500", 0)
+    limit = Setting(1500.0, "1500", 0)
+    assert after("G96 D1500 S120", "linuxcnc-lathe").speed_limit == limit
+    assert after("G96 D1500 S120\nS100", "linuxcnc-lathe").speed_limit == limit
     assert after("G96 D1500 S120\nG96 S100", "linuxcnc-lathe").speed_limit is None
     assert after("G96 D1500 S120\nG97 S500", "linuxcnc-lathe").speed_limit is None
     assert after("G96 D1500 S120").speed_limit is None, "on another control D is no limit"

@@ -200,6 +200,8 @@ def diff(
     elif as_html:
         write_stdout([diff_output.page(hunks, a, b).encode("utf-8", "replace")])
     else:
+        import shutil  # here: it is slow to import, and only this command needs it
+
         width = shutil.get_terminal_size((130, 24)).columns
         shown = (
             diff_output.side_by_side(hunks, a, b, width) if side_by_side else diff_output.unified(hunks, a, b)

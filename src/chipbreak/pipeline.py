@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, NamedTuple
 from chipbreak.editing.edits import Edit
 from chipbreak.editing.render import render
 from chipbreak.editing.restore import restore
+from chipbreak.model.findings import findings
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
-from chipbreak.model.unread_words import UNREAD_WORD, unread_words
+from chipbreak.model.unread_words import UNREAD_WORD
 from chipbreak.operations.kinds import KindRules
 from chipbreak.operations.main_program import MainProgram, main_program
 from chipbreak.operations.operations import Operation, operations_of
@@ -192,7 +193,7 @@ class _Tried(NamedTuple):
 def _tried(context: Context, passes: Sequence[Pass], output: bytes | None) -> _Tried:
     """Plan, write (or take the ``output`` there is) and look after every promise."""
     interpreted = context.interpreted
-    diagnostics = interpreted.program.unreadable() + unread_words(interpreted)
+    diagnostics = findings(interpreted)
     planned = _planned(passes, context)
     diagnostics += [diagnostic for one in planned for diagnostic in one.diagnostics]
     # Of two insertions before one line, what was planned later stands first.

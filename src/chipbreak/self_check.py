@@ -186,7 +186,7 @@ def _check_borders(written: Written, motion_from: int) -> None:
             now = now.with_motion(was.modes.motion)
         wrong = difference(was, now)
         if not wrong and edit.first != edit.last:
-            wrong = moved(was, now, written.original.settings)
+            wrong = moved(was, now)
         if wrong:
             raise SelfCheckError(f"{where} line {line + 1} {wrong} differs from the original")
 
@@ -215,7 +215,7 @@ def _check_return(written: Written) -> None:
     if cut is None:
         return
     now = written.result.before(written.line_in_result(cut.block.line))
-    wrong = moved(cut.before, now, written.original.settings)
+    wrong = moved(cut.before, now)
     if wrong:
         raise SelfCheckError(f"behind the insertion at line {edit.first + 1} a cut begins elsewhere: {wrong}")
 

@@ -7,8 +7,9 @@ import math
 import pytest
 
 import chipbreak
+from chipbreak.model.giving_back import feed_text
 from chipbreak.model.interpreted_program import interpret
-from chipbreak.model.modal import State
+from chipbreak.model.modal import Setting, State
 from chipbreak.syntax.parse import parse
 from chipbreak.text.source import read
 
@@ -83,6 +84,9 @@ def test_what_m70_keeps_m72_gives_back() -> None:
     assert linuxcnc("M70", "G0 X1", "M72").position.x == 1.0
 
 
-def test_a_feed_from_before_a_change_of_units_is_not_known() -> None:
-    assert linuxcnc("F300", "G20").feed is None
-    assert linuxcnc("F300", "G21").feed is not None
+def test_linuxcnc_keeps_a_feed_over_a_change_of_units() -> None:
+    state = linuxcnc("F300", "G20")
+    assert state.feed == Setting(300.0, "300", 0, "mm")
+    assert feed_text(state) == "11.811024"
+    assert feed_text(linuxcnc("F300", "G21")) == "300"
+    assert feed_text(linuxcnc("G20", "F.1", "G21")) == "2.54"

@@ -16,6 +16,7 @@ from chipbreak.editing.promise import SpindleRestarted
 from chipbreak.insertion.retract import retract_blocks
 from chipbreak.insertion.safe_points import SafePoint
 from chipbreak.model.flow import Flow
+from chipbreak.model.giving_back import speed_text
 from chipbreak.model.interpret import Interpreter
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import is_diameter
@@ -104,7 +105,7 @@ class _Blocks:
     def _put_back_spindle(self) -> None:
         if self.point.needs_speed and self.before.speed:
             starts = [self.dialect.m_code("spindle", self.before.spindle)] if self.before.turns else []
-            self.write(" ".join([f"S{self.before.speed.text}", *starts]))
+            self.write(" ".join([f"S{speed_text(self.before)}", *starts]))
 
     def _put_back_position_and_coolant(self) -> None:
         """The axis that comes down to the work is the last, and the coolant flows by then."""

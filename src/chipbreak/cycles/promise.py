@@ -39,7 +39,7 @@ class UnrolledCycle(Promise):
     def check(self, written: Written) -> None:
         """Compare the states before and behind the blocks.  Raises SelfCheckError."""
         before = written.result.before(written.region.first)
-        wrong = moved(before, written.now_behind, written.original.settings)
+        wrong = moved(before, written.now_behind)
         pairs = (
             (written.original.before(written.edit.first), before),
             (written.was_behind, written.now_behind),

@@ -15,10 +15,13 @@ from chipbreak.text.frozen_table import FrozenTable
 ContourCycle = Literal["along-z", "along-x", "pattern", "finish"]
 # Groups whose codes act in their own block only.  The interpreter and the refusals know them by value.
 NON_MODAL = "non_modal"
+# The group of a G80 that ends a canned cycle and leaves the motion code from before it in force.
+CYCLE_END = "cycle_end"
 
 # What a mark of a block says: another program begins, the lines behind it are of that path, its path waits
 # for another one, its spindle words are for another spindle.
 PROGRAM, PATH, WAIT, SPINDLE = "program", "path", "wait", "spindle"
+EVERY_LETTER = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
 _CODE_WITH_WORDS = re.compile(r"G(\d+(?:\.\d)?)(?: [PQR]\d*\.?\d+)*")
@@ -55,6 +58,7 @@ class MCode(NamedTuple):
     ``coolant``          ``mist``, ``flood``, ``off``
     ``coolant_through``  through the spindle: ``on``, ``off``
     ``program``          ``end``
+    ``stop``             ``always``, ``optional``, ``pallet``: the program stops, and goes on from there
     ``subprogram``       ``call``, ``local-call`` (of a block of this program), ``external-call``, ``return``
     ``tool``             ``change``: the tool that a T word has named comes into the spindle
     ``modes``            ``keep`` what is in force, ``give-back`` what was kept
@@ -118,6 +122,7 @@ COMMON_M_CODES = m_table(
     spindle={"M3!": "cw", "M4!": "ccw", "M5 M19": "stop"},
     coolant={"M7!": "mist", "M8!": "flood", "M9": "off"},
     program={"M2 M30": "end"},
+    stop={"M0": "always", "M1": "optional", "M60": "pallet"},
     subprogram={"M97": "local-call", "M98": "call", "M198": "external-call", "M99": "return"},
 )
 # Lathes with a second and a third spindle number their codes so.
@@ -142,6 +147,8 @@ class Dialect(NamedTuple):
     ``offset_digits`` of a T word that changes the tool: its last digits name the offset
     ``speed_limit``   G codes (times ten) that limit the spindle when they stand with S
     ``surface_limit`` the letter that limits the spindle in the block of G96; without it there is no limit
+    ``surface_needs_speed`` a G96 without S is refused
+    ``lone_dwell_words`` letters that are the time of a G4 which has none of its own words
     ``dwell_word``    the letter of seconds in a G4 block
     ``machine_retract`` blocks that take the tool to the machine's safe end of travel, in order
     ``kept_variables`` first and last numbers of the variables in which programs may keep values
@@ -162,6 +169,11 @@ class Dialect(NamedTuple):
     ``macros``        the programs that check tools on this control; None where there are none
     ``call_sets``     sets of calls of such programs by name, ``builtin`` those of ``macros``
     ``converts_feed`` over G20 and G21, F and the P of G64 keep their value and not their number
+    ``feed_before_units`` F, and S under G96, are read before the G20 or G21 of their block
+    ``own_words``     code -> the letters that it takes for itself; F, S, T and M of its block that are not
+                      among them act as always
+    ``returning_cycles`` cycles (their non-modal values) behind which the tool is back where they began
+    ``bare_arc_is_line`` an arc block without R, I, J and K moves in a line; without it, it is refused
     """
 
     name: str
@@ -200,6 +212,12 @@ class Dialect(NamedTuple):
     converts_feed: bool = False
     macros: MacroSet | None = None
     call_sets: Mapping[str, CallTemplates] = FrozenTable({})
+    feed_before_units: bool = False
+    own_words: Mapping[Code, str] = FrozenTable({})
+    returning_cycles: frozenset[str] = frozenset()
+    bare_arc_is_line: bool = False
+    surface_needs_speed: bool = False
+    lone_dwell_words: str = ""
 
     def code(self, group: str, value: str, like: Collection[int] = ()) -> str:
         """The G code that sets a modal group, such as ``G95`` for feed_mode, rev.
@@ -249,6 +267,17 @@ class Dialect(NamedTuple):
         """What ``G61``, or ``G64 P0.01 Q0.005`` with its words, does; None for anything else."""
         match = _CODE_WITH_WORDS.fullmatch(text)
         return self.g_codes.get(round(float(match[1]) * 10)) if match else None
+
+
+def check_dialect(dialect: Dialect) -> None:
+    """Refuse a value that a known modal group does not have, in the codes or at power-on.
+
+    Raises ValueError.
+    """
+    for code in dialect.g_codes.values():
+        check_value(*code)
+    for group, value in dialect.initial.items():
+        check_value(group, value)
 
 
 def table(**groups: Mapping[str, str]) -> FrozenTable[int, Code]:

@@ -8,10 +8,13 @@ from chipbreak.dialects.base import (
     CHANGER_M_CODES,
     COMMON,
     COMMON_M_CODES,
+    EVERY_LETTER,
     LOGIC_AS_ARITHMETIC,
+    NON_MODAL,
     OTHER_SPINDLES,
     PATH_MARKS,
     THROUGH_SPINDLE,
+    Code,
     ContourCycle,
     Dialect,
     Loop,
@@ -33,8 +36,26 @@ _LOOP = Loop(
     variables=(range(1, 34), range(100, 200), range(500, 1000)),
 )
 
+# The S of G50 and G92 is the limit of the spindle, which ``speed_limit`` says.
+_OWN_WORDS = FrozenTable(
+    {
+        Code(NON_MODAL, "dwell"): "XUP",
+        Code(NON_MODAL, "data-setting"): "LPRNQXYZUVWABCIJKDH",
+        Code(NON_MODAL, "rough-cycle"): "PQUVWRDIK",
+        Code(NON_MODAL, "finish-cycle"): "PQ",
+        Code(NON_MODAL, "peck-cycle"): "XZUWPQRIKD",
+        Code(NON_MODAL, "thread-cycle"): "XZUWPQRIKDA",
+        Code(NON_MODAL, "macro-call"): EVERY_LETTER,
+        Code("modal_macro", "on"): EVERY_LETTER,
+    }
+)
+
+# G70 to G76: the description of each of them ends with a way back to its start point.
+_RETURNING = frozenset({"finish-cycle", "rough-cycle", "peck-cycle", "thread-cycle"})
+
 _LATHE = COMMON | table(
-    motion={"G32 G33 G34": "thread", "G80": "none", "G83 G84 G85 G87 G88 G89": "cycle"},
+    motion={"G32 G33 G34": "thread", "G83 G84 G85 G87 G88 G89": "cycle"},
+    cycle_end={"G80": "ends"},
     speed_mode={"G96": "surface", "G97": "rpm"},
     rotation={"G69 G69.1": "off", "G68 G68.1": "on"},
     polar={"G13.1 G113": "off", "G12.1 G112": "on"},
@@ -84,6 +105,9 @@ FANUC_LATHE_A = Dialect(
     loop=_LOOP,
     contour_cycles=_CONTOURS_AB,
     turning_cycles=FrozenTable({900: "along-z", 940: "along-x"}),
+    own_words=_OWN_WORDS,
+    returning_cycles=_RETURNING,
+    bare_arc_is_line=True,
 )
 
 FANUC_LATHE_B = Dialect(
@@ -113,6 +137,9 @@ FANUC_LATHE_B = Dialect(
     loop=_LOOP,
     contour_cycles=_CONTOURS_AB,
     turning_cycles=FrozenTable({770: "along-z", 790: "along-x"}),
+    own_words=_OWN_WORDS,
+    returning_cycles=_RETURNING,
+    bare_arc_is_line=True,
 )
 
 FANUC_LATHE_C = Dialect(
@@ -148,6 +175,9 @@ FANUC_LATHE_C = Dialect(
     loop=_LOOP,
     contour_cycles=FrozenTable({720: "finish", 730: "along-z", 740: "along-x", 750: "pattern"}),
     turning_cycles=FrozenTable({200: "along-z", 240: "along-x"}),
+    own_words=_OWN_WORDS,
+    returning_cycles=_RETURNING,
+    bare_arc_is_line=True,
 )
 
 FANUC_MILL = Dialect(
@@ -158,9 +188,9 @@ FANUC_MILL = Dialect(
     | table(
         motion={
             "G33": "thread",
-            "G80": "none",
             "G73 G74 G76 G81 G82 G83 G84 G84.2 G85 G86 G87 G88 G89": "cycle",
         },
+        cycle_end={"G80": "ends"},
         distance={"G90": "absolute", "G91": "incremental"},
         feed_mode={"G93": "inverse", "G94": "minute", "G95": "rev"},
         return_level={"G98": "initial", "G99": "r-plane"},
@@ -189,6 +219,7 @@ FANUC_MILL = Dialect(
     tool_change="M6",
     m_codes=CHANGER_M_CODES | THROUGH_SPINDLE,
     marks=PATH_MARKS,
+    speed_limit=frozenset({920}),
     grammar="fanuc",
     precedence=LOGIC_AS_ARITHMETIC,
     axis_letters="XYZUWABC",
@@ -197,4 +228,6 @@ FANUC_MILL = Dialect(
     macros=MACRO_B,
     call_sets=MACRO_B_SETS,
     loop=_LOOP,
+    own_words=_OWN_WORDS,
+    bare_arc_is_line=True,
 )

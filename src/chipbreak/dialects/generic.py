@@ -5,9 +5,12 @@ from __future__ import annotations
 from chipbreak.dialects.base import (
     COMMON,
     COMMON_M_CODES,
+    EVERY_LETTER,
     LOGIC_LAST,
+    NON_MODAL,
     OTHER_SPINDLES,
     PATH_MARKS,
+    Code,
     Dialect,
     table,
 )
@@ -51,6 +54,14 @@ GENERIC_LATHE = Dialect(
     spindle_word="P",
     incremental=FrozenTable({"U": "X", "V": "Y", "W": "Z", "H": "C"}),
     speed_limit=frozenset({500, 920}),
+    lone_dwell_words="F",  # as ISO 6983 has it
+    own_words=FrozenTable(
+        {
+            Code(NON_MODAL, "dwell"): "XUP",
+            Code(NON_MODAL, "macro-call"): EVERY_LETTER,
+            Code("modal_macro", "on"): EVERY_LETTER,
+        }
+    ),
     machine_retract=("G28 U0", "G28 W0"),
     contour_cycles=FrozenTable({700: "finish", 710: "along-z", 720: "along-x", 730: "pattern"}),
 )

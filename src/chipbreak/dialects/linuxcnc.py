@@ -6,8 +6,10 @@ from chipbreak.dialects.base import (
     CHANGER_M_CODES,
     COMMON,
     LOGIC_LAST,
+    NON_MODAL,
     SPINDLE,
     THROUGH_SPINDLE,
+    Code,
     Dialect,
     Loop,
     m_table,
@@ -56,6 +58,15 @@ _LOOP = Loop(
 
 _INITIAL = Modes(motion="none", feed_mode="minute", path="blend")
 
+_OWN_WORDS = FrozenTable(
+    {
+        Code(NON_MODAL, "dwell"): "P",
+        Code(NON_MODAL, "data-setting"): "LPRIJQXYZABCUVW",
+        Code(NON_MODAL, "rough-cycle"): "QDIRXZUW",
+        Code(NON_MODAL, "finish-cycle"): "QDEPXZUW",
+    }
+)
+
 _PLACES = frozenset({*range(5420, 5429), *(f"_{way}{axis}" for way in ("", "abs_") for axis in "xyzabcuvw")})
 
 LINUXCNC_LATHE = Dialect(
@@ -69,6 +80,7 @@ LINUXCNC_LATHE = Dialect(
     grammar="linuxcnc",
     precedence=LOGIC_LAST,
     surface_limit="D",
+    surface_needs_speed=True,
     dwell_word="P",
     axis_letters="XYZUW",
     machine_retract=("G53 G0 X0", "G53 G0 Z0"),
@@ -82,6 +94,8 @@ LINUXCNC_LATHE = Dialect(
     marks=FrozenTable({"PATH-MARK": SPINDLE}),
     line_needs_feed=True,
     converts_feed=True,
+    feed_before_units=True,
+    own_words=_OWN_WORDS,
 )
 
 LINUXCNC_MILL = LINUXCNC_LATHE._replace(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from chipbreak.dialects.base import Dialect
+from chipbreak.dialects.base import Dialect, check_dialect
 from chipbreak.text.diagnostics import RefusalError
 
 if TYPE_CHECKING:
@@ -48,6 +48,8 @@ def _loaded(entry: EntryPoint) -> tuple[Dialect, ...]:
         others = {dialect.name for dialect in dialects} - {entry.name}
         if others:
             raise ValueError(f"its name is {', '.join(sorted(others))}")
+        for dialect in dialects:
+            check_dialect(dialect)
     except Exception as error:
         message = (
             f"the dialect {entry.name!r} of {entry.value} cannot be used: {type(error).__name__}: {error}"

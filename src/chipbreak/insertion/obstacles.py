@@ -176,7 +176,8 @@ class Obstacles:
         if at < 0 or not self.dialect.converts_feed:
             return ""
         switch = self._units[at]
-        has_feed = switch.has_feed and state.feed is None
+        feed = state.feed
+        has_feed = switch.has_feed and (feed is None or feed.units != state.modes.units)
         what = "F" if has_feed else "the P of G64" if self._keeps_tolerance(switch, line) else ""
         return what and f"{what} is from before the change of units in line {self._user_line(switch.line)}"
 

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from chipbreak.dialects import Dialect
-from chipbreak.dialects.base import NON_MODAL
+from chipbreak.dialects.base import CYCLE_END, NON_MODAL, Code
 from chipbreak.dialects.modes import Modes
+from chipbreak.model.modal import State
 from chipbreak.model.words import cylinder_of, offset_of, plain_value
 from chipbreak.syntax.nodes import Block
 from chipbreak.text.frozen_table import FrozenTable
@@ -31,6 +32,7 @@ LOSES: Mapping[str, str] = FrozenTable(
         "thread-cycle": "a threading cycle moves the tool",
     }
 )
+_DWELL = Code(NON_MODAL, "dwell")
 # Codes whose block gives its other words a meaning of their own: no axis motion, no vibration words.
 _READS_ALL = frozenset(LOSES) - {"machine", "skip"} | {"dwell", "tuning"}
 
@@ -42,7 +44,8 @@ class BlockCodes(NamedTuple):
     ``modes``     what is in force with them
     ``non_modal`` what they do in this block only (dwell, home, macro-call, ...)
     ``unknown``   True with a G code that the dialect does not know
-    ``reads_all`` True where a code gives the block's other words a meaning of their own
+    ``reads_all`` True where a code gives the block's axis words and custom words a meaning of their own
+    ``taken``     the letters that the codes take for themselves
     """
 
     changes: Mapping[str, str]
@@ -50,25 +53,47 @@ class BlockCodes(NamedTuple):
     non_modal: frozenset[str]
     unknown: bool
     reads_all: bool
+    taken: str = ""
 
 
-def read_codes(block: Block, modes: Modes, dialect: Dialect) -> BlockCodes:
-    """The codes of a block that is reached under ``modes``."""
+def read_codes(block: Block, state: State, dialect: Dialect) -> BlockCodes:
+    """The codes of a block that is reached in ``state``."""
     changes: dict[str, str] = {}
     non_modal: set[str] = set()
     unknown = False
+    ends_cycle = False
+    taken = ""
     for word in block.words_of("G"):
         value = plain_value(word)
         code = None if math.isnan(value) else dialect.g_codes.get(round(value * 10))
         if code is None:
             unknown = True
-        elif code.group == NON_MODAL:
+            continue
+        taken += _taken_by(code, block, dialect)
+        if code.group == NON_MODAL:
             non_modal.add(code.value)
+        elif code.group == CYCLE_END:
+            ends_cycle = True
         else:
             changes[code.group] = code.value
+    if ends_cycle and state.modes.motion == "cycle":
+        changes.setdefault("motion", state.motion_before_cycle)
+    _complete(changes, block)
+    reads_all = not non_modal.isdisjoint(_READS_ALL)
+    modes = state.modes.replace(changes)
+    return BlockCodes(changes, modes, frozenset(non_modal), unknown, reads_all, taken)
+
+
+def _taken_by(code: Code, block: Block, dialect: Dialect) -> str:
+    """The letters of its block that a code takes for itself."""
+    own = dialect.own_words.get(code, "")
+    is_bare_dwell = code == _DWELL and not block.has_any(own)
+    return own + dialect.lone_dwell_words if is_bare_dwell else own
+
+
+def _complete(changes: dict[str, str], block: Block) -> None:
+    """What words of the block say of a group."""
     if "cylinder" in changes:
         changes["cylinder"] = cylinder_of(block)
     if "work_offset" in changes:
         changes["work_offset"] = offset_of(block, changes["work_offset"])
-    reads_all = not non_modal.isdisjoint(_READS_ALL)
-    return BlockCodes(changes, modes.replace(changes), frozenset(non_modal), unknown, reads_all)

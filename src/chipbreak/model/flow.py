@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from itertools import chain
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from chipbreak.dialects import Dialect
@@ -12,6 +12,7 @@ from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.parse import Program
 
 CONTOUR_CYCLES = ("rough-cycle", "finish-cycle")
+_LineRange = tuple[int, int]
 
 
 class ContourCall(NamedTuple):
@@ -22,15 +23,25 @@ class ContourCall(NamedTuple):
     last: int | None = None
 
 
+class MissingNumber(NamedTuple):
+    """A cycle in ``line`` asks for a block ``N number`` that is not there; ``letter`` is its P or Q."""
+
+    line: int
+    letter: str
+    number: int
+
+
 class Flow(NamedTuple):
     """Jump targets and cycle contours.
 
     ``targets``   lines that a GOTO may reach
     ``contours``  [first, last] lines of shapes that G70 to G73 call by P and Q: no moves of their own
+    ``missing``   the ends of shapes that are not in the program
     """
 
     targets: frozenset[int]
-    contours: tuple[tuple[int, int], ...]
+    contours: tuple[_LineRange, ...]
+    missing: tuple[MissingNumber, ...] = ()
 
     @property
     def is_straight(self) -> bool:
@@ -43,44 +54,65 @@ class Flow(NamedTuple):
         return at >= 0 and self.contours[at][0] <= line <= self.contours[at][1]
 
 
+class _Cycle(NamedTuple):
+    """A cycle that reads a shape from the program: its line, and the numbers of the ends of the shape."""
+
+    line: int
+    first: int
+    last: int
+
+
 def read_flow(program: Program, dialect: Dialect) -> Flow:
     """Find the jumps and the contours of a program."""
-    labels: set[str] = set()
-    cycles: list[tuple[Block, int, int]] = []
+    jumps: set[int | None] = set()
+    cycles: list[_Cycle] = []
     for block in program.event_blocks():
-        labels.update(control.label.strip("Nn") for control in block.controls if control.keyword == "GOTO")
-        cycle = _contour_cycle(block, dialect)
-        if cycle:
-            cycles.append((block, *cycle))
-    numbers = _sequence_lines(program) if labels or cycles else {}
-    return Flow(_targets(labels, numbers), _contours(_calls(cycles, numbers)))
+        jumps.update(_jumps_of(block))
+        cycles += _cycles_of(block, dialect)
+    numbers = _sequence_lines(program) if jumps or cycles else {}
+    shapes = [_shape(cycle, numbers) for cycle in cycles]
+    contours = _merged(shape for shape in shapes if not isinstance(shape, MissingNumber))
+    missing = tuple(shape for shape in shapes if isinstance(shape, MissingNumber) and dialect.contour_cycles)
+    return Flow(_targets(jumps, numbers), contours, missing)
 
 
 def contour_calls(program: Program, dialect: Dialect) -> list[ContourCall]:
     """The cycles of a program that call a contour, in order."""
-    found = [(block, _contour_cycle(block, dialect)) for block in program.event_blocks()]
-    cycles = [(block, *names) for block, names in found if names]
-    return _calls(cycles, _sequence_lines(program) if cycles else {})
+    cycles = [cycle for block in program.event_blocks() for cycle in _cycles_of(block, dialect)]
+    numbers = _sequence_lines(program) if cycles else {}
+    shapes = [(cycle.line, _shape(cycle, numbers)) for cycle in cycles]
+    return [
+        ContourCall(line) if isinstance(shape, MissingNumber) else ContourCall(line, *shape)
+        for line, shape in shapes
+    ]
 
 
-def _targets(labels: set[str], numbers: dict[int, list[int]]) -> frozenset[int]:
-    """Lines that the jumps to these labels may reach: any numbered one where a label is worked out."""
-    if all(label.isdigit() for label in labels):
-        reached = [numbers.get(number, []) for number in set(map(int, labels))]
-    else:
-        reached = list(numbers.values())
-    return frozenset(chain.from_iterable(reached))
+def _jumps_of(block: Block) -> Iterator[int | None]:
+    """The numbers that a block jumps to, None for one that the machine works out."""
+    for control in block.controls:
+        if control.keyword == "GOTO":
+            number = control.label.strip("Nn")
+            yield int(number) if number.isdigit() else None
 
 
-def _contour_cycle(block: Block, dialect: Dialect) -> tuple[int, int] | None:
+def _targets(jumps: set[int | None], numbers: Mapping[int, Sequence[int]]) -> frozenset[int]:
+    """The lines of these numbers; all numbered lines where one is worked out."""
+    reached = numbers if None in jumps else jumps & numbers.keys()
+    return frozenset(line for number in reached if number is not None for line in numbers[number])
+
+
+def _cycles_of(block: Block, dialect: Dialect) -> list[_Cycle]:
     """P and Q of a cycle that reads a shape from the program."""
     first = block.number("P")
     last = block.number("Q")
-    if first is None or last is None:
-        return None
+    if first is None or last is None or not _calls_contour(block, dialect):
+        return []
+    return [_Cycle(block.line, int(first), int(last))]
+
+
+def _calls_contour(block: Block, dialect: Dialect) -> bool:
     codes = [dialect.g_codes.get(round(number * 10)) for number in block.numbers("G")]
-    calls = any(code and code.group == NON_MODAL and code.value in CONTOUR_CYCLES for code in codes)
-    return (int(first), int(last)) if calls else None
+    return any(code and code.group == NON_MODAL and code.value in CONTOUR_CYCLES for code in codes)
 
 
 def _sequence_lines(program: Program) -> dict[int, list[int]]:
@@ -92,18 +124,22 @@ def _sequence_lines(program: Program) -> dict[int, list[int]]:
     return found
 
 
-def _calls(cycles: list[tuple[Block, int, int]], numbers: dict[int, list[int]]) -> list[ContourCall]:
+def _shape(cycle: _Cycle, numbers: Mapping[int, Sequence[int]]) -> _LineRange | MissingNumber:
     """The control takes the next such number behind the cycle; G70 may look back to the roughing's shape."""
-    calls = []
-    for block, first, last in cycles:
-        starts = numbers.get(first, [])
-        ahead = [line for line in starts if line > block.line] or starts[-1:]
-        ends = [line for line in numbers.get(last, []) if ahead and line >= ahead[0]]
-        lines = (ahead[0], ends[0]) if ends else (None, None)
-        calls.append(ContourCall(block.line, *lines))
-    return calls
+    starts = numbers.get(cycle.first, ())
+    ahead = next((line for line in starts if line > cycle.line), starts[-1] if starts else None)
+    if ahead is None:
+        return MissingNumber(cycle.line, "P", cycle.first)
+    end = next((line for line in numbers.get(cycle.last, ()) if line >= ahead), None)
+    return MissingNumber(cycle.line, "Q", cycle.last) if end is None else (ahead, end)
 
 
-def _contours(calls: list[ContourCall]) -> tuple[tuple[int, int], ...]:
-    ranges = {(one.first, one.last) for one in calls if one.first is not None and one.last is not None}
-    return tuple(sorted(ranges))
+def _merged(ranges: Iterable[_LineRange]) -> tuple[_LineRange, ...]:
+    """Ranges in order; those that share a line are one."""
+    merged: list[_LineRange] = []
+    for first, last in sorted(set(ranges)):
+        if merged and first <= merged[-1][1]:
+            merged[-1] = (merged[-1][0], max(merged[-1][1], last))
+        else:
+            merged.append((first, last))
+    return tuple(merged)

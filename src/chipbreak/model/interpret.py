@@ -29,7 +29,7 @@ from chipbreak.model.paths import (
 )
 from chipbreak.model.values import Said, values_after
 from chipbreak.model.vibration_words import vibration_words
-from chipbreak.model.words import JUMPED, plain_value
+from chipbreak.model.words import JUMPED, plain_value, reread_speed
 from chipbreak.settings.axis_words import AXES, CENTRES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
@@ -43,6 +43,7 @@ _CENTRE_GROUPS: tuple[Group, ...] = ("rotation", "scaling", "mirror")
 _LOSES_NAMED_AXES = ("home", "machine", "skip")
 _AXES_WITHOUT_V = frozenset("XYZUWABCH")
 _PLAIN_LETTERS = frozenset("GMTSFODHABC")
+_STARTS = frozenset({("spindle", "cw"), ("spindle", "ccw")})
 _ARCS: tuple[Motion, ...] = ("cw", "ccw")
 _PLAIN_MOTIONS: tuple[Motion, ...] = ("rapid", "line", "cw", "ccw")
 _CENTRE_LETTERS = frozenset(CENTRES)
@@ -81,7 +82,8 @@ class Interpreter:
             effect = BlockEffect(block, state, state)
             return self._with_cutting_speed(effect) if block.comments else effect
         if self.flow.in_contour(block.line):
-            asks = vibration_words(block, self.axis_letters, cuts=True, has_once=False)
+            codes = read_codes(block, state, self.dialect)
+            asks = vibration_words(block, self.axis_letters, cuts=True, has_once=codes.reads_all)
             functions = self._functions(block)
             return BlockEffect(block, state, state, vibration=asks, in_contour=True, functions=functions)
         effect = self._with_cutting_speed(self._execute(state, block))
@@ -121,13 +123,14 @@ class Interpreter:
         return effect._replace(after=after, unread=unread, cutting_speed=asked)
 
     def _execute(self, state: State, block: Block) -> BlockEffect:
-        codes = read_codes(block, state.modes, self.dialect)
+        codes = read_codes(block, state, self.dialect)
         mode_words = self._mode_words(codes)
         vibration = self._vibration_words(block, codes, has_mode_words=bool(mode_words))
         after = values_after(Said(block, codes, state, vibration, self.dialect, self.number_rule))
         functions = self._functions(block)
-        if "macro-call" not in codes.non_modal:  # T, M and S of a G65 block are arguments
-            after = self._machine_functions(after, block, functions)
+        if self.dialect.converts_feed and any(code[:2] in _STARTS for code in functions):
+            after = reread_speed(after, state.modes.units)  # worked out again where the spindle starts
+        after = self._machine_functions(after, block, codes, functions)
         move = None
         has_centre = _names_a_centre(codes)
         if not has_centre:
@@ -151,15 +154,20 @@ class Interpreter:
         cuts = motion in CUTTING and not (codes.unknown or has_mode_words)
         return vibration_words(block, moving, cuts=cuts, has_once=codes.reads_all)
 
-    def _machine_functions(self, state: State, block: Block, functions: tuple[MCode, ...]) -> State:
+    def _machine_functions(
+        self, state: State, block: Block, codes: BlockCodes, functions: tuple[MCode, ...]
+    ) -> State:
         """(4) tool, (5) spindle, (6) coolant, (10) stop."""
+        takes = codes.taken
         for word in block.words_of("TM"):
             value = plain_value(word)
+            if word.address in takes:
+                continue
             if word.address == "T":
                 state = self._tool_word(state, value)
             elif not math.isnan(value) and int(value) in self.dialect.m_codes:
                 state = m_code(state, self.dialect.m_codes[int(value)])
-        if any(code.group == "tool" for code in functions):
+        if any(code.group == "tool" for code in functions) and "M" not in takes:
             state = state._replace(tool=state.next_tool).lost("a tool change moves the machine")
         return state
 
@@ -198,7 +206,7 @@ class Interpreter:
         if not codes.non_modal:
             return state
         axes = [self.settings.axis_words.axes[word.address] for word in axis_words]
-        for name in sorted(codes.non_modal & LOSES.keys()):
+        for name in sorted(codes.non_modal & LOSES.keys() - self.dialect.returning_cycles):
             state = _lose_axes(state, axes, LOSES[name], everything=name not in _LOSES_NAMED_AXES)
         return state
 

@@ -71,16 +71,20 @@ class InterpretedProgram(NamedTuple):
 
     def skip(self, state: State, first: int, last: int) -> State:
         """The state behind a run of plain lines."""
-        if last <= first:
-            return state
-        moving = state.modes.motion in _MOTION and not state.ended
-        if moving and self.flow.is_straight and last - first > _SHORT_RUN:
-            if not self._has_distances(state, first, last):
-                return self._jump(state, first, last)
-            return self._add_up(state, first, last)
-        for line in range(first, last):
+        line = first
+        # Step until G0 to G3 is in force; from there on the run needs no steps.
+        while line < last and (self._must_step(state) or last - line <= _SHORT_RUN):
             state = self.interpreter.advance(state, self.program.block(line)).after
-        return state
+            line += 1
+        if line == last:
+            return state
+        if not self._has_distances(state, line, last):
+            return self._jump(state, line, last)
+        return self._add_up(state, line, last)
+
+    def _must_step(self, state: State) -> bool:
+        """True where the last word of each axis does not say where a run ends."""
+        return not (state.modes.motion in _MOTION and not state.ended and self.flow.is_straight)
 
     def _add_up(self, state: State, first: int, last: int) -> State:
         """Skip a run with distances: many blocks of the same words at once, others one by one."""

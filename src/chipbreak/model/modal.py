@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from chipbreak.dialects.modes import Modes, Motion
+from chipbreak.dialects.modes import Modes, Motion, Units
 from chipbreak.units import mm_per_unit
 
 UNKNOWN = math.nan
@@ -31,11 +31,13 @@ class Setting(NamedTuple):
     ``value``  in the units of the state, whatever those of the program
     ``text``   the word's own text, for giving it back
     ``line``   where it stands, from 0
+    ``units``  the units that were in force for its number
     """
 
     value: float
     text: str
     line: int
+    units: Units = "mm"
 
 
 class State(NamedTuple):
@@ -52,6 +54,7 @@ class State(NamedTuple):
     ``path``           the mark of the path that the lines are of; empty in a program without marks
     ``parked``         the states of the other paths, by mark
     ``kept``           what LinuxCNC's M70 has kept for M72
+    ``motion_before_cycle`` the motion code that a G80 leaves in force where it is none itself
     """
 
     modes: Modes
@@ -71,6 +74,7 @@ class State(NamedTuple):
     spindle_why: str = ""
     path: str = ""
     parked: tuple[tuple[str, State], ...] = ()
+    motion_before_cycle: Motion = "rapid"
 
     def with_motion(self, motion: Motion) -> State:
         """The same under another motion code."""

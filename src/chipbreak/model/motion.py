@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 from chipbreak.dialects.modes import Modes, Motion
 from chipbreak.model.block_effect import Move, MoveKind
@@ -22,15 +23,36 @@ _KINDS: Mapping[Motion, MoveKind] = {
     "thread": "thread",
 }
 _OTHER_WAY: Mapping[MoveKind, MoveKind] = {"cw": "ccw", "ccw": "cw"}
+_ELSEWHERE = frozenset({"machine", "skip"})
+_ARC_WORDS = frozenset({*CENTRES, "R"})
+_Ends = dict[str, float]
+
+
+class _Named(NamedTuple):
+    """Where axis words lead: the ends by axis [mm], the axes that are named, whether all give distances."""
+
+    ends: _Ends
+    axes: str
+    relative: bool
 
 
 def move_of(
     block: Block, state: State, axis_words: Sequence[Word], settings: Settings, non_modal: frozenset[str]
 ) -> Move:
     """The motion of a block.  Ends are NaN where a value or a start cannot be known."""
+    named = _named(state, axis_words, settings)
+    kind = _kind(block, state, settings, non_modal)
+    goes_elsewhere = state.modes.motion not in _STRAIGHT or not non_modal.isdisjoint(_ELSEWHERE)
+    ends = _ends_of_other(state, named, non_modal) if goes_elsewhere else named.ends
+    move_end = Position(*(ends[axis] for axis in AXES))
+    move = Move(kind, state.position, move_end, named.axes, named.relative)
+    return _as_arc(move, block, state, settings) if kind in _OTHER_WAY else move
+
+
+def _named(state: State, axis_words: Sequence[Word], settings: Settings) -> _Named:
+    """What the axis words say."""
     words = settings.axis_words
     ends = dict(zip(AXES, state.position, strict=True))
-    starts = dict(ends)
     incremental = state.modes.distance == "incremental"
     relative = incremental or bool(axis_words)
     named = ""
@@ -41,20 +63,10 @@ def move_of(
         value = _along_axis_mm(word, axis, state, settings)
         is_distance = incremental or word.address in words.distances
         relative &= is_distance
-        ends[axis] = starts[axis] + value if is_distance else value
+        # A distance counts from the start, also where the axis is named twice.
+        ends[axis] = getattr(state.position, axis.lower()) + value if is_distance else value
         named += axis
-    motion = state.modes.motion
-    kind = _KINDS.get(motion, "other")
-    if "machine" in non_modal or motion not in _STRAIGHT or "skip" in non_modal:
-        kind = "rapid" if "machine" in non_modal and motion == "rapid" else "other"
-        ends = _ends_of_other(state.modes, starts, ends, named, non_modal)
-    move_end = Position(*(ends[a] for a in AXES))
-    if kind not in _OTHER_WAY:
-        return Move(kind, state.position, move_end, named, relative)
-    plane, is_mirrored = words.plane(state.modes.plane)
-    offsets, radius = _arc_words(block, state, settings)
-    kind = _OTHER_WAY[kind] if is_mirrored else kind
-    return Move(kind, state.position, move_end, named, relative, offsets, radius, plane)
+    return _Named(ends, named, relative)
 
 
 def _along_axis_mm(word: Word, axis: str, state: State, settings: Settings) -> float:
@@ -63,20 +75,43 @@ def _along_axis_mm(word: Word, axis: str, state: State, settings: Settings) -> f
     return value_mm / 2.0 if axis == "X" and is_diameter(state, settings.control) else value_mm
 
 
-def _ends_of_other(
-    modes: Modes,
-    starts: dict[str, float],
-    ends: dict[str, float],
-    named: str,
-    non_modal: frozenset[str],
-) -> dict[str, float]:
+def _kind(block: Block, state: State, settings: Settings, non_modal: frozenset[str]) -> MoveKind:
+    """What the motion code makes of the move; ``other`` ends where the control decides."""
+    motion = state.modes.motion
+    if "machine" in non_modal:
+        return "rapid" if motion == "rapid" else "other"
+    if motion not in _STRAIGHT or "skip" in non_modal:
+        return "other"
+    kind = _KINDS.get(motion, "other")
+    is_bare_arc = kind in _OTHER_WAY and not block.has_any(_ARC_WORDS)
+    return "line" if is_bare_arc and settings.dialect.bare_arc_is_line else kind
+
+
+def _as_arc(move: Move, block: Block, state: State, settings: Settings) -> Move:
+    """The move with its plane and centre."""
+    plane, is_mirrored = settings.axis_words.plane(state.modes.plane)
+    offsets, radius_mm = _arc_words(block, state, settings)
+    kind = _OTHER_WAY[move.kind] if is_mirrored else move.kind
+    return move._replace(kind=kind, offsets=offsets, radius_mm=radius_mm, plane=plane)
+
+
+def _ends_of_other(state: State, named: _Named, non_modal: frozenset[str]) -> _Ends:
     """Cycles return to their start or to a clearance plane; the rest ends nowhere we know."""
-    motion = modes.motion
-    if motion in ("turning-cycle", "threading-cycle", "thread-cycle") and not non_modal:
+    starts = dict(zip(AXES, state.position, strict=True))
+    found = None if non_modal else _end_of_cycle(state.modes, starts, named)
+    return starts | dict.fromkeys(named.axes, math.nan) if found is None else found
+
+
+def _end_of_cycle(modes: Modes, starts: _Ends, named: _Named) -> _Ends | None:
+    """Where a cycle leaves the tool, None where that is not known."""
+    if modes.motion in ("turning-cycle", "threading-cycle"):
         return starts
-    if motion == "cycle" and not non_modal and modes.plane == "XY":
-        return {**ends, "Z": math.nan}
-    return starts | dict.fromkeys(named, math.nan)
+    if modes.motion == "thread-cycle":
+        # LinuxCNC's G76 comes back to the drive line, but stays at the end of the thread.
+        return {**starts, **dict.fromkeys(named.axes, math.nan), "Z": named.ends["Z"]}
+    if modes.motion == "cycle" and modes.plane == "XY":
+        return {**named.ends, "Z": math.nan}
+    return None
 
 
 def _arc_words(block: Block, state: State, settings: Settings) -> tuple[Position, float]:

@@ -7,8 +7,13 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from chipbreak.dialects.modes import UNSAID
+from chipbreak.model.giving_back import is_same
 from chipbreak.model.modal import Setting, State
-from chipbreak.settings.sections import Settings
+
+# Half a last digit of six in inches.
+_SAME_MM = 2e-5
+# More than anybody types, fewer than conversion leaves right.
+_DIGITS = 9
 
 _Rule = Callable[[State, State], str]
 
@@ -36,7 +41,7 @@ def _smoothing(was: State, now: State) -> str:
 
 
 def _feed(was: State, now: State) -> str:
-    return "the feed" if _value(was.feed) != _value(now.feed) else ""
+    return "" if is_same(was.feed, now.feed) else "the feed"
 
 
 def _speed_limit(was: State, now: State) -> str:
@@ -84,8 +89,10 @@ class SpindleSpeed(NamedTuple):
 
 
 def spindle_speed(state: State) -> SpindleSpeed:
-    """The spindle speed of a state."""
-    return SpindleSpeed(state.modes.speed_mode, _value(state.speed), _value(state.speed_limit))
+    """The spindle speed of a state; one that was converted comes back but for its last digits."""
+    speed = _value(state.speed)
+    rounded = None if speed is None else float(f"{speed:.{_DIGITS}g}")
+    return SpindleSpeed(state.modes.speed_mode, rounded, _value(state.speed_limit))
 
 
 def is_same_place(was: State, now: State) -> bool:
@@ -94,11 +101,10 @@ def is_same_place(was: State, now: State) -> bool:
     return all(a == b or (math.isnan(a) and math.isnan(b)) for a, b in pairs)
 
 
-def moved(was: State, now: State, settings: Settings) -> str:
-    """Which axis does not stand where it stood, by more than half a last digit of the output."""
-    tolerance_mm = 0.51 * settings.output.step_mm(is_inch=was.is_inch)
+def moved(was: State, now: State) -> str:
+    """Which axis does not stand where it stood; what is given back has as many digits as the program."""
     for axis, a, b in zip("XYZ", was.position, now.position, strict=True):
-        if not (math.isnan(a) and math.isnan(b)) and not abs(a - b) <= tolerance_mm:
+        if not (math.isnan(a) and math.isnan(b)) and not abs(a - b) <= _SAME_MM:
             return f"the position of {axis} ({a:g} and {b:g})"
     return ""
 

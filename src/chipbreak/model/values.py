@@ -43,15 +43,23 @@ def values_after(said: Said) -> State:
 
 
 def _feed_ends(after: State, said: Said) -> State:
-    """An F of another feed mode or of other units is no feed any more."""
+    """An F of another feed mode is no feed any more; one of other units on controls that convert none."""
     was = said.was.modes
-    ends = after.modes.feed_mode != was.feed_mode or after.modes.units != was.units
+    other_units = after.modes.units != was.units and not said.dialect.converts_feed
+    ends = after.modes.feed_mode != was.feed_mode or other_units
     return after._replace(feed=None) if ends else after
 
 
 def _speed_ends(after: State, said: Said) -> State:
     """An S in rpm is no surface speed, and the other way round."""
     return after if after.modes.speed_mode == said.was.modes.speed_mode else after._replace(speed=None)
+
+
+def _cycle_begins(after: State, said: Said) -> State:
+    """The motion code under which a cycle begins is kept for the G80 that leaves it in force."""
+    was = said.was.modes.motion
+    begins = after.modes.motion == "cycle" != was
+    return after._replace(motion_before_cycle=was) if begins else after
 
 
 def _surface_limit(after: State, said: Said) -> State:
@@ -103,6 +111,7 @@ _Rule = Callable[[State, Said], State]
 _RULES: tuple[_Rule, ...] = (
     _feed_ends,
     _speed_ends,
+    _cycle_begins,
     _surface_limit,
     _path_words,
     _smooth_words,
@@ -112,21 +121,26 @@ _RULES: tuple[_Rule, ...] = (
 
 
 def _feed_and_speed(after: State, said: Said) -> State:
-    """F, and S or the limit of S, where the block's codes leave them their meaning."""
-    limits = _is_speed_limit(said)
-    if said.codes.reads_all and not limits:
-        return after
+    """F, and S or the limit of S, where no code of the block takes them for itself."""
+    line = said.block.line
     for word in said.block.words_of("FS"):
-        if word in said.vibration:
+        if word in said.vibration or word.address in said.codes.taken:
             continue
         if word.address == "F":
-            after = after._replace(feed=feed_of(word, after, said.number_rule, said.block.line))
-        elif limits:
-            limit = Setting(plain_value(word), word.value_text, said.block.line)
-            after = after._replace(speed_limit=limit)
+            after = after._replace(feed=feed_of(word, _read_in(after, said), said.number_rule, line))
+        elif _is_speed_limit(said):
+            after = after._replace(speed_limit=Setting(plain_value(word), word.value_text, line))
         else:
-            after = after._replace(speed=speed_of(word, after, said.block.line))
+            after = after._replace(speed=speed_of(word, _read_in(after, said), line))
     return after
+
+
+def _read_in(after: State, said: Said) -> State:
+    """The state whose units F and S are read in: on some controls those before the block's G20 or G21."""
+    units = said.was.modes.units
+    if not said.dialect.feed_before_units or units == after.modes.units:
+        return after
+    return after._replace(modes=after.modes._replace(units=units))
 
 
 def _is_speed_limit(said: Said) -> bool:

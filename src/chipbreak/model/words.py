@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from chipbreak.dialects import Dialect
-from chipbreak.dialects.modes import UNSAID, Group, SpeedMode
+from chipbreak.dialects.modes import UNSAID, Group, SpeedMode, Units
 from chipbreak.dialects.numbers import NumberRule
 from chipbreak.model.evaluate import constant
 from chipbreak.model.modal import UNKNOWN, Setting, State
 from chipbreak.settings.sections import Control, Settings
 from chipbreak.syntax.nodes import Block, Word
-from chipbreak.units import surface_speed_m_min
+from chipbreak.units import surface_speed_m_min, typed_surface_speed
 
 NO_POINT = "a number without a decimal point; this control may read it as increments"
 
@@ -69,7 +69,7 @@ def feed_of(word: Word, state: State, rule: NumberRule, line: int) -> Setting:
     may_count_increments = state.modes.feed_mode == "rev" and not rule.reads_whole
     if may_count_increments and word.number is not None and not word.has_point and value != 0.0:
         value = UNKNOWN
-    return Setting(value, word.value_text, line)
+    return Setting(value, word.value_text, line, state.modes.units)
 
 
 def speed_of(word: Word, state: State, line: int) -> Setting:
@@ -77,7 +77,17 @@ def speed_of(word: Word, state: State, line: int) -> Setting:
     value = plain_value(word)
     if state.modes.speed_mode == "surface":
         value = surface_speed_m_min(value, is_inch=state.is_inch)
-    return Setting(value, word.value_text, line)
+    return Setting(value, word.value_text, line, state.modes.units)
+
+
+def reread_speed(state: State, units: Units) -> State:
+    """The state with the number of its S read again, in these units."""
+    speed = state.speed
+    if speed is None or speed.units == units or state.modes.speed_mode == "rpm":
+        return state
+    to_inch = units == "inch"
+    value = surface_speed_m_min(typed_surface_speed(speed.value, is_inch=not to_inch), is_inch=to_inch)
+    return state._replace(speed=speed._replace(value=value, units=units))
 
 
 def is_diameter(state: State, control: Control) -> bool:

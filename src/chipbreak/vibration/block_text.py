@@ -10,6 +10,7 @@ import numpy as np
 
 from chipbreak.editing.edits import MoveTable
 from chipbreak.kinematics.floats import Floats
+from chipbreak.model.giving_back import feed_text
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.vibration.chain import Chain
@@ -17,13 +18,16 @@ from chipbreak.vibration.dwell import DWELL_DECIMALS
 from chipbreak.vibration.forms import OutputForm
 from chipbreak.vibration.loop import Loop
 
+# More than anybody writes of a position; what a program wrote in fewer comes back as it was.
+END_DECIMALS = 8
+
 
 @dataclass(frozen=True, eq=False)
 class Words:
     """Axis words of every knot, in program units, rounded; (n, axes).
 
     ``letters`` are for the places themselves, or for distances where the cut is ``incremental``;
-    ``distance_letters`` are those of loops.
+    ``distance_letters`` are those of loops.  The last row is the programmed end, with all its digits.
     """
 
     letters: tuple[str, ...]
@@ -69,10 +73,10 @@ def block_text(
     places = np.diff(words.absolute, axis=0) if words.incremental else words.absolute[1:]
     table = columns.table([letter + settings.dialect.set_off for letter in words.letters], places)
     last = len(table) - 1
-    text: list[str | MoveTable] = ["G1 " + _row(table, 0)]
+    text: list[str | MoveTable] = ["G1 " + _row(table if last else _with_all_digits(table, words), 0)]
     if columns.feeds is None:
         assert chain.before.feed is not None
-        text[0] = f"{text[0]} F{chain.before.feed.text}"
+        text[0] = f"{text[0]} F{feed_text(chain.before)}"
     dwells = _Dwells(columns.dwell_s, settings.dialect.dwell_word)
     text += dwells.behind(0)
     at = 1
@@ -81,8 +85,9 @@ def block_text(
         at = loop.stop
     text += dwells.rows(table, at, last)
     if last:
-        own_feed = chain.after.feed if plain_end and columns.feeds is not None else None
-        text.append(_row(table, last, own_feed.text if own_feed else ""))
+        is_own = plain_end and columns.feeds is not None
+        end = _with_all_digits(table, words)
+        text.append(_row(end, last, feed_text(chain.after) if is_own else ""))
         text += dwells.behind(last)
     return tuple(text)
 
@@ -122,6 +127,14 @@ class _Dwells:
         changes = first + 1 + np.flatnonzero(np.diff(self.dwell_s[first:stop]))
         bounds = pairwise([first, *changes.tolist(), stop])
         return [replace(table.rows(a, b), behind="".join(self.behind(a))) for a, b in bounds]
+
+
+def _with_all_digits(table: MoveTable, words: Words) -> MoveTable:
+    """The table, its positions printed with all the digits that they have."""
+    if words.incremental:
+        return table
+    axes = len(words.letters)
+    return replace(table, decimals=(*[END_DECIMALS] * axes, *table.decimals[axes:]))
 
 
 def _switch(words: Words, settings: Settings) -> list[str]:

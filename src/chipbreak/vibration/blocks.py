@@ -22,7 +22,7 @@ from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.units import S_PER_MIN, typed_feed
 from chipbreak.vibration.axis_steps import axis_steps_mm, steps_per_unit
-from chipbreak.vibration.block_text import Columns, Words, block_text
+from chipbreak.vibration.block_text import END_DECIMALS, Columns, Words, block_text
 from chipbreak.vibration.dwell import printed_s
 from chipbreak.vibration.forms import WRITTEN_OUT, OutputForm, form_with
 from chipbreak.vibration.loop import Loop, among_kept, same_feeds
@@ -112,7 +112,18 @@ def _ends(cut: CutPlan, form: OutputForm, settings: Settings) -> _Ends:
         points_mm=words.points_mm[keep],
         loops=among_kept(words.loops, keep),
     )
-    return _Ends(times, distance_mm[keep], kept, counts)
+    return _Ends(times, distance_mm[keep], _ending_exactly(kept, cut, settings), counts)
+
+
+def _ending_exactly(words: Words, cut: CutPlan, settings: Settings) -> Words:
+    """The words with the end that the program wrote, in as many digits: what follows starts from there."""
+    if words.incremental:
+        return words
+    axes = [AXES.index(axis) for axis in _moving_axes(cut)]
+    end_mm = cut.path.points(np.array([cut.path.length_mm]))[0]
+    words.absolute[-1] = np.round((end_mm * _units_per_mm(cut, settings))[axes], END_DECIMALS)
+    words.points_mm[-1] = end_mm
+    return words
 
 
 def _dwells(cut: CutPlan, counts: NDArray[np.intp], settings: Settings) -> Floats:
@@ -179,9 +190,7 @@ def _axis_words(
     points = cut.path.points(distance_mm)
     decimals = settings.output.decimals_of(is_inch=state.is_inch)
     names = settings.axis_words
-    scale = np.array([float(names.signs[axis]) for axis in AXES]) / state.mm_per_unit
-    if is_diameter(state, settings.control):
-        scale[0] *= 2.0
+    scale = _units_per_mm(cut, settings)
     moving = _moving_axes(cut)
     axes = [AXES.index(axis) for axis in moving]
     letters = [names.letters[axis] for axis in moving]
@@ -202,6 +211,15 @@ def _axis_words(
     rounded[-1] = np.rint((points[-1] * scale - origin) * 10.0**decimals) / 10.0**decimals
     places_mm = (rounded + origin) / scale
     return Words(tuple(letters), rounded[:, axes], places_mm, decimals, incremental, distance_letters, loops)
+
+
+def _units_per_mm(cut: CutPlan, settings: Settings) -> Floats:
+    """What a millimetre of X, Y and Z is in the words of the program, (3,)."""
+    signs = settings.axis_words.signs
+    scale = np.array([float(signs[axis]) for axis in AXES]) / cut.chain.before.mm_per_unit
+    if is_diameter(cut.chain.before, settings.control):
+        scale[0] *= 2.0
+    return scale
 
 
 def _distance_letters(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from chipbreak.editing.edits import Edit
 from chipbreak.editing.promise import Promise, Written
+from chipbreak.model.giving_back import feed_text
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of
 from chipbreak.settings.sections import Settings
@@ -62,7 +63,7 @@ def _feed_modes(plan: CutPlan, interpreted: InterpretedProgram) -> tuple[str, li
     dialect = interpreted.settings.dialect
     was = chain.before.modes.feed_mode
     mode = plan.expander.feed_mode(was, interpreted.settings.output.feed_mode)
-    feed = f"F{chain.after.feed.text}" if chain.after.feed else ""
+    feed = f"F{feed_text(chain.after)}" if chain.after.feed else ""
     if mode != was:
         like = {n for e in interpreted.effects for n in codes_of(e.block, "feed_mode", dialect)}
         return dialect.code("feed_mode", mode, like), [f"{dialect.code('feed_mode', was, like)} {feed}"]

@@ -243,7 +243,7 @@ def _speed_back(change: SpeedChange, interpreted: InterpretedProgram) -> Edit:
     effect = interpreted.effect(change.line)
     # A cut must find the speed reached, a thread above all; the end of the program need not.
     waits = effect.before.turns and not effect.after.ended
-    content = (change.text, *(settling(interpreted.settings) if waits else ()))
+    content = (*change.blocks, *(settling(interpreted.settings) if waits else ()))
     return Edit(change.line, change.line, content, "SPEED AS PROGRAMMED", reason, SpeedGivenBack())
 
 

@@ -7,19 +7,21 @@ the end of the program.  Between two vibrated cuts of one speed nothing is comma
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
-from chipbreak.model.modal import Setting, State
+from chipbreak.model.modal import State
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.vibration.chain import SPEED_MODES
 from chipbreak.vibration.plan import CutPlan
 
+_Blocks = tuple[str, ...]
 _FREE_NON_MODAL = frozenset(
     {"dwell", "home", "machine", "exact-stop", "set-position", "data-setting", "shift"}
 )
@@ -27,11 +29,16 @@ _FREE_NON_MODAL = frozenset(
 
 @dataclass(frozen=True)
 class SpeedChange:
-    """``text`` is to be commanded before line ``line``; ``for_cut`` where it belongs to a vibrated cut."""
+    """``blocks`` are to command it before line ``line``; ``for_cut`` where it belongs to a vibrated cut."""
 
     line: int
-    text: str
+    blocks: tuple[str, ...]
     for_cut: CutPlan | None
+
+    @property
+    def text(self) -> str:
+        """The words of a change of one block."""
+        return " ".join(self.blocks)
 
 
 def speed_changes(
@@ -55,7 +62,7 @@ def speed_changes(
         now = commanded or _programmed(cut.chain.requests[0].effect.before)
         wanted = ("rpm", cut.solution.speed_rpm)
         if now != wanted:
-            changes.append(SpeedChange(cut.chain.first, speed_words(now, wanted, settings), cut))
+            changes.append(SpeedChange(cut.chain.first, (speed_words(now, wanted, settings),), cut))
         if wanted == _programmed(cut.chain.after):
             commanded = None
             continue
@@ -65,7 +72,7 @@ def speed_changes(
         except RefusalError as error:
             raise UnknownSpeedError(error.code, error.message, error.help, cut.chain.first) from None
         commanded = wanted if back is None else None
-        if back is not None and back.text:
+        if back is not None and back.blocks:
             changes.append(back)
     return changes
 
@@ -103,19 +110,19 @@ class _Around(NamedTuple):
 
 
 def _needs_programmed(around: _Around, first: int, stop: int) -> SpeedChange | None:
-    """Where the programmed speed must be back; an empty text where the program commands a speed itself."""
+    """Where the programmed speed must be back; without blocks where the program commands a speed itself."""
     interpreted = around.interpreted
     restart = min((line for line in around.restarted_at if first <= line <= stop), default=None)
     state = interpreted.before(first)
     for effect in interpreted.effects_of(first, stop):
         line = effect.block.line
         at = _Place(effect, state, line == restart, line in around.air_lines, interpreted)
-        found = next((text for rule in _NEEDS if (text := rule(at)) is not None), None)
+        found = next((blocks for rule in _NEEDS if (blocks := rule(at)) is not None), None)
         if found is not None:
             return SpeedChange(effect.block.line, found, None)
         state = effect.after
     if restart == stop and state.speed is not None:
-        return SpeedChange(restart, _own_words(state, interpreted.settings), None)
+        return SpeedChange(restart, _own_blocks(state, interpreted.settings), None)
     return None
 
 
@@ -129,43 +136,59 @@ class _Place(NamedTuple):
     interpreted: InterpretedProgram
 
     @property
-    def own_words(self) -> str:
-        """The programmed speed before this block."""
-        return _own_words(self.state, self.interpreted.settings)
+    def own_blocks(self) -> _Blocks:
+        """The programmed speed before this block.  Errors: VIB057 where it is not known."""
+        return _known_blocks(self, self.state)
 
 
-def _before_restart(at: _Place) -> str | None:
+def _known_blocks(at: _Place, state: State) -> _Blocks:
+    """The programmed speed of a state.  Errors: VIB057 where it takes an S that is not known."""
+    settings = at.interpreted.settings
+    has_bare_surface = state.modes.speed_mode == "surface" and not settings.dialect.surface_needs_speed
+    if not _is_unknown(state) or has_bare_surface:
+        return _own_blocks(state, settings)
+    if _ends(at.effect):
+        return ()
+    raise _not_said(at)
+
+
+def _ends(effect: BlockEffect) -> bool:
+    """True for the end of the program, which ends constant surface speed with it."""
+    return effect.does("program", "end") or effect.does("subprogram", "return")
+
+
+def _is_unknown(state: State) -> bool:
+    return state.speed is None or math.isnan(state.speed.value)
+
+
+def _not_said(at: _Place) -> RefusalError:
+    said = at.interpreted.program.source.place(at.effect.block.line).line
+    message = f"line {said} needs the spindle speed from before this cut, which the program does not say"
+    way_out = "give S before the cut, even when N and f make another of it, or behind it"
+    return RefusalError("VIB057", message, way_out)
+
+
+def _before_restart(at: _Place) -> _Blocks | None:
     """The spindle starts again as programmed, behind a tool check for example."""
-    return at.own_words if at.is_restarted and at.state.speed is not None else None
+    return at.own_blocks if at.is_restarted and at.state.speed is not None else None
 
 
-def _before_target(at: _Place) -> str | None:
+def _before_target(at: _Place) -> _Blocks | None:
     """A jump to here comes with the programmed speed."""
-    return at.own_words if at.effect.block.line in at.interpreted.flow.targets else None
+    return at.own_blocks if at.effect.block.line in at.interpreted.flow.targets else None
 
 
-def _before_other_path(at: _Place) -> str | None:
+def _before_other_path(at: _Place) -> _Blocks | None:
     """Another path begins, waits, or turns the spindle: it finds the programmed speed.  Errors: VIB057."""
     leaves = at.effect.after.path != at.state.path or _loses_spindle(at.effect)
-    if not leaves:
-        return None
-    if at.state.speed is None:
-        raise _not_known(at)
-    return at.own_words
+    return at.own_blocks if leaves else None
 
 
 def _loses_spindle(effect: BlockEffect) -> bool:
     return bool(effect.after.spindle_why) and effect.after.spindle_why != effect.before.spindle_why
 
 
-def _not_known(at: _Place) -> RefusalError:
-    said = at.interpreted.program.source.place(at.effect.block.line).line
-    message = f"line {said} needs the spindle speed from before this cut,"
-    way_out = "give S before the cut, even when N and f make another of it, or behind it"
-    return RefusalError("VIB057", f"{message} which the program does not say", way_out)
-
-
-def _before_own_speed(at: _Place) -> str | None:
+def _before_own_speed(at: _Place) -> _Blocks | None:
     """The program commands a speed itself."""
     before = at.effect.before
     after = at.effect.after
@@ -173,35 +196,53 @@ def _before_own_speed(at: _Place) -> str | None:
         return None
     # An S under G96 is metres per minute: it must not meet the G97 of the cut before it.
     own_mode = after.modes.speed_mode == "rpm" or _says_speed_mode(at.effect)
-    return "" if own_mode else _own_words(before, at.interpreted.settings)
+    return () if own_mode else _known_blocks(at, before)
 
 
-def _before_dependent(at: _Place) -> str | None:
+def _before_dependent(at: _Place) -> _Blocks | None:
     """What the block does depends on the speed.  Errors: VIB057."""
     if at.is_air or not _depends_on_speed(at.effect):
         return None
-    if at.effect.before.speed is None and at.effect.move is not None:
-        raise _not_known(at)
-    return _own_words(at.effect.before, at.interpreted.settings)
+    return _known_blocks(at, at.effect.before)
 
 
-_NEEDS = (_before_restart, _before_target, _before_other_path, _before_own_speed, _before_dependent)
+def _before_stop(at: _Place) -> _Blocks | None:
+    """At a stop and a tool change the operator finds the program's own speed, where it is known."""
+    stops = at.effect.does("stop") or at.effect.does("tool")
+    if _is_unknown(at.effect.before) or not stops:
+        return None
+    return _own_blocks(at.effect.before, at.interpreted.settings)
+
+
+_NEEDS = (
+    _before_restart,
+    _before_target,
+    _before_other_path,
+    _before_own_speed,
+    _before_dependent,
+    _before_stop,
+)
 
 
 def _says_speed_mode(effect: BlockEffect) -> bool:
     return effect.block.has("G", *SPEED_MODES)
 
 
-def _own_words(state: State, settings: Settings) -> str:
-    """The program's own speed, in its own digits."""
-    speed: Setting | None = state.speed
-    text = "" if speed is None else f"S{speed.text}"
+def _own_blocks(state: State, settings: Settings) -> _Blocks:
+    """The program's own speed, in its own digits and units."""
+    text = "" if state.speed is None else f"S{state.speed.text}"
     if state.modes.speed_mode == "rpm":
-        return text
+        return (text,) if text else ()
     words = [settings.dialect.code("speed_mode", state.modes.speed_mode)]
     if settings.dialect.surface_limit and state.speed_limit is not None:
         words.append(f"{settings.dialect.surface_limit}{state.speed_limit.text}")
-    return " ".join([*words, text]).rstrip()
+    said = " ".join([*words, text]).rstrip()
+    speed = state.speed
+    if speed is None or speed.units == state.modes.units or not settings.dialect.feed_before_units:
+        return (said,)
+    # The S is read in the units before those of its block; where the spindle starts it is read again.
+    before, now = (settings.dialect.code("units", units) for units in (speed.units, state.modes.units))
+    return (before, f"{now} {said}")
 
 
 def _depends_on_speed(effect: BlockEffect) -> bool:

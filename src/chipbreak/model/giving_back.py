@@ -1,0 +1,47 @@
+"""A feed and a speed as words that set them again, in the units that are in force by then."""
+
+from __future__ import annotations
+
+import math
+
+from chipbreak.model.modal import Setting, State
+from chipbreak.syntax.numbers import print_number
+from chipbreak.units import typed_feed, typed_surface_speed
+
+# A feed that is converted has so many digits, so it is off by less than this share.
+_DIGITS = 8
+CONVERTED_SHARE = 1e-7
+_DECIMALS = 12
+
+
+def feed_text(state: State) -> str:
+    """The number of the F in force: as the program wrote it, unless that was in other units; "" without."""
+    feed = state.feed
+    if feed is None:
+        return ""
+    if feed.units == state.modes.units or state.modes.feed_mode == "inverse":
+        return feed.text
+    typed = typed_feed(feed.value, is_inch=state.is_inch)
+    return print_number(float(f"{typed:.{_DIGITS}g}"), _DECIMALS)
+
+
+def speed_text(state: State) -> str:
+    """The number of the S in force: as the program wrote it, unless that was in other units; "" without."""
+    speed = state.speed
+    if speed is None:
+        return ""
+    if speed.units == state.modes.units or state.modes.speed_mode == "rpm":
+        return speed.text
+    return print_number(typed_surface_speed(speed.value, is_inch=state.is_inch), _DECIMALS, point=False)
+
+
+def is_same(one: Setting | None, other: Setting | None) -> bool:
+    """True where both set the same value; one that was converted may differ in its last digits."""
+    if one is None or other is None or math.isnan(one.value) or math.isnan(other.value):
+        return _is_unknown(one) and _is_unknown(other)
+    share = CONVERTED_SHARE if one.units != other.units else 0.0
+    return abs(one.value - other.value) <= share * abs(one.value)
+
+
+def _is_unknown(setting: Setting | None) -> bool:
+    return setting is None or math.isnan(setting.value)

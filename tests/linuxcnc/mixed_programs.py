@@ -1,0 +1,249 @@
+"""Random programs for LinuxCNC in which all that a shop writes beside cuts is mixed, and what they do.
+
+The numbers of a program are drawn in the units in force, so the interpreter takes nearly all programs.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from random import Random
+
+from . import rs274
+
+MM_PER_INCH = rs274.MM_PER_INCH
+_M_PER_FOOT = 0.3048
+
+
+@dataclass
+class Writer:
+    """Writes one program; it knows the units and the speed mode that its blocks have set."""
+
+    random: Random
+    lathe: bool
+    lines: list[str] = field(default_factory=list)
+    inch: bool = False
+    surface: bool = False
+
+    def length(self, mm: float) -> str:
+        """A length in the units in force, with more digits than the output has."""
+        return f"{mm / MM_PER_INCH:.6f}" if self.inch else f"{mm:.4f}".rstrip("0")
+
+    def place(self) -> dict[str, float]:
+        axes = "XZ" if self.lathe else "XYZ"
+        return {axis: round(self.random.uniform(6.0, 20.0), 2) for axis in axes}
+
+    def words(self, place: dict[str, float]) -> str:
+        return " ".join(axis + self.length(mm) for axis, mm in place.items())
+
+    def feed(self) -> str:
+        return "F" + self.length(self.random.choice([0.05, 0.08, 0.1, 0.2]))
+
+    def speed(self) -> str:
+        return f"S{self.random.choice([100, 120, 150] if self.surface else [1250, 2000, 3000])}"
+
+    def write(self, *lines: str) -> None:
+        self.lines += lines
+
+    def rapid(self) -> None:
+        self.write("G0 " + self.words(self.place()))
+
+    def cut(self) -> None:
+        self.write(f"G1 {self.words(self.place())} {self.feed()}")
+
+    def vibrated(self) -> None:
+        place = self.place()
+        self.write("G0 " + self.words(place), *([self.feed()] if self.random.random() < 0.5 else []))
+        self.write(f"(VIB {self.random.choice(['N1.5', 'N1.5 F62.5', 'E2', 'N0.5'])})")
+        # Two axes: a way back through what was just cut needs no spindle speed.
+        axes = self.random.sample(list(place), k=self.random.randint(1, 2))
+        for at, axis in enumerate(axes):
+            place[axis] += self.random.choice([-3.0, -1.5, 1.0, 2.5])
+            feed = self.feed() if at == 0 and self.random.random() < 0.7 else ""
+            self.write(f"G1 {axis}{self.length(place[axis])} {feed}".rstrip())
+        if self.random.random() < 0.8:
+            self.write("(VIB OFF)")
+
+    def one_shot(self) -> None:
+        code = self.random.choice(["G4 P0.1", "G10 L2 P3 X0 Z0", "G92.1", "G92.2", "G30.1", "G28.1"])
+        said = [text for text in (self.speed(), self.feed()) if self.random.random() < 0.6]
+        words = [*said, code] if self.random.random() < 0.5 else [code, *said]
+        self.write(" ".join(words))
+
+    def units(self) -> None:
+        """F and S beside the code are still in the units before."""
+        beside = [text for text in (self.speed(), self.feed()) if self.random.random() < 0.3]
+        self.inch = not self.inch
+        self.write(" ".join([f"G{20 if self.inch else 21}", *beside]))
+        if self.random.random() < 0.6:
+            self.write(self.feed())
+
+    def own_speed(self) -> None:
+        if self.random.random() < 0.5:
+            self.write(self.speed())
+            return
+        self.surface = self.random.random() < 0.6
+        code = self.random.choice(["G96 D2500", "G96 D1800", "G96"]) if self.surface else "G97"
+        self.write(f"{code} {self.speed()}")
+
+    def thread(self) -> None:
+        pitch = self.length(1.0)
+        self.write("G0 " + self.words(self.place()))
+        if self.random.random() < 0.6:
+            numbers = "I-.075 J0.01 K0.045 Q29.5" + self.random.choice(["", " L2 E0.045"])
+            self.write(f"G76 P0.05 Z{self.length(5.0)} {numbers}")
+        else:
+            self.write(f"G33 Z{self.length(4.0)} K{pitch}")
+        # The next block may start where the thread has ended.
+        if self.random.random() < 0.5:
+            self.write("(VIB N1.5)", f"G1 Z{self.length(7.0)} {self.feed()}", "(VIB OFF)")
+
+    def stop(self) -> None:
+        self.write(*self.random.choice([["M0"], ["M1"], ["T1 M6", "M3"], ["M5", "M3"], ["M8"], ["M9"]]))
+
+    def other(self) -> None:
+        feed = self.random.choice(["", " F0.1"])
+        # Behind a branch no speed is known until S is said again.
+        branch = ["o100 if [1 gt 0]", f"G0 Z{self.length(9.0)}", "o100 endif", self.speed()]
+        feed_modes = [f"G94 F{self.length(200.0)}", f"G95{feed}"]
+        plain = self.random.choice(["G64 P0.01", "G61", "G64", "G55", "G54", "(so)", "G40 G80", "#1=5"])
+        self.write(*self.random.choice([[plain], branch, feed_modes, ["/G0 Z" + self.length(12.0)]]))
+
+
+_ITEMS: tuple[Callable[[Writer], None], ...] = (
+    *[Writer.vibrated] * 4,
+    *[Writer.units] * 2,
+    Writer.one_shot,
+    Writer.own_speed,
+    Writer.thread,
+    Writer.stop,
+    Writer.other,
+    Writer.cut,
+    Writer.rapid,
+)
+
+
+def program(seed: int) -> tuple[bytes, bool]:
+    """The program of a seed, and whether it is one for a lathe."""
+    random = Random(seed)
+    write = Writer(random, lathe=random.random() < 0.5)
+    write.write("G21 G18 G8" if write.lathe else "G21 G17", "G40 G54 G80 G90 G95 G97 G64", "M3 S2000")
+    write.rapid()
+    write.write("F0.1")
+    for _ in range(random.randint(3, 9)):
+        random.choice(_ITEMS)(write)
+    write.rapid()
+    labels = iter(range(100, 200))
+    text = "\n".join([*write.lines, "M2", ""])
+    # Every branch has a label of its own.
+    text = re.sub(r"o100 if(.*\n.*\n)o100", lambda m: f"o{(n := next(labels))} if{m[1]}o{n}", text)
+    return text.encode(), write.lathe
+
+
+# --- what a program does ----------------------------------------------------------------------------------
+
+_STATES = {
+    "SET_FEED_MODE": "feed mode",
+    "SELECT_PLANE": "plane",
+    "SET_MOTION_CONTROL_MODE": "path mode",
+    "SELECT_TOOL": "next tool",
+    "CHANGE_TOOL": "tool",
+    "SET_G5X_OFFSET": "offset",
+    "SET_G92_OFFSET": "shift",
+    "USE_TOOL_LENGTH_OFFSET": "length",
+}
+_PLACES = {"STRAIGHT_FEED", "STRAIGHT_TRAVERSE", "ARC_FEED"}
+_ACTS = {"PROGRAM_STOP", "OPTIONAL_PROGRAM_STOP", "CHANGE_TOOL"}
+_STARTS = {"START_SPINDLE_CLOCKWISE", "START_SPINDLE_COUNTERCLOCKWISE"}
+_COOLANT = {"MIST_ON", "MIST_OFF", "FLOOD_ON", "FLOOD_OFF"}
+Record = tuple[str, dict[str, object]]
+
+
+class _Machine:
+    """The state that the canonical calls of a program build up, in mm."""
+
+    def __init__(self) -> None:
+        self.state: dict[str, object] = {"feed": 0.0, "speed": 0.0, "limit": 0.0, "pitch": 0.0}
+        self.scale = 1.0
+        self.typed_speed = 0.0
+
+    def take(self, name: str, said: Sequence[str]) -> None:
+        """Take a call."""
+        if name in _STATES:
+            self.state[_STATES[name]] = tuple(said)
+        elif name == "USE_LENGTH_UNITS":
+            self.scale = MM_PER_INCH if "INCH" in said[0] else 1.0
+            self.state["units"] = said[0]
+        elif name in ("SET_FEED_RATE", "START_SPEED_FEED_SYNC"):
+            what = "feed" if name == "SET_FEED_RATE" else "pitch"
+            self.state[what] = float(said[0]) * self.scale
+        elif name == "STOP_SPEED_FEED_SYNCH":
+            self.state["pitch"] = 0.0
+        elif name in _PLACES:
+            numbers = [float(text) * self.scale for text in said]
+            self.state["place"] = tuple(numbers[:3])
+        elif name in _COOLANT:
+            self.state[name.split("_", maxsplit=1)[0]] = name
+        self._spindle(name, said)
+
+    def _spindle(self, name: str, said: Sequence[str]) -> None:
+        """A surface speed is worked out where S is said and where the spindle starts, in the units then."""
+        if name == "SET_SPINDLE_MODE":
+            self.state["limit"] = float(said[1])
+        elif name == "SET_SPINDLE_SPEED":
+            self.typed_speed = float(said[1])
+        elif name in _STARTS or name == "STOP_SPINDLE_TURNING":
+            self.state["spindle"] = name
+        else:
+            return
+        if name != "SET_SPINDLE_MODE" and not name.startswith("STOP"):
+            feet = bool(self.state["limit"]) and self.scale != 1.0
+            self.state["speed"] = self.typed_speed * (_M_PER_FOOT if feet else 1.0)
+
+
+def records(canon: Sequence[str]) -> Iterator[Record]:
+    """What is done outside the brackets, and the state at the end of each, with all that counts there.
+
+    The speed counts where something depends on it, feed only for cuts and behind brackets.
+    """
+    machine = _Machine()
+    inside = False
+    for name, said in rs274.calls(canon):
+        machine.take(name, said)
+        if name == "COMMENT" and said[0].startswith("CHIPBREAK"):
+            inside = "BEGIN" in said[0] or (inside and "END" not in said[0])
+            if "END" in said[0]:
+                yield "END", _but(machine.state, "speed", "limit")
+        elif inside:
+            continue
+        elif name in ("STRAIGHT_TRAVERSE", "STOP_SPINDLE_TURNING", "PROGRAM_END"):
+            yield name, _but(machine.state, "speed", "limit", "feed")
+        elif name in _PLACES | _ACTS | _STARTS:
+            yield name, dict(machine.state)
+        elif name == "DWELL":
+            yield f"DWELL {said[0]}", _but(machine.state, "speed", "limit", "feed")
+
+
+def _but(state: dict[str, object], *names: str) -> dict[str, object]:
+    return {key: value for key, value in state.items() if key not in names}
+
+
+def is_same(one: Record, other: Record) -> bool:
+    """True for one thing done in one state; canonical numbers have four decimals, in inches too."""
+    keys = one[1].keys() | other[1].keys()
+    return one[0] == other[0] and all(_is_near(one[1].get(key), other[1].get(key)) for key in keys)
+
+
+def differing(one: Record, other: Record) -> str:
+    """What differs, for a message."""
+    both = [(key, one[1].get(key), other[1].get(key)) for key in sorted(one[1].keys() | other[1].keys())]
+    return f"{one[0]}, {other[0]}: {[each for each in both if not _is_near(*each[1:])]}"
+
+
+def _is_near(one: object, other: object) -> bool:
+    if isinstance(one, tuple) and isinstance(other, tuple) and len(one) == len(other):
+        return all(map(_is_near, one, other))
+    if isinstance(one, float) and isinstance(other, float):
+        return abs(one - other) <= 1.01e-4 * MM_PER_INCH + 1e-6 * abs(one)
+    return one == other
