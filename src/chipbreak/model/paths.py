@@ -102,7 +102,7 @@ def spindle_choice(block: Block, codes: BlockCodes, dialect: Dialect) -> str:
 def _chosen_by_letter(block: Block, codes: BlockCodes, dialect: Dialect, said: Sequence[MCode]) -> str:
     """``S2000 P12`` or ``M3 P12``, where no code of the block has another meaning for P."""
     named = block.word(dialect.spindle_word) if dialect.spindle_word else None
-    if named is None or codes.non_modal - {"set-position"}:
+    if named is None or named.address in codes.taken or codes.non_modal - {"set-position"}:
         return ""
     calls = any(function.group == "subprogram" for function in said)
     starts = any(function[:2] in _STARTS for function in said)
