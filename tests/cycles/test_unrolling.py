@@ -199,6 +199,9 @@ STAYS = [
     (b"G0 X52. Z2.", b"G0 X52.", "CYC007"),
     (b"G0 X52. Z2.", b"G0 G42 X52. Z2.", "CYC007"),
     (b"F0.3", b"F0.3 M8", "CYC007"),
+    (b"G71 U2. R0.5\n", b"G71 U0.002 R0.5\n", "CYC004"),
+    (b"T0101", b"T0101\nG66 P9000", "CYC007"),
+    (b"M30", b"N10 G0 X60.\nG1 Z-1.\nN20 X62.\nM30", "CYC007"),
     (b"G71 U2. R0.5", b"G71 U2. R0.5 Q3", "CYC007"),
     (b"G1 Z-15.", b"(VIB OFF)\nG1 Z-15.", "CYC007"),
     (b"G0 X100.", b"G70 P10 Q#1\nG0 X100.", "CYC007"),
@@ -252,3 +255,12 @@ def test_the_retract_of_the_profile_counts_where_the_cycle_says_none() -> None:
     program = CYCLE.replace(b" R0.5", b"")
     assert filtered(program, *ALWAYS).count(b"G0 X49. Z-29.4\n") == 1
     assert filtered(program, *ALWAYS, "cycles.retract_mm=1").count(b"G0 X50. Z-28.9\n") == 1
+
+
+def test_numbers_may_repeat_where_each_contour_is_right_behind_its_cycle() -> None:
+    again = CYCLE[CYCLE.index(b"G0 X52.") : CYCLE.index(b"G70")].replace(b"Z-15.", b"Z-12.")
+    one = CYCLE.replace(b"G70 P10 Q20\n", b"")
+    output = filtered(one.replace(b"M30", again + b"M30"), *ALWAYS)
+    assert output.count(b"UNROLLED G71") == 2
+    both = filtered(CYCLE.replace(b"M30", again + b"M30"), *ALWAYS)
+    assert b"UNROLLED" not in both, "which contour the G70 between them means is not clear"

@@ -12,6 +12,7 @@ import math
 from typing import NamedTuple
 
 from chipbreak.dialects.base import ContourCycle
+from chipbreak.dialects.modes import Modes
 from chipbreak.model.flow import ContourCall
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
@@ -23,6 +24,7 @@ from chipbreak.text.diagnostics import RefusalError
 NO_CONTOUR = "CYC001"
 BAD_DEPTH = "CYC004"
 UNREAD_FORM = "CYC007"
+_OFF_GROUPS = ("rotation", "scaling", "mirror", "polar", "cylinder", "polygon", "modal_macro")
 _WORDS_OF_CALL = frozenset("GPQUWDFS")
 _WORDS_OF_FINISH = frozenset("GPQFS")
 _FIRST_BLOCK = {"along-z": frozenset("GUR"), "along-x": frozenset("GWR")}
@@ -49,6 +51,15 @@ class Call(NamedTuple):
     z_allowance_mm: float = 0.0
     feed: str = ""
     speed: str = ""
+
+
+def refuse_modes(modes: Modes) -> None:
+    """Moves must mean plain places.  Errors: CYC007 for what gives them another meaning."""
+    on = [group for group in _OFF_GROUPS if modes.value(group) != "off"]
+    if on or modes.plane != "ZX" or modes.distance == "incremental" or modes.arc_distance == "absolute":
+        what = on[0].replace("_", " ") if on else "another plane, G91 or G90.1"
+        message = f"{what} is in force at this cycle"
+        raise RefusalError(UNREAD_FORM, message, "end it before the cycle")
 
 
 def kind_of(block: Block, settings: Settings) -> ContourCycle | None:

@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from chipbreak.cycles.call import UNREAD_FORM, Call, kind_of, read_call
+from chipbreak.cycles.call import BAD_DEPTH, UNREAD_FORM, Call, kind_of, read_call, refuse_modes
 from chipbreak.cycles.contour import Frame
 from chipbreak.cycles.promise import CopiedContour, RemovedContour, UnrolledRoughing
 from chipbreak.cycles.reading import (
@@ -27,7 +27,7 @@ from chipbreak.cycles.single_passes import first_lines, single_passes
 from chipbreak.cycles.writing import BlockWriter, blocks_of_passes
 from chipbreak.editing.edits import Edit
 from chipbreak.model.block_effect import BlockEffect
-from chipbreak.model.flow import ContourCall, contour_calls
+from chipbreak.model.flow import ContourCall, contour_calls, sequence_lines
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
 from chipbreak.operations.kinds import Kind
@@ -36,6 +36,7 @@ from chipbreak.text.diagnostics import RefusalError
 
 BAD_ALLOWANCE = "CYC005"
 _MOST_LINES_BETWEEN = 2000
+_MOST_PASSES = 500
 _DIRECTIVE = re.compile(r"\s*(VIB|OP)\b", re.IGNORECASE)
 
 
@@ -79,6 +80,7 @@ def plan_unrolling(interpreted: InterpretedProgram, asked: Iterable[int]) -> Unr
     wanted = set(asked)
     calls = contour_calls(interpreted.program, interpreted.settings.dialect)
     starts = _start_states(interpreted, calls)
+    unclear = _unclear_numbers(interpreted, calls)
     plan = UnrollPlan([], [])
     for line in sorted(wanted.intersection(first_lines(interpreted))):
         try:
@@ -90,12 +92,40 @@ def plan_unrolling(interpreted: InterpretedProgram, asked: Iterable[int]) -> Unr
         if not lines:
             continue
         edits, refused = _edits_of_group(interpreted, group, starts)
+        if any(_first_number(interpreted, one) in unclear for one in group):
+            refused = Refused(lines[0], _unclear())
         if refused is None:
             plan.edits.extend(edits)
         else:
             said = refused.line if refused.line in wanted else lines[0]
             plan.refused.append(refused._replace(line=said))
     return plan
+
+
+def _unclear_numbers(interpreted: InterpretedProgram, calls: Sequence[ContourCall]) -> set[float | None]:
+    """The first numbers of contours that stand on several blocks, where the contour is not right behind."""
+    lines = sequence_lines(interpreted.program) if calls else {}
+    unclear = set[float | None]()
+    for one in calls:
+        number = _first_number(interpreted, one)
+        is_repeated = number is not None and len(lines.get(int(number), [])) > 1
+        between = range(one.line + 1, one.first or one.line)
+        is_behind = one.first is not None and one.first > one.line
+        is_next = is_behind and all(interpreted.program.block(line).is_empty for line in between)
+        if is_repeated and not is_next:
+            unclear.add(number)
+    return unclear
+
+
+def _first_number(interpreted: InterpretedProgram, one: ContourCall) -> float | None:
+    return interpreted.program.block(one.line).number("P")
+
+
+def _unclear() -> RefusalError:
+    message = (
+        "the number P of this contour stands on several blocks, and a cycle that is not before it calls it"
+    )
+    return RefusalError(UNREAD_FORM, message, "give every contour of the program numbers of its own")
 
 
 def _groups(calls: Sequence[ContourCall]) -> list[list[ContourCall]]:
@@ -211,15 +241,14 @@ def _edit_of_call(interpreted: InterpretedProgram, contour: ContourCall, state: 
 def _refuse_state(call: Call, state: State) -> None:
     """The blocks are written for absolute numbers, without compensation, from a known place."""
     modes = state.modes
+    refuse_modes(modes)
     why = ""
     if math.isnan(state.position.x + state.position.z):
         why = f"where this cycle starts is not known: {state.unknown_why}"
-    elif modes.distance == "incremental" or modes.arc_distance == "absolute":
-        why = "distances (G91) or centres given as places (G90.1) are in force"
     elif modes.compensation != "off" and call.kind != "finish":
         why = "nose compensation is in force at this cycle"
-    elif modes.motion not in ("rapid", "line") or modes.plane != "ZX":
-        why = "an arc, a cycle or another plane is in force at this cycle"
+    elif modes.motion not in ("rapid", "line"):
+        why = "an arc or a cycle is in force at this cycle"
     if why:
         raise RefusalError(
             UNREAD_FORM, why, "move to its start with G0 X Z in plain absolute numbers before it"
@@ -252,6 +281,7 @@ def _cycle(call: Call, contour: Contour, interpreted: InterpretedProgram) -> Rou
         if value_mm < 0.0:
             message = f"the allowance {letter} of this cycle lies inside the finished part"
             raise RefusalError(BAD_ALLOWANCE, message, f"give {letter} the sign that points to the stock")
+    _refuse_many_passes(call, contour)
     return Roughing(
         contour.start,
         contour.segments,
@@ -262,6 +292,15 @@ def _cycle(call: Call, contour: Contour, interpreted: InterpretedProgram) -> Rou
         contour.feeds_in,
         interpreted.settings.cycles.finish_pass,
     )
+
+
+def _refuse_many_passes(call: Call, contour: Contour) -> None:
+    lowest_mm = min(min(one.start.h, one.end.h) for one in contour.segments)
+    passes = (contour.start.h - lowest_mm) / call.depth_mm
+    if passes > _MOST_PASSES:
+        message = f"passes of {call.depth_mm:g} mm would be {passes:.0f} in this cycle"
+        help_text = "check the unit of D (cycles.depth_unit), or give a greater depth"
+        raise RefusalError(BAD_DEPTH, message, help_text)
 
 
 def _allowances(call: Call, frame: Frame) -> tuple[float, float]:

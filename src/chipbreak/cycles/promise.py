@@ -134,8 +134,11 @@ class _Left:
         first_mm, last_mm = cycle.departure.t, float(self.contour[:, 0].max())
         joints = np.unique(np.append(self.contour[:, 0], [first_mm, last_mm]))
         middles = (joints[1:] + joints[:-1]) / 2.0
-        places = np.append(np.linspace(first_mm, last_mm, _PLACES), middles)
-        self.t = np.unique(places[(places > first_mm) & (places < last_mm)])
+        places = np.unique(np.append(np.linspace(first_mm, last_mm, _PLACES), middles))
+        # Beside a joint the digits of the output decide on which side of it a place is.
+        at = np.clip(np.searchsorted(joints, places), 1, len(joints) - 1)
+        beside_mm = np.minimum(places - joints[at - 1], joints[at] - places)
+        self.t = places[beside_mm > self.tolerance_mm]
         self.height = np.full(len(self.t), cycle.start.h)
 
     def run(self, way: Floats, *, is_cut: bool) -> None:
@@ -144,8 +147,12 @@ class _Left:
             self._straight_down(way, is_cut=is_cut)
             return
         way = way if way[-1, 0] > way[0, 0] else way[::-1]
+        onward = np.maximum.accumulate(way[:, 0])
+        if float((onward - way[:, 0]).max()) > self.tolerance_mm:
+            raise SelfCheckError("a move of an unrolled cycle turns back along its passes")
+        way = np.column_stack((onward, way[:, 1]))
         inside = (self.t > way[0, 0] + self.tolerance_mm) & (self.t < way[-1, 0] - self.tolerance_mm)
-        there = np.interp(self.t[inside], way[:, 0], way[:, 1])
+        there = self._near(self.t[inside], way).max(axis=0)
         taken_mm = float((self.height[inside] - there).max(initial=0.0))
         if not is_cut and taken_mm > self.tolerance_mm:
             raise SelfCheckError(f"a rapid of an unrolled cycle goes through {taken_mm:z.3f} mm of stock")
@@ -166,10 +173,15 @@ class _Left:
         if min(before[0], behind[0]) > lowest_mm + self.tolerance_mm:
             raise SelfCheckError("a rapid of an unrolled cycle goes down into stock")
 
+    def _near(self, places: Floats, way: Floats) -> Floats:
+        """The heights of a way at places and a little before and behind them, (3, n)."""
+        shifts = np.array([-1.0, 0.0, 1.0])[:, np.newaxis] * self.tolerance_mm
+        heights: Floats = np.interp(places + shifts, way[:, 0], way[:, 1])
+        return heights
+
     def compare(self) -> None:
         """What is left is the contour with its allowances, as far as the stock reached."""
-        shifts = np.array([-1.0, 0.0, 1.0])[:, np.newaxis] * self.tolerance_mm
-        near = np.interp(self.t + shifts, self.contour[:, 0], self.contour[:, 1])
+        near = self._near(self.t, self.contour)
         near = np.minimum(near, self.cycle.start.h)
         above_mm = float((self.height - near.max(axis=0)).max(initial=0.0))
         below_mm = float((near.min(axis=0) - self.height).max(initial=0.0))

@@ -15,7 +15,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from chipbreak.cycles.call import UNREAD_FORM
+from chipbreak.cycles.call import UNREAD_FORM, refuse_modes
 from chipbreak.cycles.promise import SinglePasses
 from chipbreak.cycles.writing import BlockWriter
 from chipbreak.editing.edits import Edit
@@ -111,11 +111,12 @@ def _refuse_block(effect: BlockEffect, interpreted: InterpretedProgram) -> None:
 
 def _refuse_state(state: State) -> None:
     modes = state.modes
+    refuse_modes(modes)
     why = ""
     if math.isnan(state.position.x + state.position.z):
         why = f"where this cycle starts is not known: {state.unknown_why}"
-    elif modes.distance == "incremental" or modes.compensation != "off" or modes.plane != "ZX":
-        why = "distances (G91), nose compensation or another plane are in force at this cycle"
+    elif modes.compensation != "off":
+        why = "nose compensation is in force at this cycle"
     if why:
         raise RefusalError(
             UNREAD_FORM, why, "move to its start with G0 X Z in plain absolute numbers before it"

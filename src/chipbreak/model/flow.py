@@ -69,7 +69,7 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
     for block in program.event_blocks():
         jumps.update(_jumps_of(block))
         cycles += _cycles_of(block, dialect)
-    numbers = _sequence_lines(program) if jumps or cycles else {}
+    numbers = sequence_lines(program) if jumps or cycles else {}
     shapes = [_shape(cycle, numbers) for cycle in cycles]
     contours = _merged(shape for shape in shapes if not isinstance(shape, MissingNumber))
     missing = tuple(shape for shape in shapes if isinstance(shape, MissingNumber) and dialect.contour_cycles)
@@ -79,7 +79,7 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
 def contour_calls(program: Program, dialect: Dialect) -> list[ContourCall]:
     """The cycles of a program that call a contour, in order."""
     cycles = [cycle for block in program.event_blocks() for cycle in _cycles_of(block, dialect)]
-    numbers = _sequence_lines(program) if cycles else {}
+    numbers = sequence_lines(program) if cycles else {}
     shapes = [(cycle.line, _shape(cycle, numbers)) for cycle in cycles]
     return [
         ContourCall(line) if isinstance(shape, MissingNumber) else ContourCall(line, *shape)
@@ -115,7 +115,8 @@ def _calls_contour(block: Block, dialect: Dialect) -> bool:
     return any(code and code.group == NON_MODAL and code.value in CONTOUR_CYCLES for code in codes)
 
 
-def _sequence_lines(program: Program) -> dict[int, list[int]]:
+def sequence_lines(program: Program) -> dict[int, list[int]]:
+    """The lines on which each block number stands."""
     found: dict[int, list[int]] = {}
     for line in program.source.body:
         sequence = program.block(line).sequence
