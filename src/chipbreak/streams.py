@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import gc
 import os
 import sys
 from collections.abc import Iterable
@@ -15,6 +16,7 @@ from chipbreak.report.schema import SCHEMA
 from chipbreak.text.diagnostics import Diagnostic
 from chipbreak.text.encoding import escaped
 
+_LONG_BYTES = 1 << 18
 _COLOURS = {"error": "red", "warning": "yellow", "note": "cyan"}
 
 
@@ -56,7 +58,17 @@ def say(line: str) -> None:
 
 
 def read_input(source: str) -> bytes:
-    """All bytes of a file, or of stdin for ``-``.  Raises click.UsageError (exit 2)."""
+    """All bytes of a file, or of stdin for ``-``.  Raises click.UsageError (exit 2).
+
+    A long program is worth collecting garbage for, which the command line leaves off.
+    """
+    data = _read(source)
+    if len(data) > _LONG_BYTES:
+        gc.enable()
+    return data
+
+
+def _read(source: str) -> bytes:
     if source == "-" and sys.stdin is None:
         raise click.UsageError("standard input is closed: name a file, or send the program there")
     try:
