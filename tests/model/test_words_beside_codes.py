@@ -100,6 +100,12 @@ def test_linuxcnc_works_a_surface_speed_out_again_where_the_spindle_starts() -> 
     assert values(after("linuxcnc-lathe", "G20", "G21 G96 S100", "M3"))[1] == pytest.approx(100.0)
 
 
+def test_a_surface_speed_of_other_units_is_not_known_where_nothing_converts_it() -> None:
+    assert values(after("fanuc-lathe", "G96 S150", "G20"))[1] is None
+    assert values(after("fanuc-lathe", "G97 S150", "G20"))[1] == 150.0
+    assert values(after("linuxcnc-lathe", "G96 S150", "G20"))[1] == 150.0
+
+
 def test_a_feed_of_other_units_is_said() -> None:
     begin = ("G20 G18 G94", "G97 S900 M3", "G0 X1 Z1")
     assert codes_said("linuxcnc-lathe", *begin, "G21 F100", "G1 Z2") == ["MOD002"]

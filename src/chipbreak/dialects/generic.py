@@ -54,6 +54,7 @@ GENERIC_LATHE = Dialect(
     spindle_word="P",
     incremental=FrozenTable({"U": "X", "V": "Y", "W": "Z", "H": "C"}),
     speed_limit=frozenset({500, 920}),
+    surface_needs_speed=True,
     lone_dwell_words="F",  # as ISO 6983 has it
     own_words=FrozenTable(
         {

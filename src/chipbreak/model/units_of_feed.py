@@ -10,7 +10,10 @@ from chipbreak.model.modal import Setting
 from chipbreak.text.diagnostics import Diagnostic, Severity
 
 OTHER_UNITS = "MOD002"
-_NAMES = {"inch": "inches", "mm": "millimetres"}
+_NAMES = {
+    "F": {"inch": "inches", "mm": "millimetres"},
+    "S": {"inch": "feet per minute", "mm": "metres per minute"},
+}
 
 
 def feeds_in_other_units(interpreted: InterpretedProgram) -> list[Diagnostic]:
@@ -54,6 +57,6 @@ def _first_cut(interpreted: InterpretedProgram, first: int, feed: Setting) -> Bl
 def _warning(
     interpreted: InterpretedProgram, line: int, what: str, letter: str, setting: Setting
 ) -> Diagnostic:
-    message = f"{what}: {setting.text} is in {_NAMES[setting.units]} here, as this control takes it"
+    message = f"{what}: {setting.text} is in {_NAMES[letter][setting.units]} here, as this control takes it"
     help_text = f"if that is not meant, write {letter} again in a block behind the G20 or G21"
     return interpreted.program.diagnose(line, OTHER_UNITS, message, help_text, severity=Severity.WARNING)

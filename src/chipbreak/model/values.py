@@ -51,8 +51,11 @@ def _feed_ends(after: State, said: Said) -> State:
 
 
 def _speed_ends(after: State, said: Said) -> State:
-    """An S in rpm is no surface speed, and the other way round."""
-    return after if after.modes.speed_mode == said.was.modes.speed_mode else after._replace(speed=None)
+    """An S in rpm is no surface speed, and the other way round; see F for one of other units."""
+    was = said.was.modes
+    is_surface = was.speed_mode == "surface"
+    other_units = is_surface and after.modes.units != was.units and not said.dialect.converts_feed
+    return after._replace(speed=None) if after.modes.speed_mode != was.speed_mode or other_units else after
 
 
 def _cycle_begins(after: State, said: Said) -> State:
