@@ -1,0 +1,57 @@
+"""What stands behind a change: the programmed speed at stops, in its own units, and the programmed end."""
+
+from __future__ import annotations
+
+import pytest
+
+import chipbreak
+
+LATHE = ("G21 G7 G18 G90 G95 G64", "M3 S2000", "G0 X30 Z2")
+CUT = ("(VIB N1.5 F62.5)", "G1 Z-5 F0.1", "(VIB OFF)")
+
+
+def filtered(*lines: str, profile: str = "linuxcnc-lathe") -> list[str]:
+    settings = chipbreak.load(profile, ['planner.model="ideal"', 'output.segments="stroke"'])
+    data = "\n".join([*lines, ""]).encode()
+    return chipbreak.rewrite(data, settings).data.decode().splitlines()
+
+
+def before(lines: list[str], line: str) -> list[str]:
+    """The blocks of the last bracket before a line."""
+    at = lines.index(line)
+    assert lines[at - 1].startswith("(CHIPBREAK END"), lines[at - 1]
+    begin = max(i for i in range(at) if lines[i].startswith("(CHIPBREAK BEGIN"))
+    return lines[begin + 1 : at - 1]
+
+
+@pytest.mark.parametrize("stop", ["M0", "M1", "M60", "T2 M6"])
+def test_the_programmed_speed_is_back_at_a_stop(stop: str) -> None:
+    assert before(filtered(*LATHE, *CUT, stop, "M2"), stop) == ["S2000"]
+    surface = filtered(LATHE[0], LATHE[1], "G96 D2500 S100", LATHE[2], *CUT, stop, "M2")
+    assert before(surface, stop) == ["G96 D2500 S100"]
+
+
+def test_a_surface_speed_is_given_back_in_the_units_it_was_set_in() -> None:
+    lines = (LATHE[0], LATHE[1], "G96 D2500 S100", LATHE[2], *CUT, "G20", "M0", "M2")
+    assert before(filtered(*lines), "M0") == ["G21", "G20 G96 D2500 S100"]
+
+
+@pytest.mark.parametrize("behind", ["G1 X40", "S90", "M3"])
+def test_a_surface_speed_that_is_not_known_is_refused(behind: str) -> None:
+    branch = ("o100 if [1 gt 0]", "G0 Z3", "o100 endif", "G0 X30 Z2")
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        filtered(LATHE[0], LATHE[1], "G96 D2500 S100", *branch, *CUT, behind, "M2")
+    assert [one.code for one in caught.value.diagnostics if one.severity.value == "error"] == ["VIB057"]
+
+
+def test_a_cut_ends_in_all_digits_of_the_program() -> None:
+    lines = filtered(*LATHE[:2], "G20", "G0 X1 Z.1", "F0.004", "(VIB N1.5)", "G1 X.9129682 Z-.127454", "M2")
+    end = next(line for line in reversed(lines) if line.startswith("X"))
+    assert end.startswith("X0.9129682 Z-0.127454")
+
+
+def test_a_feed_is_given_back_in_the_units_in_force() -> None:
+    lines = filtered(
+        "G20 G7 G18 G90 G94", "F4", "M3 S1000", "G0 X1 Z.1", "G21", "G0 Z2", "(VIB N0.5)", "G1 Z-5", "M2"
+    )
+    assert "G94 F101.6" in lines
