@@ -265,7 +265,7 @@ def _rough_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Ed
         )
         help_text = "name X and Z in the first block of the contour, where the control has pockets (type II)"
         raise RefusalError(TURNS_BACK, message, help_text)
-    cycle = _cycle(call, contour, interpreted)
+    cycle = _cycle(call, contour)
     settings = interpreted.settings
     blocks = blocks_of_passes(roughing_passes(cycle), contour.frame, state, settings, call.feed)
     content = tuple(text for text in (call.speed, *blocks, *_motion_back(state)) if text)
@@ -274,7 +274,7 @@ def _rough_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Ed
     return Edit(call.first, call.last, content, call.name, reason, promise)
 
 
-def _cycle(call: Call, contour: Contour, interpreted: InterpretedProgram) -> Roughing:
+def _cycle(call: Call, contour: Contour) -> Roughing:
     t_mm, h_mm = _allowances(call, contour.frame)
     letters = "WU" if call.kind == "along-z" else "UW"
     for value_mm, letter in zip((t_mm, h_mm), letters, strict=True):
@@ -290,7 +290,6 @@ def _cycle(call: Call, contour: Contour, interpreted: InterpretedProgram) -> Rou
         t_mm,
         h_mm,
         contour.feeds_in,
-        interpreted.settings.cycles.finish_pass,
     )
 
 

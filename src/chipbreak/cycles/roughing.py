@@ -129,8 +129,8 @@ class _Cutter:
         if lowest_mm >= self.top_mm - (number - 1) * self.cycle.depth_mm - _NOTHING_MM:
             return
         if level_mm <= lowest_mm + _NOTHING_MM:
-            if self.cycle.follows and within.is_open:
-                return
+            if self.cycle.follows:
+                return  # the pass along the contour takes the rest
             level_mm = lowest_mm
         for span in self._spans(level_mm, within):
             self._cut(span, level_mm)

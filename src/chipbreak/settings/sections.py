@@ -268,13 +268,12 @@ class Cycles(Section):
     """Roughing and finishing cycles that are written out as plain blocks.
 
     ``unroll``: those whose cuts are asked to vibrate, all, or none.  ``depth_unit`` is what D without a
-    decimal point counts in a block that says the whole cycle.  ``finish_pass``: the last pass of G71 and G72
-    runs along the contour.  ``retract_mm`` is how far the tool goes back where the cycle does not say it.
+    decimal point counts in a block that says the whole cycle.  ``retract_mm`` is how far the tool goes back
+    where the cycle does not say it.
     """
 
     unroll: str = _one_of("asked", "always", "never")
     depth_unit: str = _one_of("increment", "program")
-    finish_pass: bool = True
     retract_mm: float = _at_least(0.5)
 
 
