@@ -235,7 +235,7 @@ def test_a_profile_with_a_byte_order_mark_is_read(tmp_path: Path) -> None:
     assert load(file).origin("vibration.margin").endswith("line 3")
 
 
-@pytest.mark.parametrize("path", [r"C:\work\tools.csv", r"C:\Users\tools.csv"])
+@pytest.mark.parametrize("path", [r"C:\work\tools.csv", r"C:\Usb\tools.csv"])
 def test_a_path_of_windows_says_how_it_is_written(tmp_path: Path, path: str) -> None:
     base = 'base = "fanuc-lathe"\n[tools]\n'
     code, line, help_text = refused(written(tmp_path, f'{base}files = ["{path}"]\n'))

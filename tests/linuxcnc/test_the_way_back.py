@@ -16,6 +16,7 @@ SAMPLES = Path(__file__).parents[2] / "samples"
 PROFILES = {
     "fusion-mill.nc": "fanuc-mill",
     "linuxcnc-lathe.ngc": "linuxcnc-lathe",
+    "roughing.nc": "fanuc-lathe",
     "turning.nc": "generic-lathe",
 }
 

@@ -18,8 +18,6 @@ def said(program: str, *sets: str, profile: str = "generic-lathe") -> list[tuple
 
 
 MOVED_BY_THE_CONTROL = [
-    pytest.param("G71 U2. R1.\nG71 P1 Q2 U0.4 W0.1 F0.2\nN1 G0 X10.\nN2 G1 Z-9.", "1 cycle was", id="G71"),
-    pytest.param("G90 X18. Z-20. F0.2\nX16.\nX14.", "1 cycle was", id="G90"),
     pytest.param("G74 R1.\nG74 Z-30. Q5000 F0.1", "1 cycle was", id="G74"),
     pytest.param("G75 R1.\nG75 X10. P5000 F0.1", "1 cycle was", id="G75"),
     pytest.param("G92 X18. Z-20. F1.5", "1 thread was", id="G92"),
@@ -51,7 +49,7 @@ def test_what_the_control_moves_by_itself(blocks: str, counted: str, how: str) -
 def test_a_profile_says_once_what_it_passed_over() -> None:
     program = (
         f"{HEAD}G1 Z-30. F0.05\nG0 X30. Z2.\n"
-        + "G90 X18. Z-20. F0.2\nX17.\nG0 X30.\n" * 12
+        + "G83 Z-20. Q5000 F0.1\nG80\nG0 X30. Z2.\n" * 12
         + "G32 Z-20. F1.5\nG0 Z2.\n" * 3
         + "M30\n"
     )
