@@ -78,15 +78,26 @@ def cycle_lines(interpreted: InterpretedProgram) -> dict[int, Kind | None]:
 def plan_unrolling(interpreted: InterpretedProgram, asked: Iterable[int]) -> UnrollPlan:
     """The edits that write out the cycles at ``asked`` lines (from 0), and all that share their contours."""
     wanted = set(asked)
-    calls = contour_calls(interpreted.program, interpreted.settings.dialect)
-    starts = _start_states(interpreted, calls)
-    unclear = _unclear_numbers(interpreted, calls)
     plan = UnrollPlan([], [])
+    _add_single_passes(plan, interpreted, wanted)
+    _add_contours(plan, interpreted, wanted)
+    return plan
+
+
+def _add_single_passes(plan: UnrollPlan, interpreted: InterpretedProgram, wanted: set[int]) -> None:
+    """Cycles without a contour (G90, G94)."""
     for line in sorted(wanted.intersection(first_lines(interpreted))):
         try:
             plan.edits.append(UnrolledEdit(single_passes(interpreted, line), None, line))
         except RefusalError as error:
             plan.refused.append(Refused(line, error))
+
+
+def _add_contours(plan: UnrollPlan, interpreted: InterpretedProgram, wanted: set[int]) -> None:
+    """Cycles that call a contour: all of a group, or none."""
+    calls = contour_calls(interpreted.program, interpreted.settings.dialect)
+    starts = _start_states(interpreted, calls)
+    unclear = _unclear_numbers(interpreted, calls)
     for group in _groups(calls):
         lines = [one.line for one in group if one.line in wanted]
         if not lines:
@@ -96,10 +107,9 @@ def plan_unrolling(interpreted: InterpretedProgram, asked: Iterable[int]) -> Unr
             refused = Refused(lines[0], _unclear())
         if refused is None:
             plan.edits.extend(edits)
-        else:
-            said = refused.line if refused.line in wanted else lines[0]
-            plan.refused.append(refused._replace(line=said))
-    return plan
+            continue
+        said = refused.line if refused.line in wanted else lines[0]
+        plan.refused.append(refused._replace(line=said))
 
 
 def _unclear_numbers(interpreted: InterpretedProgram, calls: Sequence[ContourCall]) -> set[float | None]:
