@@ -307,7 +307,7 @@ def _refuse_many_passes(call: Call, contour: Contour) -> None:
     lowest_mm = min(min(one.start.h, one.end.h) for one in contour.segments)
     passes = (contour.start.h - lowest_mm) / call.depth_mm
     if passes > _MOST_PASSES:
-        message = f"passes of {call.depth_mm:g} mm would be {passes:.0f} in this cycle"
+        message = f"passes of {call.depth_mm:g} mm would be {passes:z.0f} in this cycle"
         help_text = "check the unit of D (cycles.depth_unit), or give a greater depth"
         raise RefusalError(BAD_DEPTH, message, help_text)
 
