@@ -34,7 +34,8 @@ def room(module: str) -> str:
 # Libraries that only these modules may import.
 ONLY_IN = {
     "lark": {"syntax.grammar", "syntax.parse"},
-    "click": {"streams", "options", "cli", "tool_commands"},
+    "click": {"streams", "options", "cli", "tool_commands", "batch_command"},
+    "distributed": {"batch.dask_cluster"},
 }
 
 

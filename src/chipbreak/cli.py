@@ -9,13 +9,15 @@ import gc
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
+from chipbreak.batch_command import batch
 from chipbreak.options import (
     DIFFERENT,
     DONE,
+    LOG,
     PROFILE,
     READING,
     REJECTED,
@@ -30,7 +32,8 @@ from chipbreak.options import (
     settings_of,
     verify_program,
 )
-from chipbreak.streams import read_input, replace_file, say, write_json, write_stdout
+from chipbreak.streams import note_rejection, read_input, replace_file, say, write_json, write_stdout
+from chipbreak.text.encoding import escaped
 from chipbreak.tool_commands import inspect, tools
 
 if TYPE_CHECKING:
@@ -50,32 +53,98 @@ def cli() -> None:
 
 
 @cli.command("filter")
-@click.argument("source", metavar="[INPUT]", default="-")
-@click.option("-o", "--output", metavar="OUT", help="Write to this file, replaced in one step.")
-@click.option("-i", "--in-place", is_flag=True, help="Replace the input file in one step.")
+@click.argument("sources", metavar="[INPUT]...", nargs=-1, type=click.Path(allow_dash=True))
+@click.option(
+    "-o",
+    "--output",
+    metavar="OUT",
+    type=click.Path(allow_dash=True),
+    help="Write to this file, replaced in one step.",
+)
+@click.option(
+    "-i",
+    "--in-place",
+    is_flag=True,
+    help="Replace the input files, and the programs in folders, each in one step.",
+)
 @click.option("--backup", metavar="SUFFIX", help="With -i: keep the original under its name plus this.")
 @click.option("--check", is_flag=True, help="Write nothing; exit 1 if anything would change.")
-@asking(*READING)
+@click.option(
+    "--reject-file", is_flag=True, help="With -o or -i: where a program is rejected, say why in OUT.rejected."
+)
+@asking(*READING, LOG)
 def filter_command(
-    asked: Asked, source: str, output: str | None, in_place: bool, backup: str | None, check: bool
+    asked: Asked,
+    sources: tuple[str, ...],
+    output: str | None,
+    in_place: bool,
+    backup: str | None,
+    check: bool,
+    reject_file: bool,
 ) -> None:
-    """Filter a program: from stdin or INPUT to stdout, OUT or INPUT itself."""
-    if in_place and (source == "-" or output):
+    """Filter programs: from stdin or INPUT to stdout, OUT or INPUT itself.
+
+    Several inputs, or a folder, go with -i; "chipbreak batch" writes them into another folder.
+    """
+    if in_place and (not sources or "-" in sources or output):
         raise click.UsageError("-i replaces INPUT itself: name a file, and leave -o out")
     if backup is not None and (not in_place or not backup or "/" in backup):
         raise click.UsageError("--backup goes with -i and takes a suffix such as .bak")
+    if reject_file and not in_place and output in (None, "-"):
+        raise click.UsageError("--reject-file goes with -o or -i: the file stands beside the program")
+    names = _names(sources or ("-",), many=in_place or check)
+    run = _Filter(asked, output, backup, in_place, check, reject_file)
+    with asked.reporter.logging("filter", names):
+        sys.exit(max([_filter_one(run, name) for name in names]))
+
+
+class _Filter(NamedTuple):
+    """What the options of ``filter`` ask for."""
+
+    asked: Asked
+    output: str | None
+    backup: str | None
+    in_place: bool
+    check: bool
+    reject_file: bool
+
+
+def _names(sources: tuple[str, ...], *, many: bool) -> list[str]:
+    """The inputs; folders stand for the programs in them.  Raises click.UsageError."""
+    if len(sources) == 1 and not Path(sources[0]).is_dir():
+        return list(sources)
+    if not many:
+        raise click.UsageError(
+            "one INPUT only: several, or a folder, go with -i, with --check, or to chipbreak batch"
+        )
+    from chipbreak.batch.inputs import inputs_of
+
+    names = [str(one.path) for one in inputs_of(sources)]
+    if not names:
+        raise click.UsageError("no programs in there: name files, or folders with files such as .nc or O1234")
+    return names
+
+
+def _filter_one(run: _Filter, source: str) -> int:
+    """Filter one program; the exit code it leads to.  What is no fault of the program ends the command."""
+    asked = run.asked
     data = read_input(source)
     settings = settings_of(asked, source)
-    result = run_filter(data, settings, source, asked)
-    asked.reporter.show(result.diagnostics)
-    target = source if in_place else output
-    if not check:
-        if backup is not None and result.changed:
-            replace_file(Path(source + backup), [data])
-        _write(result, target, only_changed=in_place)
-    if check or target not in (None, "-"):
+    outcome = rewrite_program(data, settings, source, asked)
+    asked.reporter.show(outcome.diagnostics)
+    target = source if run.in_place else run.output
+    if run.reject_file and target is not None and not run.check:
+        note_rejection(Path(target), outcome.diagnostics if outcome.result is None else None)
+    result = outcome.result
+    if result is None:
+        return outcome.code
+    if not run.check:
+        if run.backup is not None and result.changed:
+            replace_file(Path(source + run.backup), [data])
+        _write(result, target, only_changed=run.in_place)
+    if run.check or target not in (None, "-"):
         _print_summary(result, settings, asked)
-    sys.exit(DIFFERENT if check and result.changed else DONE)
+    return DIFFERENT if run.check and result.changed else DONE
 
 
 def _write(result: Result, target: str | None, *, only_changed: bool) -> None:
@@ -87,20 +156,17 @@ def _write(result: Result, target: str | None, *, only_changed: bool) -> None:
 
 
 @cli.command()
-@click.argument("sources", metavar="INPUT...", nargs=-1, required=True)
+@click.argument("sources", metavar="INPUT...", nargs=-1, required=True, type=click.Path(allow_dash=True))
 @asking(*READING)
 def check(asked: Asked, sources: tuple[str, ...]) -> None:
-    """Say everything that is wrong with programs; write none."""
-    from chipbreak.text.diagnostics import ProgramRejectedError, has_errors
+    """Say everything that is wrong with programs, and with those in folders; write none."""
+    from chipbreak.text.diagnostics import has_errors
 
     failed = False
-    for source in sources:
+    for source in _names(sources, many=True):
         data = read_input(source)
         settings = settings_of(asked, source)
-        try:
-            diagnostics = rewrite_program(data, settings, source, asked).diagnostics
-        except ProgramRejectedError as error:
-            diagnostics = error.diagnostics
+        diagnostics = rewrite_program(data, settings, source, asked).diagnostics
         failed |= has_errors(diagnostics)
         asked.reporter.show(diagnostics)
     sys.exit(DIFFERENT if failed else DONE)
@@ -121,7 +187,7 @@ def _print_summary(result: Result, settings: Settings, asked: Asked) -> None:
         return
     from chipbreak.report.build import report_of
 
-    click.echo(f"{result.source.name}: {report_of(result, settings).summary()}", err=True)
+    asked.reporter.tell(f"{escaped(result.source.name)}: {report_of(result, settings).summary()}")
 
 
 def _print_report(result: Result, settings: Settings, asked: Asked) -> None:
@@ -269,6 +335,7 @@ def macros(asked: Asked, output: str) -> None:
 
 cli.add_command(tools)
 cli.add_command(inspect)
+cli.add_command(batch)
 
 
 @cli.group()

@@ -12,6 +12,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TextIO
 
 import click
 
+from chipbreak.outcome import (
+    DIFFERENT,
+    DONE,
+    FAILED,
+    REJECTED,
+    USAGE,
+    Outcome,
+    outcome_of,
+)
 from chipbreak.streams import Reporter
 from chipbreak.text.encoding import escaped
 
@@ -19,11 +28,7 @@ if TYPE_CHECKING:
     from chipbreak.pipeline import Result
     from chipbreak.settings import Settings
 
-DONE = 0
-DIFFERENT = 1
-USAGE = 2
-REJECTED = 3
-FAILED = 4
+__all__ = ["DIFFERENT", "DONE", "FAILED", "REJECTED", "USAGE", "Outcome"]
 _Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 
@@ -39,11 +44,13 @@ class Asked(NamedTuple):
     as_json: bool = False
     quiet: bool = False
     color: str = "never"
+    log: str | None = None
 
     @property
     def reporter(self) -> Reporter:
         """Says what is to be said as the options ask for it."""
-        return Reporter(as_json=self.as_json, quiet=self.quiet, colour=self.colours(sys.stderr))
+        colour = self.colours(sys.stderr)
+        return Reporter(as_json=self.as_json, quiet=self.quiet, colour=colour, log=self.log)
 
     def colours(self, stream: TextIO) -> bool:
         """True when what goes to this stream is to be coloured."""
@@ -85,6 +92,9 @@ REPORTING = (
         help="Colour.",
     ),
 )
+LOG = click.option(
+    "--log", metavar="FILE", type=click.Path(), help="Add everything that is said to this file as well."
+)
 READING = (PROFILE, SET, TOOLS, STRICT, UNBROKEN, UNROLL, *REPORTING)
 
 
@@ -106,33 +116,46 @@ def asking(*options: _Decorator) -> _Decorator:
 
 
 def settings_of(asked: Asked, source: str) -> Settings:
-    """The profile by option, environment, or ``chipbreak.toml`` beside the input; exits with 2 if none.
+    """:func:`settings_for`; says what is wrong with the profile and exits with 2."""
+    from chipbreak.settings import SettingsError
 
-    The files of ``--tools`` come before those of the profile.
-    """
-    from chipbreak.settings import SettingsError, load, profile_names
-
-    profile = asked.profile
-    if profile is None:
-        beside = (Path() if source == "-" else Path(source).parent) / "chipbreak.toml"
-        if not beside.is_file():
-            names = ", ".join(profile_names())
-            raise click.UsageError(
-                "which machine? give -p PROFILE, set CHIPBREAK_PROFILE,"
-                f" or put a chipbreak.toml beside the program (shipped: {names})"
-            )
-        profile = str(beside)
     try:
-        settings = load(profile, asked.sets)
-        _check_rules(settings)
+        return settings_for(asked, source)
     except SettingsError as error:
         asked.reporter.show([error.diagnostic])
         sys.exit(USAGE)
+
+
+def settings_for(asked: Asked, source: str) -> Settings:
+    """The profile by option, environment, or ``chipbreak.toml`` beside the input.
+
+    The files of ``--tools`` come before those of the profile.  Raises SettingsError, and click.UsageError
+    where nothing names a machine.
+    """
+    from chipbreak.settings import load
+
+    settings = load(_profile_for(asked, source), asked.sets)
+    _check_rules(settings)
     if asked.strict:
         settings = replace(settings, checks=replace(settings.checks, strict=True))
     if asked.unroll:
         settings = replace(settings, cycles=replace(settings.cycles, unroll="always"))
     return _with_tool_files(settings, asked.tool_files) if asked.tool_files else settings
+
+
+def _profile_for(asked: Asked, source: str) -> str:
+    if asked.profile is not None:
+        return asked.profile
+    beside = (Path() if source == "-" else Path(source).parent) / "chipbreak.toml"
+    if beside.is_file():
+        return str(beside)
+    from chipbreak.settings import profile_names
+
+    names = ", ".join(profile_names())
+    raise click.UsageError(
+        "which machine? give -p PROFILE, set CHIPBREAK_PROFILE,"
+        f" or put a chipbreak.toml beside the program (shipped: {names})"
+    )
 
 
 def _check_rules(settings: Settings) -> None:
@@ -164,30 +187,30 @@ def _with_tool_files(settings: Settings, names: Sequence[str]) -> Settings:
 
 def run_filter(data: bytes, settings: Settings, source: str, asked: Asked) -> Result:
     """Filter a program; says what is wrong with it and exits with 3 when it is rejected."""
-    from chipbreak.text.diagnostics import ProgramRejectedError
-
-    try:
-        return rewrite_program(data, settings, source, asked)
-    except ProgramRejectedError as error:
-        asked.reporter.show(error.diagnostics)
-        sys.exit(REJECTED)
+    outcome = rewrite_program(data, settings, source, asked)
+    if outcome.result is None:
+        asked.reporter.show(outcome.diagnostics)
+        sys.exit(outcome.code)
+    return outcome.result
 
 
-def rewrite_program(data: bytes, settings: Settings, source: str, asked: Asked) -> Result:
-    """Filter a program; exits with 4 when the self-check fails.  Raises ProgramRejectedError."""
+def rewrite_program(data: bytes, settings: Settings, source: str, asked: Asked) -> Outcome:
+    """Filter a program; exits with 2 or 4 when something else than the program is at fault."""
     from chipbreak.pipeline import rewrite
 
-    name = _shown(source)
-    return _guarded(name, asked, lambda: rewrite(data, settings, name, allow_unbroken=asked.allow_unbroken))
+    name = shown(source)
+    return _unless_failed(
+        name, asked, outcome_of(lambda: rewrite(data, settings, name, allow_unbroken=asked.allow_unbroken))
+    )
 
 
 def verify_program(data: bytes, settings: Settings, source: str, asked: Asked) -> Result:
     """Judge a filtered program; exits with 3 or 4 when it is not as it was written."""
     from chipbreak.editing.bracket import BEGIN, find
     from chipbreak.pipeline import verify_filtered
-    from chipbreak.text.diagnostics import ProgramRejectedError, SelfCheckError
+    from chipbreak.text.diagnostics import SelfCheckError
 
-    name = _shown(source)
+    name = shown(source)
 
     def work() -> Result:
         try:
@@ -200,35 +223,27 @@ def verify_program(data: bytes, settings: Settings, source: str, asked: Asked) -
             click.echo(escaped(f"{name}: error SLF003: {what}") + f"\n  help: {way_out}", err=True)
             sys.exit(FAILED)
 
-    try:
-        return _guarded(name, asked, work)
-    except ProgramRejectedError as error:
-        asked.reporter.show(error.diagnostics)
-        sys.exit(REJECTED)
+    outcome = _unless_failed(name, asked, outcome_of(work))
+    if outcome.result is None:
+        asked.reporter.show(outcome.diagnostics)
+        sys.exit(outcome.code)
+    return outcome.result
 
 
-def _shown(source: str) -> str:
+def shown(source: str) -> str:
+    """A source in messages."""
     return "<stdin>" if source == "-" else source
 
 
-def _guarded(name: str, asked: Asked, work: Callable[[], Result]) -> Result:
-    """Run, and turn what is not the program's fault into a message and an exit code."""
-    from chipbreak.settings import SettingsError
-    from chipbreak.text.diagnostics import SelfCheckError
-    from chipbreak.tools.data import ToolFileError
-
-    try:
-        return work()
-    except ToolFileError as error:
-        asked.reporter.show(error.diagnostics)
+def _unless_failed(name: str, asked: Asked, outcome: Outcome) -> Outcome:
+    """The outcome of a program that was done or rejected; says any other and exits with its code."""
+    if outcome.code == FAILED:
+        asked.reporter.tell("\n".join(escaped(f"{name}: ") + said.render() for said in outcome.diagnostics))
+        sys.exit(FAILED)
+    if outcome.code == USAGE:
+        asked.reporter.show(outcome.diagnostics)
         sys.exit(USAGE)
-    except SettingsError as error:
-        asked.reporter.show([error.diagnostic])
-        sys.exit(USAGE)
-    except SelfCheckError as error:
-        fail(f"{name}: error SLF001: the output failed its self-check: {error}")
-    except MemoryError:
-        fail(f"{name}: error SLF002: not enough memory for this program")
+    return outcome
 
 
 def fail(message: str) -> NoReturn:

@@ -6,7 +6,9 @@ import errno
 import gc
 import os
 import sys
-from collections.abc import Iterable
+import time
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -23,13 +25,16 @@ _COLOURS = {"error": "red", "warning": "yellow", "note": "cyan"}
 class Reporter:
     """Writes diagnostics to stderr, for people or for programs."""
 
-    def __init__(self, *, as_json: bool, quiet: bool, colour: bool) -> None:
+    def __init__(self, *, as_json: bool, quiet: bool, colour: bool, log: str | None = None) -> None:
         self.as_json = as_json
         self.quiet = quiet
         self.colour = colour
+        self.log = log
 
     def show(self, diagnostics: Iterable[Diagnostic]) -> None:
-        """Errors always; warnings unless quiet."""
+        """Errors always; warnings unless quiet.  The log file gets all of them, as text."""
+        diagnostics = tuple(diagnostics)
+        self.note("\n".join(one.render() for one in diagnostics))
         chosen = [d for d in diagnostics if not self.quiet or d.severity.value == "error"]
         if self.as_json:
             write_json([d.as_json() for d in chosen], err=True)
@@ -41,6 +46,34 @@ class Reporter:
                 styled = click.style(mark, fg=_COLOURS[diagnostic.severity.value], bold=True)
                 text = text.replace(mark, styled, 1)
             click.echo(text, err=True, color=self.colour)
+
+    def tell(self, text: str) -> None:
+        """Text to stderr and to the log file."""
+        self.note(text)
+        click.echo(text, err=True)
+
+    @contextmanager
+    def logging(self, command: str, names: Iterable[str]) -> Iterator[None]:
+        """Say in the log file, if there is one, when this run began, and what ended it early."""
+        if self.log is not None:
+            now = time.strftime("%Y-%m-%d %H:%M:%S")
+            self.note(f"{now} chipbreak {command} {escaped(' '.join(names))}")
+        try:
+            yield
+        except click.UsageError as error:
+            self.note(f"error: {error.message}")
+            raise
+
+    def note(self, text: str) -> None:
+        """Add text to the log file, if there is one.  Raises click.UsageError (exit 2)."""
+        if self.log is None or not text:
+            return
+        try:
+            with Path(self.log).open("ab") as file:
+                file.write(f"{text}\n".encode("utf-8", "backslashreplace"))
+        except OSError as error:
+            log, self.log = self.log, None
+            raise click.UsageError(escaped(f"cannot write {log}: {error.strerror}")) from None
 
 
 def write_json(value: Any, *, indent: int | None = None, err: bool = False) -> None:
@@ -140,3 +173,21 @@ def replace_file(target: Path, pieces: Iterable[bytes]) -> None:
 def _private(path: str, flags: int) -> int:
     """Open for nobody else, until the file has the mode of the one it replaces."""
     return os.open(path, flags, 0o600)
+
+
+def remove_file(target: Path) -> None:
+    """Remove a file, if it is there.  Raises click.UsageError (exit 2)."""
+    try:
+        target.unlink(missing_ok=True)
+    except OSError as error:
+        raise click.UsageError(escaped(f"cannot remove {target}: {error.strerror}")) from None
+
+
+def note_rejection(target: Path, diagnostics: Iterable[Diagnostic] | None) -> None:
+    """Say in ``target``.rejected what stands in the way of a program; None: nothing does, remove it."""
+    note = target.with_name(f"{target.name}.rejected")
+    if diagnostics is None:
+        remove_file(note)
+        return
+    said = "\n".join(one.render() for one in diagnostics)
+    replace_file(note, [f"{said}\n".encode("utf-8", "backslashreplace")])

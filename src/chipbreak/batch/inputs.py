@@ -1,0 +1,54 @@
+"""Which files of the command line are meant: files as they are named, and the programs in folders."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+# How controls, CAM systems and editors name programs.  A file named on the command line is taken as it is.
+_SUFFIXES = re.compile(
+    r"\.(a?nc|ngc|ncc|nca|cnc|dnc|fnc|mpf|spf|min|eia|iso|din|tap|txt|prg|pgm|pim|mim|sub|ptp|gcode|gc|g|h|i)",
+    re.IGNORECASE,
+)
+# A program without a suffix, as a memory card has it: O0001, O1234A.
+_BARE = re.compile(r"[OoN]?\d{1,8}[A-Za-z]?")
+
+
+class Input(NamedTuple):
+    """A program on disk, and its name below the folder it was found in."""
+
+    path: Path
+    name: Path
+
+
+def inputs_of(sources: Iterable[str]) -> list[Input]:
+    """Files as they are named and the programs in folders, in the order of names; each file once."""
+    found: dict[Path, Input] = {}
+    for source in sources:
+        path = Path(source)
+        inputs = _programs_in(path) if path.is_dir() else [Input(path, Path(path.name))]
+        for one in inputs:
+            found.setdefault(Path(os.path.realpath(one.path)), one)
+    return list(found.values())
+
+
+def _programs_in(folder: Path) -> Iterator[Input]:
+    for place, folders, files in os.walk(folder):
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        for name in sorted(files):
+            if is_program(name):
+                path = Path(place, name)
+                yield Input(path, path.relative_to(folder))
+
+
+def is_program(name: str) -> bool:
+    """True for a file name that programs have; hidden files are none."""
+    path = Path(name)
+    if name.startswith("."):
+        return False
+    return _SUFFIXES.fullmatch(path.suffix) is not None or (
+        not path.suffix and _BARE.fullmatch(name) is not None
+    )

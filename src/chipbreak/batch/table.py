@@ -1,0 +1,58 @@
+"""What became of many programs: a line each, and one for all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from chipbreak.batch.work import Finished
+from chipbreak.outcome import DONE, FAILED, REJECTED, USAGE
+from chipbreak.text.diagnostics import Severity
+from chipbreak.text.encoding import escaped
+
+_WORDS = {DONE: "", USAGE: "NOT READ", REJECTED: "REJECTED", FAILED: "FAILED"}
+
+
+def table_lines(results: Sequence[Finished]) -> Iterator[str]:
+    """The results in the order of the command line, names in one column."""
+    width = max((len(escaped(one.name)) for one in results), default=0)
+    for one in results:
+        yield f"{escaped(one.name):{width}}  {escaped(_what(one))}"
+    yield ""
+    yield total(results)
+
+
+def total(results: Sequence[Finished]) -> str:
+    """``300 programs: 250 written, 8 of them with cuts that vibrate; 30 rejected``."""
+    written = [one for one in results if one.report]
+    vibrating = sum(bool(one.report and one.report.cuts) for one in written)
+    parts = [f"{len(written)} written, {vibrating} of them with cuts that vibrate"]
+    for code, word in ((REJECTED, "rejected"), (USAGE, "not read"), (FAILED, "failed")):
+        count = sum(one.code == code for one in results)
+        parts += [f"{count} {word}"] if count else []
+    programs = f"{len(results)} programs" if len(results) != 1 else "1 program"
+    return f"{programs}: {'; '.join(parts)}"
+
+
+def _what(one: Finished) -> str:
+    if one.report is not None:
+        return one.report.summary()
+    errors = [said for said in one.diagnostics if said.severity is Severity.ERROR]
+    first = errors[0]
+    where = f"line {first.place.line}: " if first.place else ""
+    more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
+    return f"{_WORDS[one.code]} {where}{first.code}, {first.message}{more}"
+
+
+def as_dicts(results: Sequence[Finished]) -> list[dict[str, Any]]:
+    """The same for programs: the report of each, or what was said of it."""
+    return [
+        {
+            "file": one.name,
+            "exit": one.code,
+            "duration_s": one.duration_s,
+            "report": None if one.report is None else one.report.as_dict(),
+            "diagnostics": [said.as_json() for said in one.diagnostics],
+        }
+        for one in results
+    ]
