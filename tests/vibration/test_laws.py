@@ -78,8 +78,9 @@ def test_a_key_that_means_nothing_to_a_law_is_refused(law: type[ControlLaw]) -> 
     assert keys <= set(Planner.__dataclass_fields__)
     assert set(foreign_keys(law.name)) == keys - set(LAW_KEYS[law.name])
     for key, others in foreign_keys(law.name).items():
+        number = 0.5 if "below" in Planner.__dataclass_fields__[key].metadata else 3
         with pytest.raises(SettingsError, match=key) as refused:
-            chipbreak.load("generic-lathe", [f"planner.model={law.name}", f"planner.{key}=3"])
+            chipbreak.load("generic-lathe", [f"planner.model={law.name}", f"planner.{key}={number}"])
         assert all(other in refused.value.diagnostic.help for other in others)
 
 

@@ -161,12 +161,23 @@ class Axis(Section):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Planner(Section):
-    """How the control times blocks, and the path mode and smoothing it needs around a vibrated cut."""
+    """How the control times blocks, and the path mode and smoothing it needs around a vibrated cut.
+
+    Corners are passed at the speed that ``junction_deviation_mm`` allows, or at that of
+    ``corner_velocity_mm_s``, which is meant for a right angle.  ``min_cruise_ratio`` is the share of a short
+    move that runs evenly.  The limits of the path count in every direction, beside those of the axes.
+    """
 
     model: str = _one_of(*LAW_KEYS)
     servo_period_ms: float = _above(1.0)
     max_blocks_per_s: float | None = _above(None)
     reversal_stop_ms: float = _at_least(0.0)
+    junction_deviation_mm: float | None = _at_least(None)
+    corner_velocity_mm_s: float | None = _at_least(None)
+    min_cruise_ratio: float = field(default=0.0, metadata={"at_least": 0.0, "below": 1.0})
+    path_velocity_mm_min: float | None = _above(None)
+    path_acceleration_mm_s2: float | None = _above(None)
+    look_ahead_blocks: int | None = _at_least(None, 3)
     path_mode: str = ""
     usual_path_mode: str = "G64"
     smoothing_off: str = ""

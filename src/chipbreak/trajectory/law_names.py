@@ -11,6 +11,14 @@ from typing import Final
 LAW_KEYS: Final = {
     "ideal": (),
     "trapezoid": ("reversal_stop_ms",),
+    "junction": (
+        "junction_deviation_mm",
+        "corner_velocity_mm_s",
+        "min_cruise_ratio",
+        "path_velocity_mm_min",
+        "path_acceleration_mm_s2",
+        "look_ahead_blocks",
+    ),
     "linuxcnc": (),
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from chipbreak.trajectory.ideal import Ideal
+from chipbreak.trajectory.junction import Junction
 from chipbreak.trajectory.law import ControlLaw
 from chipbreak.trajectory.linuxcnc import LinuxCnc
 from chipbreak.trajectory.trapezoid import Trapezoid
@@ -10,6 +11,7 @@ from chipbreak.trajectory.trapezoid import Trapezoid
 LAWS: tuple[type[ControlLaw], ...] = (
     Ideal,  # nothing known: the blocks, exactly; what profiles have that say nothing
     Trapezoid,  # a rest at every reversal, and the acceleration that the profile declares
+    Junction,  # junction deviation: Grbl, grblHAL, Klipper
     LinuxCnc,  # LinuxCNC's planner, period by period
 )
 

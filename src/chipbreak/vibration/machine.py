@@ -36,7 +36,7 @@ def control_along(settings: Settings, path: Path, state: State) -> ControlLaw:
     law = _in_path_mode(law, settings, state)
     axes = [_limits(name, axis) for name, axis in settings.axes.items()]
     directions = _directions(path)
-    if law.needs_acceleration:
+    if law.needs_acceleration and settings.planner.path_acceleration_mm_s2 is None:
         _require_accelerations(axes, directions)
     laws = [law.along(direction, axes) for direction in directions]
     return min(laws, key=lambda one: (one.acceleration_mm_s2, one.velocity_mm_s))
@@ -50,9 +50,16 @@ def _with_numbers(law: type[ControlLaw], settings: Settings) -> ControlLaw:
         "blocks_per_s": planner.max_blocks_per_s,
         "per_revolution": settings.output.feed_mode == "rev",
         "reversal_stop_s": planner.reversal_stop_ms / MS_PER_S,
+        "junction_deviation_mm": planner.junction_deviation_mm,
+        "corner_velocity_mm_s": planner.corner_velocity_mm_s,
+        "min_cruise_ratio": planner.min_cruise_ratio,
+        "path_velocity_mm_s": _limit(planner.path_velocity_mm_min) / S_PER_MIN,
+        "path_acceleration_mm_s2": _limit(planner.path_acceleration_mm_s2),
+        "look_ahead_blocks": planner.look_ahead_blocks,
     }
     own = {field.name for field in fields(law)}
-    return law(**{name: number for name, number in numbers.items() if name in own})
+    said = {name: number for name, number in numbers.items() if name in own and number is not None}
+    return law(**said)
 
 
 def _require_accelerations(
@@ -80,9 +87,12 @@ def _in_path_mode(law: ControlLaw, settings: Settings, state: State) -> ControlL
 
 
 def _limits(name: str, axis: Axis) -> AxisLimits:
-    velocity = inf if axis.max_velocity_mm_min is None else axis.max_velocity_mm_min / S_PER_MIN
-    acceleration = inf if axis.max_acceleration_mm_s2 is None else axis.max_acceleration_mm_s2
-    return AxisLimits(name, velocity, acceleration)
+    velocity = _limit(axis.max_velocity_mm_min) / S_PER_MIN
+    return AxisLimits(name, velocity, _limit(axis.max_acceleration_mm_s2))
+
+
+def _limit(number: float | None) -> float:
+    return inf if number is None else number
 
 
 def _directions(path: Path) -> list[tuple[float, float, float]]:

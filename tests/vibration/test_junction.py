@@ -1,0 +1,169 @@
+"""Controls with junction deviation: corners, limits along the path, look-ahead, feeds of whole cuts."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import cos, inf, pi, radians, sin, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.trajectory.junction import Junction
+from chipbreak.trajectory.law import AxisLimits, Motion
+
+Floats = NDArray[np.float64]
+AXES = (AxisLimits("X", 40.0, 300.0), AxisLimits("Y", inf, inf), AxisLimits("Z", 60.0, 500.0))
+
+
+def law_of(**more: object) -> Junction:
+    return Junction(**more).along((1.0, 0.0, 1.0), AXES)  # type: ignore[arg-type]
+
+
+def motion_of(law: Junction, points_mm: list[tuple[float, float]], feeds_mm_s: float) -> Motion:
+    """Of straight moves through points (x, z) at these feeds."""
+    points = np.array([(x, 0.0, z) for x, z in points_mm])
+    moved = np.diff(points, axis=0)
+    ahead = np.sqrt((moved**2).sum(axis=1))
+    blocks = law.blocks(moved, ahead)
+    return law.motion(
+        np.append(0.0, np.cumsum(ahead)), blocks, np.broadcast_to(feeds_mm_s, ahead.shape).copy()
+    )
+
+
+def stepped(points_mm: list[tuple[float, float]], feed_mm_s: float, deviation_mm: float) -> Floats:
+    """Times of moves by the rules as they are written, one joint after the other."""
+    limits = {0: (300.0, 40.0), 1: (500.0, 60.0)}
+    moves = []
+    for (x0, z0), (x1, z1) in pairwise(points_mm):
+        length = sqrt((x1 - x0) ** 2 + (z1 - z0) ** 2)
+        way = ((x1 - x0) / length, (z1 - z0) / length)
+        has = min(limits[k][0] / abs(way[k]) for k in (0, 1) if way[k])
+        top = min([feed_mm_s, *(limits[k][1] / abs(way[k]) for k in (0, 1) if way[k])])
+        moves.append((length, way, has, top))
+    entries = [0.0]
+    for (_, one, _, top_1), (_, two, _, top_2) in pairwise(moves):
+        cosine = -(one[0] * two[0] + one[1] * two[1])
+        speed = min(top_1, top_2)
+        if cosine > 0.999999:
+            speed = 0.0
+        elif cosine > -0.999999:
+            turn = (two[0] - one[0], two[1] - one[1])
+            size = sqrt(turn[0] ** 2 + turn[1] ** 2)
+            round_it = min(limits[k][0] / abs(turn[k] / size) for k in (0, 1) if turn[k])
+            half = sqrt((1.0 - cosine) / 2.0)
+            speed = min(speed, sqrt(round_it * deviation_mm * half / (1.0 - half)))
+        entries.append(speed)
+    entries.append(0.0)
+    for i in reversed(range(len(moves))):
+        entries[i] = min(entries[i], sqrt(entries[i + 1] ** 2 + 2.0 * moves[i][2] * moves[i][0]))
+    for i in range(len(moves)):
+        entries[i + 1] = min(entries[i + 1], sqrt(entries[i] ** 2 + 2.0 * moves[i][2] * moves[i][0]))
+    times = []
+    for (length, _, has, top), start, end in zip(moves, entries[:-1], entries[1:], strict=True):
+        peak = min(top, sqrt(has * length + (start**2 + end**2) / 2.0))
+        ramps = (2.0 * peak**2 - start**2 - end**2) / (2.0 * has)
+        times.append((2.0 * peak - start - end) / has + max(0.0, length - ramps) / peak)
+    return np.array(times)
+
+
+points = st.lists(
+    st.tuples(st.integers(-400, 400), st.integers(-400, 400)), min_size=2, max_size=30, unique=True
+).map(lambda drawn: [(x / 250.0, z / 250.0) for x, z in drawn])
+
+
+@settings(max_examples=300, deadline=None)
+@given(drawn=points, feed=st.floats(0.5, 80.0), deviation=st.sampled_from([0.0, 0.01, 0.2]))
+def test_the_whole_motion_is_what_one_joint_after_the_other_gives(
+    drawn: list[tuple[float, float]], feed: float, deviation: float
+) -> None:
+    motion = motion_of(law_of(junction_deviation_mm=deviation), drawn, feed)
+    assert motion.spans_s == pytest.approx(stepped(drawn, feed, deviation), rel=1e-6, abs=1e-9)
+    assert motion.time_s[-1] == pytest.approx(motion.spans_s.sum())
+    assert (np.diff(motion.time_s) > 0.0).all()
+
+
+@pytest.mark.parametrize("angle", [10.0, 45.0, 90.0, 150.0])
+def test_a_corner_is_passed_at_the_speed_of_its_circle(angle: float) -> None:
+    """a·δ·s/(1 − s), with s the sine of half the angle that is left between the moves."""
+    law = Junction(junction_deviation_mm=0.02).along((1.0, 0.0, 1.0), (AxisLimits("", inf, 400.0),) * 3)
+    turn = radians(angle)
+    motion = motion_of(law, [(0.0, 0.0), (0.0, 5.0), (5.0 * sin(turn), 5.0 + 5.0 * cos(turn))], 30.0)
+    half = sin((pi - turn) / 2.0)
+    way = np.array([sin(turn), cos(turn) - 1.0])
+    has = 400.0 / np.abs(way / np.sqrt((way**2).sum())).max()
+    corner = min(30.0, sqrt(has * 0.02 * half / (1.0 - half)))
+    at = int(np.flatnonzero(np.isclose(motion.distance_mm, 5.0))[0])
+    slow = np.diff(motion.distance_mm)[at - 1 : at + 1] / np.diff(motion.time_s)[at - 1 : at + 1]
+    assert slow.min() == pytest.approx(corner, rel=0.2) or slow.min() > corner
+
+
+def test_a_bent_reversal_is_no_rest() -> None:
+    """On steps of 4 µm a taper does not go back exactly as it came."""
+    exact = motion_of(law_of(), [(0.0, 0.0), (0.02, 0.08), (0.0, 0.0)], 20.0)
+    bent = motion_of(law_of(), [(0.0, 0.0), (0.02, 0.08), (0.004, 0.0)], 20.0)
+    assert bent.spans_s[0] < exact.spans_s[0] * 0.99
+
+
+def test_the_limits_along_the_path_count_in_every_direction() -> None:
+    free = (AxisLimits("X", inf, inf),) * 3
+    law = Junction(path_velocity_mm_s=20.0, path_acceleration_mm_s2=200.0).along((1.0, 0.0, 1.0), free)
+    (span,) = motion_of(law, [(0.0, 0.0), (6.0, 8.0)], 100.0).spans_s
+    assert span == pytest.approx(10.0 / 20.0 + 20.0 / 200.0)
+    assert (law.axis, law.acceleration_mm_s2, law.velocity_mm_s) == ("the path", 200.0, 20.0)
+
+
+@pytest.mark.parametrize(("ratio", "share"), [(0.5, 0.5), (0.75, 0.25)])
+def test_the_cruise_ratio_bounds_the_peak_of_a_short_move(ratio: float, share: float) -> None:
+    """The peak is at most sqrt(L·a·(1 − ratio))."""
+    free = (AxisLimits("X", inf, inf),) * 3
+    law = Junction(corner_velocity_mm_s=5.0, min_cruise_ratio=ratio, path_acceleration_mm_s2=1000.0)
+    law = law.along((0.0, 0.0, 1.0), free)
+    (span,) = motion_of(law, [(0.0, 0.0), (0.0, 0.4)], 500.0).spans_s
+    peak = sqrt(0.4 * 1000.0 * share)
+    assert span == pytest.approx(0.4 / peak + peak / 1000.0)
+
+
+def test_a_short_look_ahead_keeps_the_speed_down() -> None:
+    """Short moves in a row: what the control knows is all it may need to stop."""
+    line = [(0.0, 0.01 * i) for i in range(400)]
+    seen = motion_of(law_of(look_ahead_blocks=15), line, 30.0)
+    fastest = (np.diff(seen.distance_mm) / np.diff(seen.time_s)).max()
+    assert fastest == pytest.approx(sqrt(2.0 * 500.0 * 14 * 0.01), rel=0.06)
+    assert motion_of(law_of(), line, 30.0).spans_s.sum() < seen.spans_s.sum() * 0.9
+
+
+def strokes_of(count: int, seed: int) -> tuple[Floats, Floats, Floats]:
+    """Moves of a taper on steps of 4 µm, how far each leads, and how long each should take."""
+    random = np.random.default_rng(seed)
+    along = np.cumsum(np.where(np.arange(count) % 2 == 0, 0.08, -0.05))
+    places = np.concatenate([np.zeros((1, 3)), np.outer(along, (0.3, 0.0, 0.954))])
+    moved = np.diff(np.rint(places * 250.0) / 250.0, axis=0)
+    spans = np.where(np.arange(count) % 2 == 0, 0.042, 0.036) * random.uniform(0.98, 1.02, count)
+    return moved, np.diff(along, prepend=0.0), spans
+
+
+@pytest.mark.parametrize("more", [{}, {"corner_velocity_mm_s": 5.0, "min_cruise_ratio": 0.5}])
+def test_every_stroke_takes_its_time(more: dict[str, float]) -> None:
+    law = law_of(path_acceleration_mm_s2=700.0, **more)
+    moved, ahead, spans = strokes_of(400, seed=3)
+    blocks = law.blocks(moved, ahead)
+    feeds = law.feeds_for_spans(blocks, spans, len(spans))
+    motion = law.motion(np.append(0.0, np.cumsum(ahead)), blocks, feeds)
+    assert motion.spans_s == pytest.approx(spans, rel=1e-5)
+
+
+def test_a_stroke_that_no_feed_makes_is_refused_with_what_is_missing() -> None:
+    law = law_of()
+    moved, ahead, spans = strokes_of(20, seed=3)
+    blocks = law.blocks(moved, ahead)
+    with pytest.raises(RefusalError, match=r"needs .* m/s2, Z has") as refused:
+        law.feeds_for_spans(blocks, spans / 3.0, len(spans))
+    assert refused.value.code == "VIB030"
+    slow = Junction().along((0.0, 0.0, 1.0), (*AXES[:2], AxisLimits("Z", 1.0, 500.0)))
+    with pytest.raises(RefusalError, match="mm/s") as refused:
+        slow.feeds_for_spans(slow.blocks(moved, ahead), spans, len(spans))
+    assert refused.value.code == "VIB031"
