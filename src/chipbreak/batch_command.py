@@ -6,7 +6,7 @@ import os
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 
@@ -14,6 +14,7 @@ from chipbreak.batch.inputs import Input, inputs_of
 from chipbreak.options import FAILED, LOG, READING, USAGE, Asked, asking, settings_for
 from chipbreak.streams import note_rejection, read_input, replace_file, say, write_json
 from chipbreak.text.encoding import escaped
+from chipbreak.text.named_tuple import NamedTuple
 
 if TYPE_CHECKING:
     from chipbreak.batch.work import Finished, Task

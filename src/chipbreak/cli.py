@@ -9,7 +9,7 @@ import gc
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import click
 
@@ -34,6 +34,7 @@ from chipbreak.options import (
 )
 from chipbreak.streams import note_rejection, read_input, replace_file, say, write_json, write_stdout
 from chipbreak.text.encoding import escaped
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.tool_commands import inspect, tools
 
 if TYPE_CHECKING:

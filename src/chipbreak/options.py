@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn, TextIO
+from typing import TYPE_CHECKING, Any, NoReturn, TextIO
 
 import click
 
@@ -23,6 +23,7 @@ from chipbreak.outcome import (
 )
 from chipbreak.streams import Reporter
 from chipbreak.text.encoding import escaped
+from chipbreak.text.named_tuple import NamedTuple
 
 if TYPE_CHECKING:
     from chipbreak.pipeline import Result

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, SelfCheckError, Severity
+from chipbreak.text.named_tuple import NamedTuple
 
 if TYPE_CHECKING:
     from chipbreak.pipeline import Result

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cache, partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from chipbreak.editing.edits import Edit
 from chipbreak.editing.render import render
@@ -30,6 +30,7 @@ from chipbreak.text.diagnostics import (
     has_errors,
 )
 from chipbreak.text.frozen_table import FrozenTable
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.place_order import in_place_order
 from chipbreak.text.source import Source, read
 from chipbreak.text.utf_16 import refuse_utf_16

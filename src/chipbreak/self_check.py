@@ -8,7 +8,6 @@ does not matter here.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from chipbreak.model.state_difference import difference, is_same_place, moved, s
 from chipbreak.model.words import codes_of
 from chipbreak.syntax.parse import parse_changed
 from chipbreak.text.diagnostics import ChipbreakError, SelfCheckError
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.source import Source, UserLines, in_a_row, read, user_lines
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from chipbreak.editing.bracket import UNROLLED_CYCLES
 from chipbreak.editing.edits import Edit
@@ -21,6 +21,7 @@ from chipbreak.operations.main_program import MainProgram, main_program
 from chipbreak.operations.operations import Operation
 from chipbreak.self_check import verify_unrolled
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.vibration.left_cut import LeftCut
 from chipbreak.vibration.request import may_be_left, profile_directive, requests_of
 from chipbreak.vibration.scope import Scope

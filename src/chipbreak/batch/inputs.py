@@ -6,7 +6,8 @@ import os
 import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import NamedTuple
+
+from chipbreak.text.named_tuple import NamedTuple
 
 # How controls, CAM systems and editors name programs.  A file named on the command line is taken as it is.
 _SUFFIXES = re.compile(

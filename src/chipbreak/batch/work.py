@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import NamedTuple
 
 from chipbreak.outcome import Outcome, failed, internal_fault, outcome_of
 from chipbreak.pipeline import rewrite
@@ -11,6 +10,7 @@ from chipbreak.report.build import report_of
 from chipbreak.report.model import Report
 from chipbreak.settings import Settings
 from chipbreak.text.diagnostics import Diagnostic
+from chipbreak.text.named_tuple import NamedTuple
 
 # The profile names a file of tools: a worker on another machine needs it under the same name.
 

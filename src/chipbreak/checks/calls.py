@@ -11,7 +11,7 @@ from __future__ import annotations
 import enum
 import string
 from collections.abc import Iterable, Mapping
-from typing import Final, NamedTuple
+from typing import Final
 
 from chipbreak.checks.tool_values import DATA_FIELDS, data_texts
 from chipbreak.dialects import BUILT_IN, DIALECTS, CallTemplates
@@ -19,6 +19,7 @@ from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.syntax.parse import read_block
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.nearest import nearest
 from chipbreak.tools.data import ToolData
 from chipbreak.units import mm_per_unit

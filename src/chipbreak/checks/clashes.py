@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator
-from typing import NamedTuple
 
 from chipbreak.checks.findings import SHARED_NUMBER, SHARED_VARIABLE
 from chipbreak.checks.ways_out import (
@@ -28,6 +27,7 @@ from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.parse import Program
 from chipbreak.syntax.variables import variables_of
+from chipbreak.text.named_tuple import NamedTuple
 
 _ONE_PROGRAM = 10_000  # M98 P39810 calls O9810 three times
 _NO_ARGUMENTS = frozenset("GPLN")

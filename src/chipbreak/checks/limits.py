@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 from chipbreak.insertion.conditional_state import jump_lines
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.kinds import Kind
 from chipbreak.operations.operations import Operation
 from chipbreak.settings.sections import Settings
+from chipbreak.text.named_tuple import NamedTuple
 
 
 class Limit(NamedTuple):

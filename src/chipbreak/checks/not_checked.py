@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 from chipbreak.checks.findings import NO_TOOL_CALL, NOT_LOOKED_AT, SISTER_IS_CALLED, WHICH_TOOL, Findings
 from chipbreak.checks.limits import Uses
@@ -11,6 +10,7 @@ from chipbreak.checks.ways_out import CALL_WITH_ITS_NUMBER, KEEP_THE_SISTER, cal
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.main_program import MainProgram
 from chipbreak.operations.operations import Operation, calls_tool
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.tools.merge import ToolTable
 from chipbreak.tools.tips import Tip, tip_of
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import groupby
-from typing import NamedTuple
 
 from chipbreak.checks.calls import CallSet, CallValues, CheckKind, calls_of
 from chipbreak.checks.clashes import clash_of
@@ -28,6 +27,7 @@ from chipbreak.operations.main_program import MainProgram
 from chipbreak.operations.operations import Operation
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import Diagnostic
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.tools.merge import ToolTable
 from chipbreak.tools.tips import Tip, tip_of
 

@@ -9,7 +9,6 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 from chipbreak.dialects.base import ContourCycle
 from chipbreak.dialects.modes import Modes
@@ -20,6 +19,7 @@ from chipbreak.model.words import is_diameter, length_mm
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 
 NO_CONTOUR = "CYC001"
 BAD_DEPTH = "CYC004"

@@ -10,7 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import NamedTuple
+
+from chipbreak.text.named_tuple import NamedTuple
 
 _NOTHING_MM = 1e-9
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import NamedTuple
 
 from chipbreak.cycles.call import BAD_DEPTH, UNREAD_FORM, Call, kind_of, read_call, refuse_modes
 from chipbreak.cycles.contour import Frame
@@ -33,6 +32,7 @@ from chipbreak.model.modal import State
 from chipbreak.operations.kinds import Kind
 from chipbreak.syntax.nodes import Block
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 
 BAD_ALLOWANCE = "CYC005"
 _MOST_LINES_BETWEEN = 2000

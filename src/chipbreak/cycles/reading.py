@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 from chipbreak.cycles.contour import Frame, Point, Segment, turns_back_along_h, turns_back_along_t
 from chipbreak.kinematics.toolpath import Leg, path_of
@@ -13,6 +12,7 @@ from chipbreak.model.interpret import Interpreter
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 
 BAD_CONTOUR = "CYC002"
 TURNS_BACK = "CYC003"

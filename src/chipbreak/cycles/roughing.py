@@ -6,10 +6,10 @@ Where the contour has pockets, one pocket after the other is cleared, in the dir
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 from chipbreak.cycles.contour import Point, Segment, parts_of
 from chipbreak.cycles.stock import Stock
+from chipbreak.text.named_tuple import NamedTuple
 
 _NOTHING_MM = 1e-6
 _MOST_PASSES = 10_000

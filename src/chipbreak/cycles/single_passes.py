@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 from chipbreak.cycles.call import UNREAD_FORM, refuse_modes
 from chipbreak.cycles.promise import SinglePasses
@@ -26,6 +25,7 @@ from chipbreak.model.words import is_diameter, length_mm
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 
 _WORDS = frozenset("GXZUWRF")
 _BETWEEN = frozenset("SM")

@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Mapping
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Literal
 
 from chipbreak.dialects.check_programs import CallTemplates, MacroSet
 from chipbreak.dialects.modes import Modes, check_value
 from chipbreak.dialects.numbers import NUMBER_RULES, NumberRule
 from chipbreak.text.frozen_table import FrozenTable
+from chipbreak.text.named_tuple import NamedTuple
 
 ContourCycle = Literal["along-z", "along-x", "pattern", "finish"]
 # Groups whose codes act in their own block only.  The interpreter and the refusals know them by value.

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Final
 
 from chipbreak.text.frozen_table import FrozenTable
+from chipbreak.text.named_tuple import NamedTuple
 
 BUILT_IN: Final = "builtin"
 

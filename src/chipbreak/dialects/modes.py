@@ -9,7 +9,9 @@ into them.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, Literal, NamedTuple, get_args, get_type_hints
+from typing import Any, Literal, get_args, get_type_hints
+
+from chipbreak.text.named_tuple import NamedTuple
 
 Motion = Literal[
     "none",

@@ -21,9 +21,9 @@ from __future__ import annotations
 import re
 import zlib
 from collections.abc import Iterator
-from typing import NamedTuple
 
 from chipbreak.dialects import CommentMarks
+from chipbreak.text.named_tuple import NamedTuple
 
 BEGIN = "BEGIN"
 WAS = "WAS"

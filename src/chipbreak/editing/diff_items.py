@@ -12,13 +12,13 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import isnan
-from typing import NamedTuple
 
 from chipbreak.dialects import GENERIC_LATHE, NON_MODAL
 from chipbreak.editing.restore import Region, regions
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Assignment, Block, Control, Word
 from chipbreak.syntax.parse import Program, parse
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.source import read
 from chipbreak.text.utf_16 import refuse_utf_16
 from chipbreak.units import mm_per_unit

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import NamedTuple
 
 from chipbreak.editing.promise import Promise
 from chipbreak.kinematics.floats import Floats
 from chipbreak.text.diagnostics import SelfCheckError
+from chipbreak.text.named_tuple import NamedTuple
 
 
 @dataclass(frozen=True, eq=False, repr=False)

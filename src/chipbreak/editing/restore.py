@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from chipbreak.editing import bracket
 from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, Severity
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.source import Source, UserLines, in_a_row, read, user_lines
 
 EDITED = "RES001"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import cached_property
-from typing import NamedTuple
 
 from chipbreak.insertion.candidates import Candidate
 from chipbreak.insertion.clearance import Clearance
@@ -21,6 +20,7 @@ from chipbreak.insertion.retract import Retract
 from chipbreak.insertion.ways_out import MOVE_WITH_G40, Obstacle
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of
+from chipbreak.text.named_tuple import NamedTuple
 
 
 class Surroundings(NamedTuple):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import Literal
 
 from chipbreak.insertion.position_dependencies import homed_axes, named_axes
 from chipbreak.insertion.retract import Retract
@@ -13,6 +13,7 @@ from chipbreak.model.words import codes_of
 from chipbreak.operations.main_program import calls_subprogram
 from chipbreak.operations.operations import calls_tool
 from chipbreak.settings.sections import Settings
+from chipbreak.text.named_tuple import NamedTuple
 
 # "nothing" yet, "rapid", "home" (or the machine's own tool change), "call" of a subprogram or a macro, or
 # "cut" for all else.

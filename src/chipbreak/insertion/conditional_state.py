@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
 
 from chipbreak.insertion.subprograms import Subprograms
 from chipbreak.insertion.sure_effects import differing, set_by
@@ -16,6 +15,7 @@ from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.main_program import MainProgram
 from chipbreak.syntax.nodes import Number
+from chipbreak.text.named_tuple import NamedTuple
 
 _OPENERS = {"O-IF": "O-ENDIF", "O-REPEAT": "O-ENDREPEAT", "O-DO": "O-WHILE", "DO": "END"}
 _EXITS = frozenset({"O-ELSE", "O-ELSEIF", "O-BREAK", "O-CONTINUE", "O-RETURN", "GOTO"})

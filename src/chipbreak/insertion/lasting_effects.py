@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 from chipbreak.insertion.subprograms import Subprograms
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of, plain_value
 from chipbreak.operations.operations import calls_tool
+from chipbreak.text.named_tuple import NamedTuple
 
 
 class Unreadable(NamedTuple):

@@ -12,7 +12,6 @@ import math
 from collections.abc import Collection
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.modes import Group
@@ -24,6 +23,7 @@ from chipbreak.operations.operations import calls_tool
 from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.variables import variables_of
+from chipbreak.text.named_tuple import NamedTuple
 
 # Where this many blocks have not decided it, they are taken to rely on everything.
 HORIZON = 400

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from chipbreak.insertion.candidate_rules import RULES, Case, Surroundings
 from chipbreak.insertion.candidates import Candidate, Mover, candidates
 from chipbreak.insertion.clearance import Clearance
@@ -12,6 +10,7 @@ from chipbreak.insertion.retract import Retract
 from chipbreak.insertion.ways_out import MAKE_A_PLACE
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
+from chipbreak.text.named_tuple import NamedTuple
 
 # How far around the obvious line a safe one is looked for.
 REACH = 500

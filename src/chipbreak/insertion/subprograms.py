@@ -8,7 +8,6 @@ known.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
 
 from chipbreak.insertion.sure_effects import differing, set_by
 from chipbreak.model.block_effect import BlockEffect
@@ -18,6 +17,7 @@ from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
 from chipbreak.operations.main_program import calls_subprogram
 from chipbreak.operations.operations import calls_tool
+from chipbreak.text.named_tuple import NamedTuple
 
 _ONE_PROGRAM = 10_000  # P51234 calls O1234 five times
 # Longer ones are whole programs: nobody waits for them to be followed at each call.

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import Final
+
+from chipbreak.text.named_tuple import NamedTuple
 
 MAKE_A_PLACE: Final = "make a place for it: G0 to a known position, G40, G80, the spindle with S"
 CALL_THE_TOOL_AGAIN: Final = "call the tool again after it: from there on all is known"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from chipbreak.text.named_tuple import NamedTuple
 
 
 def shown(value: float) -> str:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from importlib import resources
-from typing import NamedTuple
 
 from chipbreak.dialects import DIALECTS, Dialect, MacroSet
 from chipbreak.macros.parameters import MacroSettings
 from chipbreak.settings.axis_words import AxisWords
 from chipbreak.syntax.numbers import print_number
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 
 NO_MACROS = "MCR004"
 _DECIMALS = 4

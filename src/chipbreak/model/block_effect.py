@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import Literal
 
 from chipbreak.dialects.base import MCode
 from chipbreak.dialects.modes import Motion
 from chipbreak.model.cutting_speed import CuttingSpeed
 from chipbreak.model.modal import Position, State
 from chipbreak.syntax.nodes import Block, Word
+from chipbreak.text.named_tuple import NamedTuple
 
 CUTTING: tuple[Motion, ...] = ("line", "cw", "ccw")
 MoveKind = Literal["rapid", "line", "cw", "ccw", "thread", "other"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import NamedTuple
 
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.base import CYCLE_END, NON_MODAL, Code
@@ -13,6 +12,7 @@ from chipbreak.model.modal import State
 from chipbreak.model.words import cylinder_of, offset_of, plain_value
 from chipbreak.syntax.nodes import Block
 from chipbreak.text.frozen_table import FrozenTable
+from chipbreak.text.named_tuple import NamedTuple
 
 # Codes behind which it is not known where the tool stands, with the reason.
 LOSES: Mapping[str, str] = FrozenTable(

@@ -6,13 +6,13 @@ V is in m/min, D in mm, in every program; S = 1000 V / (pi D).
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
 
 from chipbreak.model.modal import State
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.syntax.numbers import print_number
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.lazy_pattern import LazyPattern
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.units import spindle_speed_rpm
 
 _MOST_RPM = 1e7

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import NamedTuple
 
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.base import NON_MODAL
 from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.parse import Program
+from chipbreak.text.named_tuple import NamedTuple
 
 CONTOUR_CYCLES = ("rough-cycle", "finish-cycle")
 _LineRange = tuple[int, int]

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +24,7 @@ from chipbreak.settings.sections import Settings
 from chipbreak.syntax.columns import read_columns, uniform_run
 from chipbreak.syntax.parse import Program
 from chipbreak.syntax.shapes import MOTION_CODE, NO_POINT, bits_of
+from chipbreak.text.named_tuple import NamedTuple
 
 _MOTION: tuple[Motion, ...] = ("rapid", "line", "cw", "ccw")
 _SHORT_RUN = 8

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 from chipbreak.dialects.modes import Modes, Motion, Units
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.units import mm_per_unit
 
 UNKNOWN = math.nan

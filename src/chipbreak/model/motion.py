@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 from chipbreak.dialects.modes import Modes, Motion
 from chipbreak.model.block_effect import Move, MoveKind
@@ -13,6 +12,7 @@ from chipbreak.model.words import is_diameter, length_mm
 from chipbreak.settings.axis_words import AXES, CENTRES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
+from chipbreak.text.named_tuple import NamedTuple
 
 _STRAIGHT: tuple[Motion, ...] = ("rapid", "line", "cw", "ccw", "thread", "spline")
 _KINDS: Mapping[Motion, MoveKind] = {

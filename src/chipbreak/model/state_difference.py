@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
 
 from chipbreak.dialects.modes import UNSAID
 from chipbreak.model.giving_back import is_same
 from chipbreak.model.modal import Setting, State
+from chipbreak.text.named_tuple import NamedTuple
 
 # Half a last digit of six in inches.
 _SAME_MM = 2e-5

@@ -6,7 +6,6 @@ Each rule looks at one thing; they run in the order of ``_RULES``, which is the 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.modes import Group
@@ -15,6 +14,7 @@ from chipbreak.model.codes import BlockCodes
 from chipbreak.model.modal import UNKNOWN, Setting, State
 from chipbreak.model.words import codes_of, feed_of, plain_value, speed_of, surface_limit
 from chipbreak.syntax.nodes import Block, Word
+from chipbreak.text.named_tuple import NamedTuple
 
 _COORDINATE_GROUPS: frozenset[Group] = frozenset(
     {"work_offset", "rotation", "polar", "scaling", "mirror", "interpolation"}

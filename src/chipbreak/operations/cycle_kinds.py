@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.operations.kinds import Kind
+from chipbreak.text.named_tuple import NamedTuple
 
 _TAPPING = frozenset({74.0, 84.0, 84.2})
 _FINE_BORING = 76.0

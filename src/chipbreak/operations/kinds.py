@@ -11,11 +11,11 @@ import enum
 import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
-from typing import NamedTuple
 
 from chipbreak.operations import kind_words as words
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.lazy_pattern import LazyPattern
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.nearest import nearest
 from chipbreak.units import MM_PER_INCH, mm_per_unit
 

@@ -7,7 +7,6 @@ at one by one.
 from __future__ import annotations
 
 from bisect import bisect_right
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +15,7 @@ from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.paths import begins_program
 from chipbreak.syntax.shapes import bits_of
+from chipbreak.text.named_tuple import NamedTuple
 
 # What acts in its own block and cuts, or may cut.
 _CUTTING_CODES = frozenset(

@@ -11,7 +11,6 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 from chipbreak.dialects import Dialect
 from chipbreak.model.block_effect import BlockEffect
@@ -31,6 +30,7 @@ from chipbreak.operations.kinds import (
 from chipbreak.operations.main_program import MainProgram
 from chipbreak.syntax.nodes import Block, Comment
 from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 
 _EMPTY = 0  # the tool that T0 M6 leaves in the spindle
 # Canned cycles that do not drill: tapping, and the boring that leaves a finished bore.

@@ -8,7 +8,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 from chipbreak.editing.edits import Edit
 from chipbreak.editing.promise import Promise
@@ -18,6 +17,7 @@ from chipbreak.operations.operations import Operation
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import Diagnostic
 from chipbreak.text.frozen_table import FrozenTable
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.tools.merge import ToolTable
 from chipbreak.vibration.left_cut import LeftCut
 

@@ -8,9 +8,9 @@ negative direction.  Whatever reads or writes an axis word asks here.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
 
 from chipbreak.text.frozen_table import FrozenTable
+from chipbreak.text.named_tuple import NamedTuple
 
 AXES = "XYZ"
 CENTRES = "IJK"

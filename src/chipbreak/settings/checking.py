@@ -7,11 +7,12 @@ import types
 import typing
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 from chipbreak.settings.key_places import find_key
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS
 from chipbreak.text.diagnostics import ChipbreakError, Diagnostic, RefusalError, Severity
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.nearest import nearest
 from chipbreak.text.span import Place
 

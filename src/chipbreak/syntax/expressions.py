@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from chipbreak.dialects.base import Precedence
 from chipbreak.syntax.nodes import Call, Expression, Number, Operation, Variable
+from chipbreak.text.named_tuple import NamedTuple
 
 if TYPE_CHECKING:
     from lark import Token, Tree

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import NamedTuple
+
+from chipbreak.text.named_tuple import NamedTuple
 
 Operand = "Number | Variable | Operation | Call"
 

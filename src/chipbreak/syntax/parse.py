@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +20,7 @@ from chipbreak.syntax.grammar import grammar_of
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.syntax.shapes import LONGEST_PLAIN, Shape, ShapeTable, classify
 from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.source import BLANKS, Source
 
 UNREADABLE = "SYN001"

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Container, Iterator
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.syntax.grammar import Grammar
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.source import TAPE_END, TAPE_LINE_END, Source
 
 PLAIN_LETTERS = "XYZUVWABCIJKRF"

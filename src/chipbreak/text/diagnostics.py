@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import Any
 
 from chipbreak.text.encoding import LATIN_1, cells, escaped, meant
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.span import Place
 
 

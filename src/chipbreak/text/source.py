@@ -9,12 +9,12 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.text.encoding import LATIN_1, encoding_of, meant
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.span import Place
 
 LF = 10

@@ -7,8 +7,8 @@ decimal comma, as spreadsheets of half of Europe write it.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from typing import NamedTuple
 
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.tools.data import NO_FORMAT, UNKNOWN_KEY, Errors
 from chipbreak.tools.values import hint_at
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
@@ -19,6 +19,7 @@ from chipbreak.operations.kind_words import CUTVIEWER_TOOL, FUSION_TOOL, TOOL_AH
 from chipbreak.operations.kinds import ToolNote, tool_text
 from chipbreak.operations.operations import calls_tool
 from chipbreak.syntax.nodes import Block
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.tools.data import ToolData
 from chipbreak.tools.facts import holder_said, stick_out_said, teeth_said
 from chipbreak.tools.tips import Tip, tip_of_type

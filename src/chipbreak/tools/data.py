@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any, Final, NamedTuple, NoReturn
+from typing import Any, Final, NoReturn
 
 from chipbreak.text.diagnostics import ChipbreakError, Diagnostic, Severity
 from chipbreak.text.frozen_table import FrozenTable
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.span import Place
 
 CANNOT_OPEN = "TOL001"

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from typing import Final, NamedTuple
+from typing import Final
 
 from chipbreak.operations.kinds import LONGEST_TEXT
 from chipbreak.text.lazy_pattern import LazyPattern
+from chipbreak.text.named_tuple import NamedTuple
 
 _DECIMAL: Final = r"\d+(?:\.\d*)?|\.\d+"
 # "4 FLUTE", "2-Flute", "3FL", "Number of Flutes: 4"

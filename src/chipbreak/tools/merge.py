@@ -8,9 +8,10 @@ say which of them is in the magazine.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.tools.data import FIELDS, ToolData
 
 TWICE = "TOL008"

@@ -11,9 +11,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.metadata import EntryPoint, entry_points
-from typing import Final, NamedTuple
+from typing import Final
 
 from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.tools.data import BROKEN_READER, ToolData, ToolFileError
 from chipbreak.tools.reader import ToolReader, Unit
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
 
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.tools.data import ToolData
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from chipbreak.operations import kind_words as words
 from chipbreak.text.lazy_pattern import LazyPattern
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.nearest import nearest
 
 _NUMBER: Final = LazyPattern(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?")

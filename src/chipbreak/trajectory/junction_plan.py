@@ -7,12 +7,12 @@ the length.  Arrays of a motion of n moves have a row a move, and n + 1 joints, 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.kinematics.floats import Floats
+from chipbreak.text.named_tuple import NamedTuple
 
 _TURNS_BACK = 0.999999  # the cosine of a joint beyond which the control takes it for a reversal
 _NO_LIMIT = 1e12  # mm²/s²; what is said of a joint that goes straight on

@@ -11,13 +11,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import inf, sqrt
-from typing import ClassVar, NamedTuple, Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from chipbreak.kinematics.floats import Floats
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.junctions import Blocks, blocks_of
 from chipbreak.units import S_PER_MIN
 

@@ -9,13 +9,13 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from chipbreak.kinematics.floats import Floats
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.feed_search import Stretch, feed_factors, feeds_of_single_blocks, forget
 from chipbreak.trajectory.junctions import (
     CORNER_LIMIT,

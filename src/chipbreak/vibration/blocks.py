@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +19,7 @@ from chipbreak.model.words import is_diameter
 from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.units import S_PER_MIN, typed_feed
 from chipbreak.vibration.axis_steps import axis_steps_mm, steps_per_unit
 from chipbreak.vibration.block_text import END_DECIMALS, Columns, Words, block_text

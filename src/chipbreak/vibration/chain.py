@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.modes import Group
@@ -17,6 +16,7 @@ from chipbreak.model.words import JUMPED, length_mm
 from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.text.diagnostics import Diagnostic, RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.vibration.directive import KEYS
 from chipbreak.vibration.left_cut import NO_SPINDLE, LeftCut
 from chipbreak.vibration.request import Request

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from chipbreak.model.words import codes_of
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.text.frozen_table import FrozenTable
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.vibration.advice import with_advice
 from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.chain import Chain, chains_of, legs_of

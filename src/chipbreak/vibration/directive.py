@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
 
 from chipbreak.kinematics.sourced_value import SourcedValue
 from chipbreak.kinematics.wave_names import WAVE_NAMES
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.lazy_pattern import LazyPattern
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.nearest import nearest
 
 WAVE_WORDS = tuple(map(str.upper, WAVE_NAMES))

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.operations import Operation
 from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.vibration.measure import CutReport
 from chipbreak.vibration.ways_out import ways_out
 

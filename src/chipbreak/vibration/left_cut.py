@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import NamedTuple
 
 from chipbreak.syntax.parse import Program
 from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.text.named_tuple import NamedTuple
 
 # Codes of moves that remove nothing: leaving them is no wish refused.
 NO_SPINDLE = "VIB046"

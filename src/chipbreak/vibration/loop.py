@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +19,7 @@ from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.waveform import full_window
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.junctions import Blocks
 from chipbreak.trajectory.law import ControlLaw
 from chipbreak.units import MS_PER_S

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from chipbreak.kinematics.machine_demand import flank_clearance_deg, least_accel
 from chipbreak.kinematics.waveform import WaveformParameters, full_window
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.text.diagnostics import SelfCheckError
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.junctions import Blocks
 from chipbreak.trajectory.law import ControlLaw, Motion
 from chipbreak.units import MS_PER_S

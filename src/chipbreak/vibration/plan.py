@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, cast
+from typing import Literal, cast
 
 from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.sourced_value import SourcedValue, shown
@@ -23,6 +23,7 @@ from chipbreak.model.modal import LOOPED, UNREAD, State
 from chipbreak.model.words import JUMPED
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.units import MS_PER_S, S_PER_MIN, spindle_speed_rpm, typed_surface_speed
 from chipbreak.vibration.chain import Chain, legs_of
 from chipbreak.vibration.expander import Expander, StrokeAsked

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.units import S_PER_MIN
 from chipbreak.vibration.plan import CutPlan
 

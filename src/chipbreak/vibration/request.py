@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 from chipbreak.kinematics.sourced_value import SourcedValue
 from chipbreak.model.block_effect import CUTTING, BlockEffect
@@ -15,6 +14,7 @@ from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.text.lazy_pattern import LazyPattern
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.vibration.cut_path import CutPath
 from chipbreak.vibration.directive import KEYS, Directive, read_directive
 from chipbreak.vibration.left_cut import UNASKED_FINISHING, LeftCut

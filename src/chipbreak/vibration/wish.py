@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import Literal
 
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.syntax.parse import Program
 from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.vibration.directive import Directive
 
 UNANSWERED = "VIB065"
