@@ -165,13 +165,16 @@ class _Machine:
 
     def __init__(self) -> None:
         self.state: dict[str, object] = {"feed": 0.0, "speed": 0.0, "limit": 0.0, "pitch": 0.0}
+        self.state["path mode"] = ("CANON_CONTINUOUS", "0.000000")  # before a program says anything
         self.scale = 1.0
+        self.plane = "CANON_PLANE_XY"
         self.typed_speed = 0.0
 
     def take(self, name: str, said: Sequence[str]) -> None:
         """Take a call."""
         if name in _STATES:
             self.state[_STATES[name]] = tuple(said)
+            self.plane = said[0] if name == "SELECT_PLANE" else self.plane
         elif name == "USE_LENGTH_UNITS":
             self.scale = MM_PER_INCH if "INCH" in said[0] else 1.0
             self.state["units"] = said[0]
@@ -181,8 +184,8 @@ class _Machine:
         elif name == "STOP_SPEED_FEED_SYNCH":
             self.state["pitch"] = 0.0
         elif name in _PLACES:
-            numbers = [float(text) * self.scale for text in said]
-            self.state["place"] = tuple(numbers[:3])
+            texts = rs274.arc_end(said, self.plane) if name == "ARC_FEED" else said[:3]
+            self.state["place"] = tuple(float(text) * self.scale for text in texts)
         elif name in _COOLANT:
             self.state[name.split("_", maxsplit=1)[0]] = name
         self._spindle(name, said)

@@ -186,6 +186,18 @@ _PLANE = {"CANON_PLANE_XY": (0, 1, 2), "CANON_PLANE_XZ": (2, 0, 1), "CANON_PLANE
 _PATH_MODES = {"CANON_EXACT_PATH": "G61", "CANON_EXACT_STOP": "G61.1", "CANON_CONTINUOUS": "G64"}
 
 
+def arc_end(arguments: Sequence[str], plane: str) -> list[str]:
+    """The words of the end of an ARC_FEED, in the order X, Y, Z."""
+    return _arc_end(arguments, _PLANE[plane])
+
+
+def _arc_end(arguments: Sequence[str], axes: tuple[int, int, int]) -> list[str]:
+    """End in the plane, centre and turns stand in front; the end across the plane behind them."""
+    first, second, across = axes
+    ends = {first: 0, second: 1, across: 5}
+    return [arguments[ends[axis]] for axis in range(3)]
+
+
 class _Machine:
     """The modal state that the canonical calls build up, in mm."""
 
@@ -197,12 +209,8 @@ class _Machine:
 
     def move(self, kind: str, arguments: Sequence[str]) -> Motion:
         start = list(self.at)
-        if kind == "arc":  # end in the plane, centre, turns, then the end across the plane
-            first, second, across = self.axes
-            ends = {first: 0, second: 1, across: 5}
-            self.at = [float(arguments[ends[axis]]) * self.scale for axis in range(3)]
-        else:
-            self.at = [float(text) * self.scale for text in arguments[:3]]
+        texts = _arc_end(arguments, self.axes) if kind == "arc" else arguments[:3]
+        self.at = [float(text) * self.scale for text in texts]
         if kind == "feed" and self.pitch:
             kind = "thread"
         known = kind != "traverse" and not (self.surface and (self.per_rev or self.pitch))

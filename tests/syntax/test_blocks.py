@@ -95,6 +95,7 @@ COMMENTS = {
     "semicolon inside a comment": ("(BRUNO; 27/05)", "{BRUNO; 27/05}"),
     "parenthesis behind a semicolon": ("X1;A (B", "X=1 {A (B}"),
     "nested at the end": ("(2D CONTOUR (2))", "{2D CONTOUR (2)}"),
+    "nested at the end, with a blank": ("(6MM MILL (HSS) ) X1", "{6MM MILL (HSS) } X=1"),
     "doubled": ("((A))", "{(A)}"),
     "one too many at the end": ("(A)) X1", "{A)} X=1"),
     "never closed": ("X1 (DESBASTE INTERNO", "X=1 {DESBASTE INTERNO}"),
