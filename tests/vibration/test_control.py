@@ -1,4 +1,4 @@
-"""The declared control of a profile: path modes, stops at reversals, what filters leave of a stroke."""
+"""The declared control of a profile: path modes, stops at reversals, what a stroke needs."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import chipbreak
-from chipbreak.kinematics.machine_demand import least_acceleration_mm_s2, servo_share
+from chipbreak.kinematics.machine_demand import least_acceleration_mm_s2
 from chipbreak.kinematics.waveform import WaveformParameters
 from chipbreak.settings import SettingsError
 from chipbreak.text.diagnostics import RefusalError
@@ -53,31 +53,6 @@ def test_exact_stop_of_the_program_counts() -> None:
     resting = cut_of(*sets, program=program.replace("G21", "G21 G61"), profile="fanuc-mill")
     assert resting.verdict.per_rev == pytest.approx(through.verdict.per_rev, rel=0.01)
     assert resting.verdict.peak_speed_mm_s > 1.1 * through.verdict.peak_speed_mm_s
-
-
-@given(frequency_hz=st.floats(1.0, 60.0), acc_dec_s=st.floats(0.001, 0.1))
-def test_an_acc_dec_filter_is_a_moving_average(frequency_hz: float, acc_dec_s: float) -> None:
-    step_s = acc_dec_s / 400.0
-    time_s = np.arange(0.0, acc_dec_s + 2.0 / frequency_hz, step_s)
-    seen = np.convolve(np.sin(2.0 * np.pi * frequency_hz * time_s), np.full(400, 1.0 / 400.0), "valid")
-    share = (seen.max() - seen.min()) / 2.0
-    assert servo_share(frequency_hz, None, acc_dec_s) == pytest.approx(share, abs=0.005)
-
-
-def test_an_acc_dec_time_of_one_vibration_leaves_nothing() -> None:
-    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
-        cut_of("axes.Z.acc_dec_ms=32")
-    assert [d.code for d in caught.value.diagnostics] == ["VIB062"]
-    assert "0% of the stroke" in caught.value.diagnostics[0].message
-    both = cut_of("axes.Z.acc_dec_ms=4", "axes.Z.position_gain_1_s=500").servo_share
-    assert both == pytest.approx(servo_share(31.25, 500.0) * servo_share(31.25, None, 0.004))
-
-
-@pytest.mark.parametrize(
-    ("frequency_hz", "share"), [(2, 0.97), (5, 0.85), (10, 0.62), (31, 0.25), (62.5, 0.13)]
-)
-def test_what_a_slow_position_loop_leaves(frequency_hz: float, share: float) -> None:
-    assert servo_share(frequency_hz, 50.0) == pytest.approx(share, abs=0.005)
 
 
 def swing(

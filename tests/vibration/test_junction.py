@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.trajectory.junction import Junction
-from chipbreak.trajectory.law import AxisLimits, Motion
+from chipbreak.trajectory.law import AxisLimits
+from chipbreak.trajectory.motion import Motion
 
 Floats = NDArray[np.float64]
 AXES = (AxisLimits("X", 40.0, 300.0), AxisLimits("Y", inf, inf), AxisLimits("Z", 60.0, 500.0))

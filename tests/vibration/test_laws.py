@@ -21,9 +21,10 @@ from chipbreak.settings import SettingsError
 from chipbreak.settings.sections import Planner
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.trajectory import laws as module_of_laws
-from chipbreak.trajectory.law import AxisLimits, ControlLaw, Motion
+from chipbreak.trajectory.law import AxisLimits, ControlLaw
 from chipbreak.trajectory.law_names import LAW_KEYS, foreign_keys
 from chipbreak.trajectory.laws import LAWS, law_named
+from chipbreak.trajectory.motion import Motion
 from strokes import on_z
 
 PACKAGE = Path(chipbreak.__file__).parent

@@ -140,8 +140,13 @@ def _band(cut: ExplainedCut) -> Iterator[str]:
 
 def _machine(cut: ExplainedCut) -> Iterator[str]:
     needs = cut.motion.need
-    if cut.servo_share is not None:
-        needs += f", the servo leaves {cut.servo_share:.0%} of the stroke"
+    if cut.servo_share is not None and cut.delay_s is not None:
+        needs += (
+            f", the axes make {cut.servo_share:.0%} of the commanded stroke,"
+            f" {cut.delay_s * MS_PER_S:.3g} ms late"
+        )
+    if cut.path_error_mm:
+        needs += f" and up to {cut.path_error_mm:z.4f} mm off the path"
     if cut.flank_clearance:
         used = ", ".join(f"{c.deg:z.2f} at {c.diameter_mm:.4g} mm" for c in cut.flank_clearance)
         needs += f"; degrees of flank clearance that the forward stroke uses: {used}"

@@ -79,7 +79,8 @@ class ExplainedCut:
     ``duration_s``  of the cut as it is now;  ``programmed_s``  as it was written, None where nobody knows
     ``control``    the law by which the control times the moves
     ``acceleration_mm_s2``  the least that an axis must have
-    ``servo_share``  what the position loop leaves of the stroke, None where no gain is known
+    ``servo_share``  what the axes make of the commanded stroke, None where they are taken to follow;
+                   ``delay_s``  by how much they are late;  ``path_error_mm``  how far they leave the path
     ``moved``      axis -> what moves it, where the profile says so
     """
 
@@ -111,6 +112,8 @@ class ExplainedCut:
     output_form: str
     motion: ToldMotion
     programmed_s: float | None = None
+    delay_s: float | None = None
+    path_error_mm: float | None = None
 
     @property
     def written_moves(self) -> int:

@@ -132,6 +132,7 @@ def _checked_value(
             ("above" not in meta or value >= meta["above"] + _SMALLEST)
             and ("below" not in meta or value < meta["below"])
             and ("at_least" not in meta or value >= meta["at_least"])
+            and ("at_most" not in meta or value <= meta["at_most"])
             and ("values" not in meta or value in meta["values"])
             and abs(value) <= _LARGEST
         )
@@ -188,7 +189,7 @@ def _expected(kinds: tuple[type, ...], meta: Mapping[str, Any]) -> str:
         parts.append("one of " + ", ".join(map(str, meta.get("choices") or meta["values"])))
     if (float in kinds or int in kinds) and "values" not in meta:
         parts.append("a whole number" if float not in kinds else "a number")
-        limits = [("above", "above"), ("at_least", "of at least"), ("below", "below")]
+        limits = [("above", "above"), ("at_least", "of at least"), ("below", "below"), ("at_most", "up to")]
         parts[-1] += "".join(f" {word} {meta[name]:g}" for name, word in limits if name in meta)
     if bool in kinds:
         parts.append("true or false")

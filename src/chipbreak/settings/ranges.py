@@ -34,6 +34,19 @@ def check_only(layer: Layer, vibration: Vibration) -> None:
             raise layer.fail(IMPOSSIBLE, "vibration.only", message, f'{hint}; a tool is "T3"')
 
 
+def check_filters(layer: Layer, axes: Mapping[str, Axis]) -> None:
+    """A bell has two times, and no other filter has the second."""
+    for name, axis in axes.items():
+        if axis.acc_dec == "bell" and (axis.bell_ms is None or axis.acc_dec_ms is None):
+            missing = "bell_ms" if axis.bell_ms is None else "acc_dec_ms"
+            message = f'axes.{name}.acc_dec = "bell" has two times, and {missing} is not given'
+            raise layer.fail(IMPOSSIBLE, f"axes.{name}.acc_dec", message, f"give axes.{name}.{missing}")
+        if axis.bell_ms is not None and axis.acc_dec == "exponential":
+            message = f"axes.{name}.bell_ms has no place beside exponential acc/dec"
+            hint = f'axes.{name}.acc_dec = "bell", or leave it out'
+            raise layer.fail(IMPOSSIBLE, f"axes.{name}.bell_ms", message, hint)
+
+
 def check_steps(layer: Layer, axes: Mapping[str, Axis]) -> None:
     """The step of an axis is said in one way."""
     for name, axis in axes.items():

@@ -147,6 +147,9 @@ class Axis(Section):
     ``letter`` is the axis's own name where it is not set.  ``sign`` is 1 where the tool moves, -1 where the
     work does.  Without numbers an axis is taken to follow any command.  ``increment_mm`` is what it moves by
     at least (of travel, also where X words are diameters), or ``steps_per_mm`` says the same.
+    ``acc_dec`` is the filter that the control puts behind its interpolation, of ``acc_dec_ms``, and of
+    ``bell_ms`` besides where it is bell-shaped.  The position loop follows with its gain; ``feed_forward`` is
+    the share of its lag that the control makes up for.
     """
 
     letter: str | None = field(default=None, metadata={"choices": tuple("XYZUVWABC")})
@@ -154,7 +157,10 @@ class Axis(Section):
     max_velocity_mm_min: float | None = _above(None)
     max_acceleration_mm_s2: float | None = _above(None)
     position_gain_1_s: float | None = _above(None)
-    acc_dec_ms: float | None = _above(None)
+    feed_forward: float = field(default=0.0, metadata={"at_least": 0.0, "at_most": 1.0})
+    acc_dec: str = _one_of("linear", "exponential", "bell")
+    acc_dec_ms: float | None = _at_least(None)
+    bell_ms: float | None = _above(None)
     increment_mm: float | None = _above(None)
     steps_per_mm: float | None = _above(None)
 
@@ -172,6 +178,7 @@ class Planner(Section):
     servo_period_ms: float = _above(1.0)
     max_blocks_per_s: float | None = _above(None)
     reversal_stop_ms: float = _at_least(0.0)
+    joint_speed_mm_min: float | None = _at_least(None)
     junction_deviation_mm: float | None = _at_least(None)
     corner_velocity_mm_s: float | None = _at_least(None)
     min_cruise_ratio: float = field(default=0.0, metadata={"at_least": 0.0, "below": 1.0})

@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike
 
 from chipbreak.kinematics.floats import Floats
 from chipbreak.trajectory.junctions import Blocks, exact_blocks
-from chipbreak.trajectory.law import ControlLaw, Motion
+from chipbreak.trajectory.law import ControlLaw
+from chipbreak.trajectory.motion import Motion
 
 
 class Ideal(ControlLaw):
@@ -43,7 +44,7 @@ class Ideal(ControlLaw):
         return feeds_mm_s
 
     def motion_between_dwells(self, distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats) -> Motion:
-        """See :meth:`ControlLaw.motion`; the knots are the ends of the blocks."""
+        """See :meth:`ControlLaw.commanded_motion`; the knots are the ends of the blocks."""
         self.refuse_lost_strokes(blocks.lengths_mm)
         spans_s = np.abs(blocks.lengths_mm) / np.minimum(feeds_mm_s, self.velocity_mm_s)
         return Motion(spans_s, np.append(0.0, np.cumsum(spans_s)), distance_mm)

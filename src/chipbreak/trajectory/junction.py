@@ -27,7 +27,8 @@ from chipbreak.trajectory.junction_plan import (
     seen_ahead,
 )
 from chipbreak.trajectory.junctions import CORNER_LIMIT, Blocks, Places
-from chipbreak.trajectory.law import AxisLimits, ControlLaw, Motion, turns_of
+from chipbreak.trajectory.law import AxisLimits, ControlLaw, turns_of
+from chipbreak.trajectory.motion import Motion
 from chipbreak.trajectory.planner import speed_for_time
 from chipbreak.trajectory.ramps import ramp_knots
 from chipbreak.units import MS_PER_S
@@ -112,7 +113,7 @@ class Junction(ControlLaw):
         return feeds_mm_s
 
     def motion_between_dwells(self, distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats) -> Motion:
-        """See :meth:`ControlLaw.motion`."""
+        """See :meth:`ControlLaw.commanded_motion`."""
         self.refuse_lost_strokes(blocks.lengths_mm)
         plan = self._plan_of(blocks)
         speeds = plan.speeds(feeds_mm_s)

@@ -1,7 +1,8 @@
 """What every control has in common, and the questions that a law of control answers.
 
-A law says what a kind of control makes of blocks: how long each takes, where the tool is when, and which feed
-takes a wanted time.  Lengths [mm] are signed along the path, feeds [mm/s] are positive, times [s].
+A law says what a kind of control makes of blocks: how long each takes, where the tool is commanded to be
+when, and which feed takes a wanted time.  What the axes make of that is the same for every law: ``filters``
+and ``real_motion``.  Lengths [mm] are signed along the path, feeds [mm/s] are positive, times [s].
 """
 
 from __future__ import annotations
@@ -19,7 +20,10 @@ from numpy.typing import ArrayLike, NDArray
 from chipbreak.kinematics.floats import Floats
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
+from chipbreak.trajectory.filters import NO_FILTER, AxisFilter
 from chipbreak.trajectory.junctions import Blocks, blocks_of
+from chipbreak.trajectory.motion import Motion
+from chipbreak.trajectory.real_motion import followed
 from chipbreak.units import S_PER_MIN
 
 _NOTHING_MM = 1e-12  # of a length that counts as none
@@ -27,24 +31,12 @@ _SOON_S = 1e-9
 
 
 class AxisLimits(NamedTuple):
-    """What one axis can do: speed [mm/s] and acceleration [mm/s²]."""
+    """What one axis can do: speed [mm/s], acceleration [mm/s²], and how it follows its command."""
 
     axis: str
     velocity_mm_s: float
     acceleration_mm_s2: float
-
-
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """What a control makes of some blocks: how long each takes [s], (n,), and where the tool is when.
-
-    ``time_s`` and ``distance_mm`` are the knots of the motion along the path, (m,), behind all that the
-    control does to it; between them it is even.
-    """
-
-    spans_s: Floats
-    time_s: Floats
-    distance_mm: Floats
+    filter: AxisFilter = NO_FILTER
 
 
 @dataclass(frozen=True)
@@ -63,6 +55,8 @@ class ControlLaw(ABC):
 
     name: ClassVar[str]
     needs_acceleration: ClassVar[bool] = True
+    needs_filters: ClassVar[bool] = False
+    """What the axes make of their command must be known too."""
     keeps_time: ClassVar[bool] = False
     """Blocks take the time that they say: a crest moved by rounding is then no other frequency."""
     runs_whole_periods: ClassVar[bool] = False
@@ -143,7 +137,7 @@ class ControlLaw(ABC):
 
     @abstractmethod
     def motion_between_dwells(self, distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats) -> Motion:
-        """:meth:`motion` of blocks behind none of which the tool dwells."""
+        """:meth:`commanded_motion` of blocks behind none of which the tool dwells."""
 
     @abstractmethod
     def _feed_for(self, length_mm: float, time_s: float) -> float:
@@ -156,7 +150,14 @@ class ControlLaw(ABC):
     def motion(
         self, distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats, dwell_s: Floats | None = None
     ) -> Motion:
-        """The motion of blocks between the places ``distance_mm`` along the path, (n + 1,).
+        """What the machine really does: the commanded motion behind the filters of the axes that move."""
+        commanded = self.commanded_motion(distance_mm, blocks, feeds_mm_s, dwell_s)
+        return followed(commanded, distance_mm, blocks, [axis.filter for axis in self.axes])
+
+    def commanded_motion(
+        self, distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats, dwell_s: Floats | None = None
+    ) -> Motion:
+        """The motion that the control makes of blocks between the places ``distance_mm``, (n + 1,).
 
         The tool dwells ``dwell_s`` behind each block, (n,); this is no part of the spans.
         """

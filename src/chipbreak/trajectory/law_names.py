@@ -11,6 +11,8 @@ from typing import Final
 LAW_KEYS: Final = {
     "ideal": (),
     "trapezoid": ("reversal_stop_ms",),
+    "after-interpolation": (),
+    "look-ahead": ("joint_speed_mm_min",),
     "junction": (
         "junction_deviation_mm",
         "corner_velocity_mm_s",

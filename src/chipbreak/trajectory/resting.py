@@ -25,7 +25,8 @@ from chipbreak.trajectory.junctions import (
     least_of_parts,
     parts_of,
 )
-from chipbreak.trajectory.law import ControlLaw, Motion, turns_of
+from chipbreak.trajectory.law import ControlLaw, turns_of
+from chipbreak.trajectory.motion import Motion
 from chipbreak.trajectory.planner import speed_for_time
 
 _ROUNDS = 4
@@ -227,7 +228,7 @@ class RestingLaw(ControlLaw):
             feeds[run] *= factor
 
     def motion_between_dwells(self, distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats) -> Motion:
-        """See :meth:`ControlLaw.motion`."""
+        """See :meth:`ControlLaw.commanded_motion`."""
         self.refuse_lost_strokes(blocks.lengths_mm)
         shares = self.corner_shares(blocks, feeds_mm_s)
         parts = parts_of(blocks.lengths_mm, shares, len(blocks.lengths_mm))

@@ -90,7 +90,7 @@ def _unbroken(judged: Judged) -> Diagnostic | None:
     """Why the chips stay whole, and what would break them."""
     plan = judged.report.plan
     verdict = judged.report.verdict
-    if verdict.breaks or judged.report.misses_plan:
+    if verdict.breaks or judged.report.misses_plan or judged.report.followed_share is not None:
         return None
     message = (
         f"this cut would not break chips: with a stroke of {plan.wave.stroke_mm:z.4f} mm at N"
@@ -104,20 +104,22 @@ def _unbroken(judged: Judged) -> Diagnostic | None:
     return judged.diagnose(UNBROKEN, message, help_text, judged.unbroken_severity)
 
 
-def _weak_servo(judged: Judged) -> Diagnostic | None:
-    """A cut whose stroke would break chips, if the servo did not leave too little of it."""
-    share = judged.report.servo_share
-    margin = judged.report.verdict.margin
-    if share is None or margin < 1.0 or margin * share >= 1.0:
+def _weak_axes(judged: Judged) -> Diagnostic | None:
+    """The axes make too little of the strokes that they are commanded."""
+    report = judged.report
+    share = report.followed_share
+    if share is None or report.verdict.breaks or report.misses_plan:
         return None
     message = (
-        f"the servo leaves {share:.0%} of the stroke at {judged.report.plan.solution.frequency_hz:.4g} Hz:"
-        f" the margin of {margin:z.2f} becomes {margin * share:z.2f}, and the chips do not break"
+        f"the axes make {share:.0%} of the commanded stroke of {report.plan.wave.stroke_mm:z.4f} mm at"
+        f" {report.plan.solution.frequency_hz:.4g} Hz: a margin of {report.verdict.margin:z.2f} is left, 1 is"
+        " needed"
     )
-    help_text = (
-        f"take a lower f, or vibration.margin {1.05 / share:z.2f}, if the machine allows such a stroke"
+    works = "" if judged.allow_unbroken else judged.ways_out()
+    help_text = f"works: {works}" if works else "take a lower f with the same N"
+    return judged.diagnose(
+        SERVO, message, f"{help_text}; --allow-unbroken lets it pass", judged.unbroken_severity
     )
-    return judged.diagnose(SERVO, message, help_text, judged.unbroken_severity)
 
 
 def _surface_speed(judged: Judged) -> Diagnostic | None:
@@ -156,5 +158,5 @@ def _finishing(judged: Judged) -> Diagnostic | None:
     return judged.diagnose(FINISHING, message, help_text, Severity.WARNING)
 
 
-_CAN_BE_ERRORS: tuple[Callable[[Judged], Diagnostic | None], ...] = (_missed, _unbroken, _weak_servo)
+_CAN_BE_ERRORS: tuple[Callable[[Judged], Diagnostic | None], ...] = (_missed, _unbroken, _weak_axes)
 _RULES = (*_CAN_BE_ERRORS, _surface_speed, _finishing, *LARGE_CHANGES)

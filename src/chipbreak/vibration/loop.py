@@ -244,7 +244,7 @@ def same_feeds(
         two = slice(loop.first, loop.first + 2 * loop.count)
         run = blocks.part(two)
         places_mm = np.append(0.0, np.cumsum(run.lengths_mm))
-        took_s = float(law.motion(places_mm, run, feeds[two]).spans_s[loop.count :].sum())
+        took_s = float(law.commanded_motion(places_mm, run, feeds[two]).spans_s[loop.count :].sum())
         wanted_s = loop.vibrations * period_s
         if abs(took_s - wanted_s) > PLANNED_TIME_SHARE * wanted_s:
             message = (

@@ -12,6 +12,7 @@ from chipbreak.kinematics.toolpath import Path
 from chipbreak.model.modal import State
 from chipbreak.settings.sections import Axis, Settings
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.trajectory.filters import AxisFilter, axis_filter
 from chipbreak.trajectory.law import AxisLimits, ControlLaw
 from chipbreak.trajectory.laws import LAWS, law_named
 from chipbreak.units import MS_PER_S, S_PER_MIN
@@ -38,6 +39,8 @@ def control_along(settings: Settings, path: Path, state: State) -> ControlLaw:
     directions = _directions(path)
     if law.needs_acceleration and settings.planner.path_acceleration_mm_s2 is None:
         _require_accelerations(axes, directions)
+    if law.needs_filters:
+        _require_filters(settings, directions)
     laws = [law.along(direction, axes) for direction in directions]
     return min(laws, key=lambda one: (one.acceleration_mm_s2, one.velocity_mm_s))
 
@@ -50,6 +53,7 @@ def _with_numbers(law: type[ControlLaw], settings: Settings) -> ControlLaw:
         "blocks_per_s": planner.max_blocks_per_s,
         "per_revolution": settings.output.feed_mode == "rev",
         "reversal_stop_s": planner.reversal_stop_ms / MS_PER_S,
+        "joint_speed_mm_s": (planner.joint_speed_mm_min or 0.0) / S_PER_MIN,
         "junction_deviation_mm": planner.junction_deviation_mm,
         "corner_velocity_mm_s": planner.corner_velocity_mm_s,
         "min_cruise_ratio": planner.min_cruise_ratio,
@@ -72,6 +76,23 @@ def _require_accelerations(
             raise RefusalError("VIB035", message, f"give {key}, or planner.model = {_WITHOUT_ACCELERATION}")
 
 
+def _require_filters(settings: Settings, directions: Sequence[tuple[float, float, float]]) -> None:
+    """Errors: VIB035 where the profile does not say how an axis that moves follows its command."""
+    for index, (name, axis) in enumerate(settings.axes.items()):
+        if not any(direction[index] for direction in directions):
+            continue
+        missing = [
+            f"axes.{name}.{key}" for key in ("acc_dec_ms", "position_gain_1_s") if getattr(axis, key) is None
+        ]
+        if missing:
+            message = (
+                f"{name} moves, and the profile does not say what the control leaves of its strokes"
+                f" ({' and '.join(missing)})"
+            )
+            help_text = f"give {' and '.join(missing)}: the page on control laws says where to read them"
+            raise RefusalError("VIB035", message, help_text)
+
+
 def _in_path_mode(law: ControlLaw, settings: Settings, state: State) -> ControlLaw:
     """Exact stop, and how far from a line points may lie that are joined: Q, or P where there is no Q."""
     words = settings.planner.path_mode or state.path_words or settings.planner.usual_path_mode
@@ -88,7 +109,17 @@ def _in_path_mode(law: ControlLaw, settings: Settings, state: State) -> ControlL
 
 def _limits(name: str, axis: Axis) -> AxisLimits:
     velocity = _limit(axis.max_velocity_mm_min) / S_PER_MIN
-    return AxisLimits(name, velocity, _limit(axis.max_acceleration_mm_s2))
+    return AxisLimits(name, velocity, _limit(axis.max_acceleration_mm_s2), _filter(axis))
+
+
+def _filter(axis: Axis) -> AxisFilter:
+    return axis_filter(
+        axis.acc_dec,
+        None if axis.acc_dec_ms is None else axis.acc_dec_ms / MS_PER_S,
+        None if axis.bell_ms is None else axis.bell_ms / MS_PER_S,
+        axis.position_gain_1_s,
+        axis.feed_forward,
+    )
 
 
 def _limit(number: float | None) -> float:

@@ -10,14 +10,14 @@ import numpy as np
 from chipbreak.editing.restore import Region
 from chipbreak.kinematics.chip_model import Verdict, judge
 from chipbreak.kinematics.floats import Floats
-from chipbreak.kinematics.machine_demand import flank_clearance_deg, least_acceleration_mm_s2, servo_share
+from chipbreak.kinematics.machine_demand import flank_clearance_deg, least_acceleration_mm_s2
 from chipbreak.kinematics.waveform import WaveformParameters, full_window
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.text.diagnostics import SelfCheckError
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.junctions import Blocks
-from chipbreak.trajectory.law import ControlLaw, Motion
-from chipbreak.units import MS_PER_S
+from chipbreak.trajectory.law import ControlLaw
+from chipbreak.trajectory.motion import Motion
 from chipbreak.vibration.axis_steps import axis_steps_mm, reached
 from chipbreak.vibration.blocks import Expansion
 from chipbreak.vibration.machine import control_along
@@ -30,6 +30,7 @@ _COUNT_TOLERANCE = 0.01
 _SAME_DWELL_S = 1e-6
 # A control that stops at both ends of the cut and of its plain end needs a little longer.
 _STOP_TOLERANCE_S = 0.2
+_SETTLED_VIBRATIONS = 3.0  # of full stroke are enough to judge it by
 
 
 class Clearance(NamedTuple):
@@ -45,8 +46,10 @@ class CutReport:
 
     ``control`` is the law by which the moves were timed; ``misses_plan``: by it the cut takes another time
     than planned, or has another N.
-    ``acceleration_mm_s2`` is the least that can run it; ``servo_share`` what the position loops leave of the
-    stroke, None without a gain; ``clearances`` the flank clearance that the forward stroke uses up at the
+    ``acceleration_mm_s2`` is the least that can run it, behind filters that of the motion itself.
+    ``followed_share`` is what the axes make of the commanded stroke, ``delay_s`` by how much they are behind
+    it and ``path_error_mm`` how far they leave the path; None where they are taken to follow.
+    ``clearances`` the flank clearance that the forward stroke uses up at the
     largest and the smallest diameter, none where the diameter is not known.
     """
 
@@ -58,7 +61,9 @@ class CutReport:
     verdict: Verdict
     misses_plan: bool
     acceleration_mm_s2: float
-    servo_share: float | None
+    followed_share: float | None
+    delay_s: float | None
+    path_error_mm: float | None
     clearances: tuple[Clearance, ...]
 
     def __repr__(self) -> str:
@@ -145,12 +150,13 @@ def measure_cut(result: InterpretedProgram, region: Region, plan: CutPlan, expan
         feed_mm_rev=plan.wave.feed_mm_rev,
         edges=plan.edges,
         diameter_mm=largest_mm if largest_mm > 0.0 else None,
-        steady_s=_steady_s(plan, expansion, time_s),
+        steady_s=_steady_s(plan, expansion, time_s, motion),
         waveform=plan.wave.waveform,
         alpha_share=plan.wave.alpha_share,
     )
+    is_filtered = motion.delay_s > 0.0
     peak_mm_s = law.peak_speed_mm_s(blocks, moves.feed_mm_s)
-    if peak_mm_s is not None:
+    if peak_mm_s is not None and not is_filtered:
         verdict = replace(verdict, peak_speed_mm_s=peak_mm_s)
     clearances = [
         Clearance(d, flank_clearance_deg(verdict.peak_speed_mm_s, d, plan.solution.speed_rpm))
@@ -168,8 +174,12 @@ def measure_cut(result: InterpretedProgram, region: Region, plan: CutPlan, expan
         len(moves.feed_mm_s),
         verdict,
         is_late or (off_count and verdict.per_rev > 0.0),
-        least_acceleration_mm_s2(plan.wave, plan.solution.per_rev),
-        _servo_share(result, plan),
+        motion.peak_acceleration_mm_s2
+        if is_filtered
+        else least_acceleration_mm_s2(plan.wave, plan.solution.per_rev),
+        verdict.stroke_mm / plan.wave.stroke_mm if is_filtered else None,
+        motion.delay_s if is_filtered else None,
+        motion.path_error_mm if is_filtered else None,
         tuple(clearances),
     )
 
@@ -198,28 +208,16 @@ def _check_dwells(dwell_s: Floats, wanted_s: Floats) -> None:
         raise SelfCheckError("the tool does not stand where, or as long as, it should")
 
 
-def _servo_share(result: InterpretedProgram, plan: CutPlan) -> float | None:
-    """The weakest drive among the axes that move; None where the profile says nothing of them."""
-    if not plan.wave.shape.turns_back:
-        return None
-    axes = [result.settings.axes[axis] for axis in plan.chain.axes]
-    shares = [
-        servo_share(
-            plan.solution.frequency_hz,
-            axis.position_gain_1_s,
-            None if axis.acc_dec_ms is None else axis.acc_dec_ms / MS_PER_S,
-        )
-        for axis in axes
-        if axis.position_gain_1_s is not None or axis.acc_dec_ms is not None
-    ]
-    return min(shares, default=None)
+def _steady_s(plan: CutPlan, expansion: Expansion, time_s: Floats, motion: Motion) -> tuple[float, float]:
+    """The part of full stroke, from the time of the plan to that of the machine.
 
-
-def _steady_s(plan: CutPlan, expansion: Expansion, time_s: Floats) -> tuple[float, float]:
-    """The part of full stroke, from the time of the plan to the time of the control."""
+    Behind filters it begins when they no longer show what was before, in a short cut as late as they are.
+    """
     planned_s = np.concatenate(([0.0], expansion.time_s))
-    first, last = np.interp(full_window(plan.wave), planned_s, time_s)
-    return float(first), float(last)
+    first, last = np.interp(full_window(plan.wave), planned_s, time_s).tolist()
+    if last - first >= motion.settling_s + _SETTLED_VIBRATIONS * plan.wave.period_s:
+        return first + motion.settling_s, last
+    return first + motion.delay_s, last + motion.delay_s
 
 
 def _is_late(law: ControlLaw, duration_s: float, planned_s: float) -> bool:

@@ -1,0 +1,210 @@
+"""What an axis makes of its commanded motion: the acc/dec filter of the control, and the position loop.
+
+Both take no time from blocks and some of each stroke, and the axis comes later.  Linear acc/dec is a moving
+average of the position, bell-shaped acc/dec two of them in a row, exponential acc/dec and a position loop are
+lags of first order.  What they make of a motion that is even between its knots is worked out exactly at any
+time: an average from the integrals of the motion, a lag from its own exponential.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from chipbreak.kinematics.floats import Floats
+from chipbreak.text.named_tuple import NamedTuple
+
+_SETTLED = 18.0  # lag times after which a lag has made up all but 1e-8 of what it was behind
+_NEARLY_SETTLED = 7.0  # lag times after which it has made up all but a thousandth
+_SHARP = 0.25
+_PIECES = 8  # of what an average makes of a bend
+_LADDER = 16  # of what a lag makes of one
+_SAME_S = 1e-9
+_GONE = 1e-18  # a share of a motion that no longer counts
+
+
+class AxisFilter(NamedTuple):
+    """Moving averages over these times, at most two, and lags of first order with these times [s]."""
+
+    averages_s: tuple[float, ...] = ()
+    lags_s: tuple[float, ...] = ()
+
+    @property
+    def delay_s(self) -> float:
+        """How much later the axis is where it moves evenly."""
+        return sum(self.averages_s) / 2.0 + sum(self.lags_s)
+
+    @property
+    def settling_s(self) -> float:
+        """How long a change of the command is still seen, but for a thousandth."""
+        return sum(self.averages_s) + _NEARLY_SETTLED * sum(self.lags_s)
+
+    @property
+    def rest_s(self) -> float:
+        """How long after the command the axis rests too."""
+        return sum(self.averages_s) + _SETTLED * sum(self.lags_s)
+
+    @property
+    def shifts_s(self) -> tuple[float, ...]:
+        """How much later than a knot of the command its averages bend."""
+        shifts: tuple[float, ...] = (0.0,)
+        for average_s in self.averages_s:
+            shifts += tuple(shift + average_s for shift in shifts)
+        return shifts
+
+
+NO_FILTER = AxisFilter()
+
+
+def axis_filter(
+    acc_dec: str,
+    acc_dec_s: float | None,
+    bell_s: float | None,
+    position_gain_1_s: float | None,
+    feed_forward: float,
+) -> AxisFilter:
+    """The filter of an axis: acc/dec of a kind and its times, then the position loop, T = (1 - FF) / Kp.
+
+    >>> axis_filter("linear", 0.016, None, 50.0, 0.0)
+    AxisFilter(averages_s=(0.016,), lags_s=(0.02,))
+    """
+    is_lag = acc_dec == "exponential"
+    averages = [] if is_lag else [acc_dec_s or 0.0]
+    averages.append(bell_s or 0.0)
+    lags = [acc_dec_s or 0.0] if is_lag else []
+    if position_gain_1_s is not None:
+        lags.append((1.0 - feed_forward) / position_gain_1_s)
+    return AxisFilter(tuple(a for a in averages if a > 0.0), tuple(lag for lag in lags if lag > 0.0))
+
+
+def times_to_look_at(
+    time_s: Floats, place_mm: Floats, filters: Sequence[AxisFilter], step_s: float
+) -> Floats:
+    """Times, (m,), between which what filters leave of a motion with knots (n,) is nearly straight.
+
+    The knots, the bends that averages make of them, and more, at most ``step_s`` apart, until the axes rest.
+    Where the motion bends sharply and a filter is shorter than these steps, they lie as dense as it asks.
+    """
+    rest_s = max(one.rest_s for one in filters)
+    sharp_s = _sharp_bends(time_s, place_mm)
+    later = [time_s + shift for shift in sorted({shift for one in filters for shift in one.shifts_s})]
+    for one in filters:
+        for shift in one.shifts_s:
+            later += [sharp_s + shift + after_s for after_s in _soon_after(one, step_s)]
+    bends = np.sort(np.concatenate(later))
+    bends = np.append(bends[bends < time_s[-1] + rest_s - _SAME_S], time_s[-1] + rest_s)
+    bends = bends[np.append(True, np.diff(bends) > _SAME_S)]
+    pieces = np.maximum(np.ceil(np.diff(bends) / step_s - 1e-6).astype(np.intp), 1)
+    starts = np.cumsum(pieces) - pieces
+    rank = np.arange(int(pieces.sum())) - np.repeat(starts, pieces)
+    inner = np.repeat(bends[:-1], pieces) + np.repeat(np.diff(bends) / pieces, pieces) * rank
+    return np.append(inner, bends[-1])
+
+
+def _sharp_bends(time_s: Floats, place_mm: Floats) -> Floats:
+    """The knots where the speed changes by much of what it changes anywhere, the first and the last too."""
+    speed = np.concatenate([[0.0], np.diff(place_mm) / np.diff(time_s), [0.0]])
+    change = np.abs(np.diff(speed))
+    sharp: Floats = time_s[change >= _SHARP * change.max()]
+    return sharp
+
+
+def _soon_after(axis: AxisFilter, step_s: float) -> list[float]:
+    """How long after a sharp bend more times are needed, for filters that are over in a few steps."""
+    found = []
+    for lag_s in axis.lags_s:
+        if lag_s < _PIECES * step_s:
+            found += [-2.0 * lag_s * math.log(1.0 - piece / _LADDER) for piece in range(1, _LADDER)]
+    for average_s in axis.averages_s:
+        if average_s < _PIECES * step_s:
+            found += [average_s * piece / _PIECES for piece in range(1, _PIECES)]
+    return found
+
+
+def filtered(time_s: Floats, place_mm: Floats, axis: AxisFilter, at_s: Floats) -> Floats:
+    """Where an axis really is at rising times ``at_s``, (m,), for a motion with knots (n,).
+
+    It rests before the first knot and behind the last one.  ``at_s`` begins with the first knot; a lag takes
+    its input as straight between two of these times.
+    """
+    x_mm = _averaged(time_s, place_mm, axis.averages_s, at_s)
+    for lag_s in axis.lags_s:
+        x_mm = _lagging(at_s, x_mm, lag_s)
+    return x_mm
+
+
+def _averaged(time_s: Floats, place_mm: Floats, averages_s: Sequence[float], at_s: Floats) -> Floats:
+    """The motion behind its moving averages, from its first or second integral, (m,)."""
+    if not averages_s:
+        return np.interp(at_s, time_s, place_mm)
+    # What is integrated is small: the way from a motion at an even speed.
+    span_s = float(time_s[-1] - time_s[0])
+    speed_mm_s = float(place_mm[-1] - place_mm[0]) / span_s
+    reach_s = sum(averages_s)
+    last_s = max(float(at_s[-1]), float(time_s[-1])) + reach_s
+    knots_s = np.concatenate([[time_s[0] - 2.0 * reach_s], time_s, [last_s]])
+    knots_mm = np.concatenate([place_mm[:1], place_mm, place_mm[-1:]]) - place_mm[0]
+    knots_mm -= speed_mm_s * (knots_s - time_s[0])
+    integral = _Integral(knots_s, knots_mm)
+    if len(averages_s) == 1:
+        (one_s,) = averages_s
+        mean_mm = (integral.once(at_s) - integral.once(at_s - one_s)) / one_s
+    else:
+        one_s, other_s = averages_s
+        ahead = integral.twice(at_s) - integral.twice(at_s - one_s)
+        behind = integral.twice(at_s - other_s) - integral.twice(at_s - one_s - other_s)
+        mean_mm = (ahead - behind) / (one_s * other_s)
+    even_mm = place_mm[0] + speed_mm_s * (at_s - time_s[0] - reach_s / 2.0)
+    averaged: Floats = mean_mm + even_mm
+    return averaged
+
+
+class _Integral:
+    """The first and the second integral of a motion that is straight between knots, (n,)."""
+
+    def __init__(self, time_s: Floats, place_mm: Floats) -> None:
+        self.time_s = time_s
+        self.place_mm = place_mm
+        step_s = np.diff(time_s)
+        self.slope = np.diff(place_mm) / step_s
+        once = step_s * (place_mm[:-1] + place_mm[1:]) / 2.0
+        self.first = np.append(0.0, np.cumsum(once))
+        twice = self.first[:-1] * step_s + step_s**2 * (2.0 * place_mm[:-1] + place_mm[1:]) / 6.0
+        self.second = np.append(0.0, np.cumsum(twice))
+
+    def once(self, at_s: Floats) -> Floats:
+        """The integral up to times, (m,)."""
+        cell, since_s = self._cells(at_s)
+        once: Floats = self.first[cell] + (self.place_mm[cell] + self.slope[cell] * since_s / 2.0) * since_s
+        return once
+
+    def twice(self, at_s: Floats) -> Floats:
+        """The integral of the integral up to times, (m,)."""
+        cell, since_s = self._cells(at_s)
+        bend = self.place_mm[cell] / 2.0 + self.slope[cell] * since_s / 6.0
+        twice: Floats = self.second[cell] + (self.first[cell] + bend * since_s) * since_s
+        return twice
+
+    def _cells(self, at_s: Floats) -> tuple[np.ndarray[tuple[int], np.dtype[np.intp]], Floats]:
+        cell = np.clip(np.searchsorted(self.time_s, at_s, "right") - 1, 0, len(self.slope) - 1)
+        return cell, at_s - self.time_s[cell]
+
+
+def _lagging(at_s: Floats, x_mm: Floats, lag_s: float) -> Floats:
+    """What a lag of first order makes of a motion with knots (m,) that begins at rest.
+
+    How far it is behind, y - x, goes down by exp(-h / T) in a step of h and grows by what x moves; all steps
+    are added up at once, each round over twice as many.
+    """
+    step_s = np.diff(at_s)
+    left = np.exp(-step_s / lag_s)
+    behind = np.diff(x_mm) / step_s * (lag_s * np.expm1(-step_s / lag_s))
+    width = 1
+    while width < len(left) and left.max() > _GONE:
+        behind[width:] += left[width:] * behind[:-width]
+        left[width:] *= left[:-width]
+        left[:width] = 0.0
+        width *= 2
+    return np.append(x_mm[0], x_mm[1:] + behind)

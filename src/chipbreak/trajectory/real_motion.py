@@ -1,0 +1,129 @@
+"""The motion that the machine really makes of a commanded one: each axis behind its own filter.
+
+Where all axes that move have the same filter and the path is straight, that is the filter of the distance.
+Elsewhere each axis is filtered on its own, and what comes out is seen along the path, at the place where the
+tool then is; how far it leaves the path is told too.  Between two knots of the command the tool is taken to
+move evenly in each axis, which on arcs it does but for the chord of a block.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from chipbreak.kinematics.floats import Floats
+from chipbreak.trajectory.filters import NO_FILTER, AxisFilter, filtered, times_to_look_at
+from chipbreak.trajectory.junctions import Blocks
+from chipbreak.trajectory.motion import Motion
+
+_PIECES = 32  # of a stroke: a parabola in so many chords is off by a thousandth of its height
+_MOST_TIMES = 2_000_000
+_STRAIGHT_MM = 0.002  # off a line by no more than rounding
+_STILL_MM = 1e-12
+_LOOKS = 2  # along the path, each from the place that the last one found
+
+
+def followed(motion: Motion, distance_mm: Floats, blocks: Blocks, filters: Sequence[AxisFilter]) -> Motion:
+    """What axes with these filters, one a coordinate of a point, make of a commanded motion.
+
+    ``distance_mm`` (n + 1,) is where along the path each of the blocks ends.
+    """
+    ways_mm = np.abs(blocks.moved_mm).max(axis=0, initial=0.0)
+    moving = [axis for axis, way_mm in enumerate(ways_mm[: len(filters)]) if way_mm > _STILL_MM]
+    own = [filters[axis] for axis in moving]
+    if all(one == NO_FILTER for one in own):
+        return motion
+    at_s = times_to_look_at(motion.time_s, motion.distance_mm, own, _step_s(motion, own))
+    points_mm = np.concatenate([np.zeros((1, 3)), np.cumsum(blocks.moved_mm, axis=0)])
+    if _is_straight(points_mm):
+        along_mm, off_mm = _on_a_line(motion, points_mm, moving, own, at_s)
+    else:
+        path = _Polyline(distance_mm, points_mm[:, moving])
+        along_mm, off_mm = _on_a_bent_path(motion, path, own, at_s)
+    along_mm[-1] = motion.distance_mm[-1]
+    return motion._replace(
+        time_s=at_s,
+        distance_mm=along_mm,
+        delay_s=max(one.delay_s for one in own),
+        settling_s=max(one.settling_s for one in own),
+        path_error_mm=off_mm,
+    )
+
+
+def _step_s(motion: Motion, filters: Sequence[AxisFilter]) -> float:
+    """How dense the times must lie: so many pieces a stroke, within what memory holds."""
+    ways = np.diff(motion.distance_mm)
+    moving = np.flatnonzero(np.abs(ways) > _STILL_MM)
+    turns = moving[np.flatnonzero(np.diff(np.sign(ways[moving]))) + 1]
+    slowest_s = max(max((*one.averages_s, *one.lags_s), default=0.0) for one in filters)
+    stroke_s = float(np.median(np.diff(motion.time_s[turns]))) if len(turns) > 2 else 8.0 * slowest_s
+    whole_s = float(motion.time_s[-1])
+    return max(stroke_s / _PIECES, whole_s / _MOST_TIMES)
+
+
+def _is_straight(points_mm: Floats) -> bool:
+    """True where no point lies further from the line through the first and the furthest than rounding."""
+    from_start = points_mm - points_mm[0]
+    sizes = np.einsum("ij,ij->i", from_start, from_start)
+    furthest = from_start[int(sizes.argmax())]
+    way = furthest / np.sqrt(max(float(sizes.max()), _STILL_MM**2))
+    across = from_start - np.outer(from_start @ way, way)
+    return bool(np.abs(across).max() <= _STRAIGHT_MM)
+
+
+def _on_a_line(
+    motion: Motion, points_mm: Floats, moving: Sequence[int], filters: Sequence[AxisFilter], at_s: Floats
+) -> tuple[Floats, float]:
+    """Where the tool is along a line, and how far beside it at most: each axis takes its share of the way."""
+    places = {one: filtered(motion.time_s, motion.distance_mm, one, at_s) for one in dict.fromkeys(filters)}
+    if len(places) == 1:
+        return places[filters[0]], 0.0
+    way = points_mm[int(np.abs(points_mm).max(axis=1).argmax())][list(moving)]
+    shares = (way / np.sqrt(way @ way)) ** 2
+    along = sum(share * places[one] for share, one in zip(shares.tolist(), filters, strict=True))
+    assert isinstance(along, np.ndarray)
+    off = sum(share * (places[one] - along) ** 2 for share, one in zip(shares.tolist(), filters, strict=True))
+    return along, float(np.sqrt(np.max(off)))
+
+
+def _on_a_bent_path(
+    motion: Motion, path: _Polyline, filters: Sequence[AxisFilter], at_s: Floats
+) -> tuple[Floats, float]:
+    """Where the tool is along arcs and corners, and how far off the path at most."""
+    commanded = path.points(motion.distance_mm)
+    columns = [filtered(motion.time_s, commanded[:, row], one, at_s) for row, one in enumerate(filters)]
+    real = np.stack(columns, axis=1)
+    # A first guess, on the path, then what is left seen along the path there.
+    guesses = [filtered(motion.time_s, motion.distance_mm, one, at_s) for one in dict.fromkeys(filters)]
+    along = path.within(np.mean(guesses, axis=0))
+    for _ in range(_LOOKS):
+        off = real - path.points(along)
+        along = path.within(along + np.einsum("ij,ij->i", off, path.ways_at(along)))
+    off = real - path.points(along)
+    return along, float(np.sqrt(np.einsum("ij,ij->i", off, off).max()))
+
+
+class _Polyline:
+    """The path of some blocks, as far as they say it: places along it, (k,), and points there, (k, axes)."""
+
+    def __init__(self, distance_mm: Floats, points_mm: Floats) -> None:
+        self.places_mm, first = np.unique(distance_mm, return_index=True)
+        self.corners_mm = points_mm[first]
+        ways = np.diff(self.corners_mm, axis=0)
+        self.ways = ways / np.sqrt(np.einsum("ij,ij->i", ways, ways))[:, np.newaxis]
+
+    def points(self, along_mm: Floats) -> Floats:
+        """Points at places, (n,) -> (n, axes)."""
+        columns = [np.interp(along_mm, self.places_mm, column) for column in self.corners_mm.T]
+        return np.stack(columns, axis=1)
+
+    def ways_at(self, along_mm: Floats) -> Floats:
+        """Directions at places, (n,) -> (n, axes)."""
+        cell = np.searchsorted(self.places_mm, along_mm, "right") - 1
+        ways: Floats = self.ways[np.clip(cell, 0, len(self.ways) - 1)]
+        return ways
+
+    def within(self, along_mm: Floats) -> Floats:
+        """Places that the path has."""
+        return np.clip(along_mm, self.places_mm[0], self.places_mm[-1])
