@@ -5,7 +5,6 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import pytest
 
@@ -156,8 +155,7 @@ def test_a_restarted_spindle_may_wait_for_the_speed_of_the_program(monkeypatch: 
 # --- promises of its own ----------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Counted(Promise):
+class Counted(Promise, kw_only=True):
     """So many blocks stand in the output."""
 
     count: int
@@ -186,8 +184,7 @@ def test_a_new_kind_of_promise_that_does_not_hold_stops_the_output(monkeypatch: 
         run(monkeypatch, Stub("stub", lambda _: [edit]))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Unrolled(Promise):
+class Unrolled(Promise, kw_only=True):
     """The passes of a cycle, each down to its depth."""
 
     depths_mm: tuple[float, ...]

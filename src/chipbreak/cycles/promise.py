@@ -8,7 +8,6 @@ no more than the depth in one pass, and rush through no stock.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,8 +26,7 @@ _SAME_MM = 1e-6
 _POINTS_OF_ARC = 2001
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class UnrolledCycle(Promise):
+class UnrolledCycle(Promise, kw_only=True):
     """The tool comes back to where it was, and nothing but F and S may be another.
 
     Where ``leaves_motion``, the next move says its own motion code.
@@ -56,13 +54,11 @@ class UnrolledCycle(Promise):
         return difference(was.with_motion(now.modes.motion) if self.leaves_motion else was, now)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class RemovedContour(UnrolledCycle):
+class RemovedContour(UnrolledCycle, kw_only=True):
     """A contour that nothing calls any more: no blocks stand for it."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class CopiedContour(UnrolledCycle):
+class CopiedContour(UnrolledCycle, kw_only=True):
     """The finishing cut: the moves of the contour, and the way back to the start."""
 
     ends: tuple[Position, ...]
@@ -76,8 +72,7 @@ class CopiedContour(UnrolledCycle):
             raise SelfCheckError(f"the finishing cut at line {written.edit.first + 1} misses its contour")
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SinglePasses(UnrolledCycle):
+class SinglePasses(UnrolledCycle, kw_only=True):
     """Passes of four moves each: to the level, along it, out, and back to the start."""
 
     moves: tuple[tuple[bool, float, float], ...]
@@ -96,8 +91,7 @@ class SinglePasses(UnrolledCycle):
             raise SelfCheckError(f"the passes at line {written.edit.first + 1} are not those of the cycle")
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class UnrolledRoughing(UnrolledCycle):
+class UnrolledRoughing(UnrolledCycle, kw_only=True):
     """The passes of a roughing cycle remove the stock over its contour."""
 
     cycle: Roughing

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 from chipbreak.editing.promise import Promise
 from chipbreak.kinematics.floats import Floats
 from chipbreak.text.diagnostics import SelfCheckError
 from chipbreak.text.named_tuple import NamedTuple
+from chipbreak.text.record import Record
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class MoveTable:
+class MoveTable(Record):
     """Many moves as columns of numbers, one row a block.
 
     ``letters[i]``, such as ``Z`` or ``Z=``, is printed before ``columns[i]`` (shape (n,), program units) with

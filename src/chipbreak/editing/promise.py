@@ -3,13 +3,17 @@
 A pass gives every edit a promise; when the output is read again, each promise is looked after.  Part of every
 promise is that the edit leaves no trace: before and behind it the control is in the state of the original and
 the tool in its place, or on a way on which the program itself takes it to the next cut.  A class here, or in
-the room that makes the edit, says what must hold beyond that.
+the room that makes the edit, says what must hold beyond that::
+
+    class Turns(Promise, kw_only=True):
+        speed_rpm: float
+
+        def check(self, written: Written) -> None: ...
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from chipbreak.editing.restore import Region
@@ -18,13 +22,13 @@ from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
 from chipbreak.model.state_difference import spindle_speed
 from chipbreak.text.diagnostics import SelfCheckError
+from chipbreak.text.record import Record
 
 if TYPE_CHECKING:
     from chipbreak.editing.edits import Edit
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Written:
+class Written(Record):
     """An edit, and what stands for it in the output.
 
     ``original`` and ``result`` are the program before and after all edits, loops written out.  ``region`` is
@@ -69,8 +73,7 @@ class Written:
         return self.region.last + line - self.edit.last
 
 
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class Promise:
+class Promise(Record, kw_only=True):
     """Nothing but what every edit keeps: the state of the control, the place of the tool, the spindle speed.
 
     ``leaves_motion``: behind the edit another of G0 to G3 may be in force, for the next move says its own.
@@ -88,8 +91,7 @@ class Promise:
         return None
 
 
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class SpeedCommanded(Promise):
+class SpeedCommanded(Promise, kw_only=True):
     """Behind the edit the spindle is commanded to turn at ``speed_rpm``."""
 
     speed_rpm: float
@@ -103,8 +105,7 @@ class SpeedCommanded(Promise):
             raise SelfCheckError(f"{needed}, S{now.value:g} is commanded")
 
 
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class SpeedGivenBack(Promise):
+class SpeedGivenBack(Promise, kw_only=True):
     """Behind the edit the spindle speed is the programmed one, in its mode."""
 
     leaves_speed: bool = True
@@ -116,8 +117,7 @@ class SpeedGivenBack(Promise):
             raise SelfCheckError(f"before line {line} the spindle speed is not the programmed one")
 
 
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class SpindleRestarted(Promise):
+class SpindleRestarted(Promise, kw_only=True):
     """The spindle is stopped and started again; the next cut behind has the programmed speed."""
 
     leaves_speed: bool = True

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
 
 from chipbreak.settings.sections import Checks, Macros, Settings
 from chipbreak.text.diagnostics import RefusalError
@@ -24,7 +23,6 @@ class UnsetError(RefusalError):
     """The settings lack something that nobody may guess."""
 
 
-@dataclass(frozen=True)
 class MacroSettings(Macros):
     """All values that are written into the macros."""
 

@@ -31,6 +31,7 @@ from chipbreak.operations.main_program import MainProgram
 from chipbreak.syntax.nodes import Block, Comment
 from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, RefusalError
 from chipbreak.text.named_tuple import NamedTuple
+from chipbreak.text.record import ValueRecord
 
 _EMPTY = 0  # the tool that T0 M6 leaves in the spindle
 # Canned cycles that do not drill: tapping, and the boring that leaves a finished bore.
@@ -39,8 +40,7 @@ _CYCLE_ORDER = (Kind.FINISH, Kind.ROUGH, Kind.THREAD, Kind.DRILL, Kind.PROBE)
 _BY_CYCLE = "cycle "  # how such a reason begins
 
 
-@dataclass(frozen=True, slots=True)
-class Operation:
+class Operation(ValueRecord):
     """One operation; lines count from 0, ``last_line`` is exclusive.
 
     ``reason``     why it is of this kind: the words, and their line

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from chipbreak.editing.edits import Edit
 from chipbreak.editing.promise import Promise
@@ -18,6 +18,7 @@ from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import Diagnostic
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.named_tuple import NamedTuple
+from chipbreak.text.record import Record
 from chipbreak.tools.merge import ToolTable
 from chipbreak.vibration.left_cut import LeftCut
 
@@ -34,8 +35,7 @@ class RunOptions(NamedTuple):
 _NO_OPTIONS = RunOptions()
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Context:
+class Context(Record):
     """All that a pass may look at.
 
     ``read_tools`` gives the tool table, read when it is first asked for.  ``planned`` are the edits of the

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from chipbreak.dialects import Dialect
@@ -11,6 +11,7 @@ from chipbreak.dialects.numbers import NumberRule
 from chipbreak.kinematics.wave_names import WAVE_NAMES
 from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.text.frozen_table import FrozenTable
+from chipbreak.text.record import ValueRecord
 from chipbreak.trajectory.law_names import LAW_KEYS
 from chipbreak.units import mm_per_step
 
@@ -35,26 +36,7 @@ def _digits(default: int) -> Any:
     return field(default=default, metadata={"at_least": 0, "below": 10})
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Section:
-    """What all sections share: equal where their values are, and shown with them.
-
-    Written once, because a dataclass makes these anew for every class, and every run waits for it.
-    """
-
-    def __eq__(self, other: object) -> bool:
-        return type(other) is type(self) and vars(other) == vars(self)
-
-    def __hash__(self) -> int:
-        return hash(tuple(vars(self).values()))
-
-    def __repr__(self) -> str:
-        said = ", ".join(f"{name}={value!r}" for name, value in vars(self).items())
-        return f"{type(self).__name__}({said})"
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Control(Section):
+class Control(ValueRecord):
     """How the control reads and prints blocks."""
 
     dialect: str = ""
@@ -66,8 +48,7 @@ class Control(Section):
     dwell_word: str = _one_of("", "X", "U", "P")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Command(Section):
+class Command(ValueRecord):
     """The periods in which the control can command a vibration."""
 
     base_period_ms: float = _above(4.0)
@@ -81,8 +62,7 @@ class Command(Section):
 OPERATION_KINDS = ("rough", "semi-finish", "finish", "drill", "thread", "probe", "unknown")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Vibration(Section):
+class Vibration(ValueRecord):
     """Defaults for what a program does not say about its vibrated cuts.
 
     ``only`` names the operations for whose cuts the profile asks, kinds or tools (``T3``).  ``refused`` says
@@ -115,8 +95,7 @@ class Vibration(Section):
     air: str = _one_of("leave", "vibrate")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Output(Section):
+class Output(ValueRecord):
     """How an expanded cut is written."""
 
     feed_mode: str = _one_of("rev", "inverse", "minute")
@@ -140,8 +119,7 @@ class Output(Section):
         return fine if self.feed_mode == "rev" else max(1, fine - 3)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Axis(Section):
+class Axis(ValueRecord):
     """How the control commands one axis, and what it can do.
 
     ``letter`` is the axis's own name where it is not set.  ``sign`` is 1 where the tool moves, -1 where the
@@ -165,8 +143,7 @@ class Axis(Section):
     steps_per_mm: float | None = _above(None)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Planner(Section):
+class Planner(ValueRecord):
     """How the control times blocks, and the path mode and smoothing it needs around a vibrated cut.
 
     Corners are passed at the speed that ``junction_deviation_mm`` allows, or at that of
@@ -191,8 +168,7 @@ class Planner(Section):
     smoothing_on: str = ""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Spindle(Section):
+class Spindle(ValueRecord):
     """What the spindle can do."""
 
     min_rpm: float = _at_least(0.0)
@@ -201,8 +177,7 @@ class Spindle(Section):
     settle_s: float = field(default=0.0, metadata={"at_least": 0.0, "below": 600.0})
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Checks(Section):
+class Checks(ValueRecord):
     """Tool checks: whether, which calls, which limits.
 
     ``strict`` makes an error of a check that is left out.  ``sister`` is the tool that may take another one's
@@ -235,8 +210,7 @@ class Checks(Section):
     alarm_base: int = _between(100, 1, 9_900)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Macros(Section):
+class Macros(ValueRecord):
     """What the macros must know about the machine and its laser barrier; lengths in mm, feeds in mm/min.
 
     Positions are in machine coordinates.  ``beam_input`` is the number of the signal variable (#1000 and up)
@@ -273,16 +247,14 @@ class Macros(Section):
     laser_off: str = ""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Tools(Section):
+class Tools(ValueRecord):
     """Files with tool data, the first that says something first; ``table_unit`` is that of ``tool.tbl``."""
 
     files: tuple[str, ...] = ()
     table_unit: str = _one_of("program", "mm", "inch")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Cycles(Section):
+class Cycles(ValueRecord):
     """Roughing and finishing cycles that are written out as plain blocks.
 
     ``unroll``: those whose cuts are asked to vibrate, all, or none.  ``depth_unit`` is what D without a
@@ -295,15 +267,13 @@ class Cycles(Section):
     retract_mm: float = _at_least(0.5)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Passes(Section):
+class Passes(ValueRecord):
     """Passes of other installed packages that run behind the shipped ones, in the order of their names."""
 
     extra: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Settings(Section):
+class Settings(ValueRecord):
     """Everything a run needs to know about the machine.  ``origins`` maps ``section.key`` to its source.
 
     ``plugins`` holds the options of each pass of another package as the profile says them, unchecked.

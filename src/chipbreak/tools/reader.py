@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from chipbreak.text.named_tuple import NamedTuple
+from chipbreak.text.record import ValueRecord
 from chipbreak.tools.data import ToolData
 
 
@@ -20,8 +20,7 @@ def _by_suffix_alone(_data: bytes, _name: str) -> bool:
     return False
 
 
-@dataclass(frozen=True)
-class ToolReader:
+class ToolReader(ValueRecord):
     """Reads one kind of tool file.
 
     ``suffixes``    ends of its files' names, in lower case and with their point; messages list them

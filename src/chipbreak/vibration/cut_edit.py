@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 from chipbreak.editing.edits import Edit
 from chipbreak.editing.promise import Promise, Written
@@ -18,8 +17,7 @@ from chipbreak.vibration.measure import CutMotion, CutReport, measure_cut, measu
 from chipbreak.vibration.plan import CutPlan
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class VibratedCut(Promise):
+class VibratedCut(Promise, kw_only=True):
     """The blocks of the edit run this plan: along its path, in its time, at its spindle speed."""
 
     plan: CutPlan

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from chipbreak.editing.edits import Edit
 from chipbreak.editing.promise import Promise, Written
 from chipbreak.operations.kinds import Kind
@@ -13,8 +11,7 @@ from chipbreak.text.diagnostics import RefusalError, SelfCheckError
 STOPS = (0.0, 1.0)  # M0 and M1
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Stops(Promise):
+class Stops(Promise, kw_only=True):
     """The control stops there, and all else is as it was."""
 
     def check(self, written: Written) -> None:
