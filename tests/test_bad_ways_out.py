@@ -44,6 +44,7 @@ WAYS: dict[str, list[Way]] = {
     "chips-do-not-break": [("Q0.5", "Q1.06")],
     "contour-of-a-cycle": [("N1.5", ""), ("G7.*P100.*\n", "")],
     "comment-not-closed": [("APPROACH", "APPROACH)")],
+    "control-refuses-a-code": [(" G64", "")],
     "control-reads-too-few-blocks-of-a-sine": ["vibration.waveform=triangle"],
     "control-reads-too-few-blocks": [("N1.5", "N1.5 f41.6667")],
     "corner-is-too-slow": [("N1.5", "N1.5 f50")],

@@ -17,6 +17,8 @@ from chipbreak.dialects.base import NON_MODAL, Code, CommentMarks, Dialect
 from chipbreak.dialects.check_programs import BUILT_IN, PROBE_MAKERS, CallTemplates, MacroSet
 from chipbreak.dialects.fanuc import FANUC_LATHE_A, FANUC_LATHE_B, FANUC_LATHE_C, FANUC_MILL
 from chipbreak.dialects.generic import GENERIC_LATHE
+from chipbreak.dialects.grbl import GRBL, GRBLHAL_LATHE
+from chipbreak.dialects.klipper import KLIPPER
 from chipbreak.dialects.linuxcnc import LINUXCNC_LATHE, LINUXCNC_MILL
 from chipbreak.dialects.plug_ins import offered, offered_names
 
@@ -28,6 +30,9 @@ DIALECTS: tuple[Dialect, ...] = (
     FANUC_MILL,
     LINUXCNC_LATHE,
     LINUXCNC_MILL,
+    GRBLHAL_LATHE,
+    GRBL,
+    KLIPPER,
 )
 
 __all__ = [

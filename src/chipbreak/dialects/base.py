@@ -134,6 +134,29 @@ CHANGER_M_CODES = COMMON_M_CODES | m_table(tool={"M6": "change"})
 THROUGH_SPINDLE = m_table(coolant_through={"M88": "on", "M89": "off"})
 
 
+class Stops(NamedTuple):
+    """What a control that knows no mercy stops at, beside the codes that are not in its tables.
+
+    ``letters``        that words may have
+    ``tape_mark``      it stops at the % at the ends of a program
+    ``line_chars``     the most characters of a line with its comments, 0 for no limit
+    ``code_chars``     the same without comments and blanks
+    ``real_time``      characters that it obeys wherever they stand, in comments too
+    ``real_time_from`` all bytes from this one on are such, 0 for none
+    ``one_command``    a line is one G or M code, in front, and the words of it
+    ``has_own_commands`` lines that are no words may be commands of its own
+    """
+
+    letters: str
+    tape_mark: bool = False
+    line_chars: int = 0
+    code_chars: int = 0
+    real_time: str = ""
+    real_time_from: int = 0
+    one_command: bool = False
+    has_own_commands: bool = False
+
+
 class Dialect(NamedTuple):
     """A control's vocabulary.
 
@@ -151,6 +174,7 @@ class Dialect(NamedTuple):
     ``surface_needs_speed`` a G96 without S is refused
     ``lone_dwell_words`` letters that are the time of a G4 which has none of its own words
     ``dwell_word``    the letter of seconds in a G4 block
+    ``dwells_per_s``  what a second is in this word: 1000 where it counts milliseconds
     ``machine_retract`` blocks that take the tool to the machine's safe end of travel, in order
     ``kept_variables`` first and last numbers of the variables in which programs may keep values
     ``retract_is_absolute`` these blocks must not stand in incremental mode
@@ -175,6 +199,9 @@ class Dialect(NamedTuple):
                       among them act as always
     ``returning_cycles`` cycles (their non-modal values) behind which the tool is back where they began
     ``bare_arc_is_line`` an arc block without R, I, J and K moves in a line; without it, it is refused
+    ``settings``      numbers of $ lines (``$11=0.02``) -> the key of the profile that says the same
+    ``stops_at``      what it stops at; None where it is not known to
+    ``repeats_codes`` every block says its code: G1, and with S the M code of the spindle
     """
 
     name: str
@@ -219,6 +246,10 @@ class Dialect(NamedTuple):
     bare_arc_is_line: bool = False
     surface_needs_speed: bool = False
     lone_dwell_words: str = ""
+    dwells_per_s: float = 1.0
+    settings: Mapping[int, str] = FrozenTable({})
+    stops_at: Stops | None = None
+    repeats_codes: bool = False
 
     def code(self, group: str, value: str, like: Collection[int] = ()) -> str:
         """The G code that sets a modal group, such as ``G95`` for feed_mode, rev.
@@ -244,6 +275,10 @@ class Dialect(NamedTuple):
         if not does:
             raise KeyError(f"{group} {value}")
         return f"M{min(does)}"
+
+    def with_code(self, spindle: str, speed: str) -> str:
+        """``S800``, on a control that reads no S alone behind the code of the spindle."""
+        return f"{self.m_code('spindle', spindle)} {speed}" if self.repeats_codes else speed
 
     @property
     def keeps_modes(self) -> bool:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.setting_lines import other_settings
+from chipbreak.model.stops import stops
 from chipbreak.model.units_of_feed import feeds_in_other_units
 from chipbreak.model.unread_words import unread_words
 from chipbreak.text.diagnostics import Diagnostic, Severity
@@ -11,12 +13,14 @@ MISSING_NUMBER = "MOD003"
 
 
 def findings(interpreted: InterpretedProgram) -> list[Diagnostic]:
-    """All warnings, by kind."""
+    """All warnings, by kind, and errors for what the control would stop at."""
     return [
         *interpreted.program.unreadable(),
         *unread_words(interpreted),
         *feeds_in_other_units(interpreted),
         *missing_numbers(interpreted),
+        *other_settings(interpreted),
+        *stops(interpreted),
     ]
 
 

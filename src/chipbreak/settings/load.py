@@ -66,7 +66,7 @@ def _build(
     control = sections["control"]
     dialect = _dialect(layer, control)
     mode = sections["output"].feed_mode
-    if not dialect.can("feed_mode", mode):
+    if not dialect.can("feed_mode", mode) and dialect.initial.feed_mode != mode:
         message = f"output.feed_mode {mode!r}: {dialect.title} has no code for it"
         others = [other for other in ("rev", "inverse", "minute") if dialect.can("feed_mode", other)]
         raise layer.fail(IMPOSSIBLE, "output.feed_mode", message, f"one of {', '.join(others)}")

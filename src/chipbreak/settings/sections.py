@@ -149,11 +149,14 @@ class Planner(ValueRecord):
     Corners are passed at the speed that ``junction_deviation_mm`` allows, or at that of
     ``corner_velocity_mm_s``, which is meant for a right angle.  ``min_cruise_ratio`` is the share of a short
     move that runs evenly.  The limits of the path count in every direction, beside those of the axes.
+    A dwell takes whole ``dwell_step_ms``.
     """
 
     model: str = _one_of(*LAW_KEYS)
     servo_period_ms: float = _above(1.0)
     max_blocks_per_s: float | None = _above(None)
+    max_bytes_per_s: float | None = _above(None)
+    dwell_step_ms: float | None = _above(None)
     reversal_stop_ms: float = _at_least(0.0)
     joint_speed_mm_min: float | None = _at_least(None)
     junction_deviation_mm: float | None = _at_least(None)

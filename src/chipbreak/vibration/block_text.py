@@ -8,18 +8,20 @@ from itertools import pairwise
 
 import numpy as np
 
+from chipbreak.dialects import Dialect
 from chipbreak.editing.edits import MoveTable
 from chipbreak.kinematics.floats import Floats
 from chipbreak.model.giving_back import feed_text
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.vibration.chain import Chain
-from chipbreak.vibration.dwell import DWELL_DECIMALS
+from chipbreak.vibration.dwell import dwell_block
 from chipbreak.vibration.forms import OutputForm
 from chipbreak.vibration.loop import Loop
 
 # More than anybody writes of a position; what a program wrote in fewer comes back as it was.
 END_DECIMALS = 8
+_CODE = "G1 "
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,13 +73,14 @@ def block_text(
     """
     words = columns.words
     places = np.diff(words.absolute, axis=0) if words.incremental else words.absolute[1:]
-    table = columns.table([letter + settings.dialect.set_off for letter in words.letters], places)
+    table = columns.table(_written(words.letters, settings.dialect), places)
     last = len(table) - 1
-    text: list[str | MoveTable] = ["G1 " + _row(table if last else _with_all_digits(table, words), 0)]
+    code = "" if settings.dialect.repeats_codes else _CODE
+    text: list[str | MoveTable] = [code + _row(table if last else _with_all_digits(table, words), 0)]
     if columns.feeds is None:
         assert chain.before.feed is not None
         text[0] = f"{text[0]} F{feed_text(chain.before)}"
-    dwells = _Dwells(columns.dwell_s, settings.dialect.dwell_word)
+    dwells = _Dwells(columns.dwell_s, settings.dialect)
     text += dwells.behind(0)
     at = 1
     for loop, passes in zip(words.loops, _passes(columns, dwells, settings), strict=True):
@@ -92,12 +95,18 @@ def block_text(
     return tuple(text)
 
 
+def _written(letters: Sequence[str], dialect: Dialect) -> list[str]:
+    """The letters as they stand in a block, with the code in front where each block says it."""
+    written = [letter + dialect.set_off for letter in letters]
+    return [_CODE + written[0], *written[1:]] if dialect.repeats_codes else written
+
+
 def _passes(columns: Columns, dwells: _Dwells, settings: Settings) -> Iterator[list[str | MoveTable]]:
     """The blocks of one pass of each loop, between the lines that repeat them."""
     words = columns.words
     if not words.loops:
         return
-    letters = [letter + settings.dialect.set_off for letter in words.distance_letters]
+    letters = _written(words.distance_letters, settings.dialect)
     table = columns.table(letters, np.diff(words.absolute, axis=0))
     switch = _switch(words, settings)
     for number, loop in enumerate(words.loops):
@@ -111,12 +120,12 @@ class _Dwells:
     """The dwells behind the blocks that move."""
 
     dwell_s: Floats
-    word: str
+    dialect: Dialect
 
     def behind(self, row: int) -> list[str]:
         """The dwell behind one block, if there is one."""
         dwell_s = float(self.dwell_s[row]) if len(self.dwell_s) else 0.0
-        return [f"G4 {self.word}{print_number(dwell_s, DWELL_DECIMALS)}"] if dwell_s > 0.0 else []
+        return [dwell_block(dwell_s, self.dialect)] if dwell_s > 0.0 else []
 
     def rows(self, table: MoveTable, first: int, stop: int) -> list[MoveTable]:
         """Rows in tables, each of which has the same dwell behind every row."""

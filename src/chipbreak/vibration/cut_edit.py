@@ -13,6 +13,7 @@ from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.vibration.blocks import Expansion
 from chipbreak.vibration.chain import Chain
+from chipbreak.vibration.dwell import dwell_block
 from chipbreak.vibration.measure import CutMotion, CutReport, measure_cut, measured_motion
 from chipbreak.vibration.plan import CutPlan
 
@@ -65,7 +66,8 @@ def _feed_modes(plan: CutPlan, interpreted: InterpretedProgram) -> tuple[str, li
     if mode != was:
         like = {n for e in interpreted.effects for n in codes_of(e.block, "feed_mode", dialect)}
         return dialect.code("feed_mode", mode, like), [f"{dialect.code('feed_mode', was, like)} {feed}"]
-    return "", [] if plan.expander.ends_at_programmed_feed(plan.wave) else [feed]
+    code = "G1 " if dialect.repeats_codes else ""
+    return "", [] if plan.expander.ends_at_programmed_feed(plan.wave) else [code + feed]
 
 
 def _title(plan: CutPlan) -> str:
@@ -80,7 +82,7 @@ def settling(settings: Settings) -> list[str]:
     """The dwell in which the spindle reaches a new speed."""
     if settings.spindle.settle_s <= 0.0:
         return []
-    return [f"G4 {settings.dialect.dwell_word}{print_number(settings.spindle.settle_s, 3)}"]
+    return [dwell_block(settings.spindle.settle_s, settings.dialect)]
 
 
 def _modes_around(chain: Chain, settings: Settings) -> tuple[list[str], list[str]]:

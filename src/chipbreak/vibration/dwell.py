@@ -10,9 +10,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from chipbreak.dialects import Dialect
 from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.sourced_value import shown
 from chipbreak.kinematics.waveform import WaveformParameters
+from chipbreak.syntax.numbers import print_number
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.trajectory.law import ControlLaw
 from chipbreak.units import MS_PER_S, S_PER_MIN
@@ -27,6 +29,11 @@ _SOON_S = 1e-9
 def printed_s(dwell_s: float) -> float:
     """A time as G4 says it, never shorter."""
     return math.ceil(dwell_s * _PER_S - 1e-6) / _PER_S
+
+
+def dwell_block(dwell_s: float, dialect: Dialect) -> str:
+    """The G4 block of this control that waits so long."""
+    return f"G4 {dialect.dwell_word}{print_number(dwell_s * dialect.dwells_per_s, DWELL_DECIMALS)}"
 
 
 class DwellExpander(Expander):

@@ -114,8 +114,9 @@ class _Moves:
 
 def _dwell_of(interpreted: InterpretedProgram, effect: BlockEffect) -> float:
     """The seconds of a G4 block as this control reads them."""
-    word = effect.block.word(interpreted.settings.dialect.dwell_word)
-    return plain_value(word) if word is not None else math.nan
+    dialect = interpreted.settings.dialect
+    word = effect.block.word(dialect.dwell_word)
+    return plain_value(word) / dialect.dwells_per_s if word is not None else math.nan
 
 
 def _table_moves(

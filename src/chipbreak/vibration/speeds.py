@@ -62,7 +62,8 @@ def speed_changes(
         now = commanded or _programmed(cut.chain.requests[0].effect.before)
         wanted = ("rpm", cut.solution.speed_rpm)
         if now != wanted:
-            changes.append(SpeedChange(cut.chain.first, (speed_words(now, wanted, settings),), cut))
+            words = speed_words(now, wanted, cut.chain.before, settings)
+            changes.append(SpeedChange(cut.chain.first, (words,), cut))
         if wanted == _programmed(cut.chain.after):
             commanded = None
             continue
@@ -83,12 +84,14 @@ def _programmed(state: State) -> tuple[str, float] | None:
     return state.modes.speed_mode, state.speed.value
 
 
-def speed_words(now: tuple[str, float] | None, wanted: tuple[str, float], settings: Settings) -> str:
+def speed_words(
+    now: tuple[str, float] | None, wanted: tuple[str, float], state: State, settings: Settings
+) -> str:
     """S, and the speed mode where it is another than ``now``: mode and speed."""
     # A speed is on the resolution of the spindle, or the program's own.
     speed = f"S{print_number(wanted[1], 3, point=False)}"
     if now is not None and now[0] == wanted[0]:
-        return speed
+        return settings.dialect.with_code(state.spindle, speed)
     return f"{settings.dialect.code('speed_mode', wanted[0])} {speed}"
 
 
@@ -232,7 +235,7 @@ def _own_blocks(state: State, settings: Settings) -> _Blocks:
     """The program's own speed, in its own digits and units."""
     text = "" if state.speed is None else f"S{state.speed.text}"
     if state.modes.speed_mode == "rpm":
-        return (text,) if text else ()
+        return (settings.dialect.with_code(state.spindle, text),) if text else ()
     words = [settings.dialect.code("speed_mode", state.modes.speed_mode)]
     if settings.dialect.surface_limit and state.speed_limit is not None:
         words.append(f"{settings.dialect.surface_limit}{state.speed_limit.text}")

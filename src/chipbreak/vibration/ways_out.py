@@ -82,7 +82,7 @@ def _tried(interpreted: InterpretedProgram, chain: Chain) -> CutReport:
     settings = interpreted.settings
     plan = plan_cut(chain, settings)
     expansion = moves_of(plan, settings)
-    speed = speed_words(None, ("rpm", plan.solution.speed_rpm), settings)
+    speed = speed_words(None, ("rpm", plan.solution.speed_rpm), plan.chain.before, settings)
     edit = cut_edit(plan, expansion, speed, interpreted)
     output = b"".join(render(interpreted.program, [edit], settings))
     source = read(output, interpreted.program.source.name)

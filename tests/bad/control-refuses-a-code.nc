@@ -1,0 +1,7 @@
+(EXPECT MOD010 2:13 -p grbl axes.Z.max_acceleration_mm_s2=9000)
+G21 G90 G94 G64
+S2500 M3
+G0 X10. Z2.
+G1 Z-20. F150. N1.5
+G0 X30.
+M30
