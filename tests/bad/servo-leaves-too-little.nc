@@ -1,5 +1,5 @@
 (EXPECT VIB062 4:1 axes.Z.position_gain_1_s=50)
 G97 S3000 M3
 G0 X20. Z2.
-G1 Z-30. F0.05 N1.5
+G1 Z-30. F0.05 N1.5 Q1.2
 M30

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import chipbreak
 from chipbreak.trajectory.filters import AxisFilter, axis_filter, filtered, times_to_look_at
+from chipbreak.vibration.measure import CutReport
 
 Floats = NDArray[np.float64]
 
@@ -82,3 +84,78 @@ def test_the_end_is_late_by_half_an_average_and_a_whole_lag(axis: AxisFilter, de
     assert np.interp(1.0, at_s, real) == pytest.approx(50.0 * (1.0 - delay_s), abs=1e-6)
     assert real[-1] == pytest.approx(50.0, abs=1e-6)
     assert (np.diff(real) >= -1e-12).all()
+
+
+def cut_of(program: str, *sets: str) -> CutReport:
+    settings = chipbreak.load("fanuc-lathe", sets)
+    (cut,) = chipbreak.rewrite(program.encode(), settings, allow_unbroken=True).cuts
+    return cut
+
+
+FAST = "G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5 Q1.2\nM30\n"
+SLOW = "G97 S1200 M3\nG0 X20. Z2.\nG1 Z-30. F0.1 E3 Q1.8\nM30\n"
+
+
+@pytest.mark.parametrize(
+    ("program", "keys", "margin"),
+    [
+        (FAST, ["acc_dec_ms=16"], 0.0),
+        (FAST, ["acc_dec=exponential", "acc_dec_ms=32"], 0.075),
+        (FAST, ["position_gain_1_s=33"], 0.08),
+        (SLOW, ["acc_dec_ms=32"], 1.18),
+        (FAST, ["acc_dec_ms=8"], 0.6),
+    ],
+)
+def test_the_verdict_is_that_of_the_filtered_motion(program: str, keys: list[str], margin: float) -> None:
+    """A factor for the sine of that frequency says 1 - 0, 0.19, 0.17, 1.13 and 0.76 of the promise."""
+    cut = cut_of(program, *(f"axes.Z.{key}" for key in keys))
+    assert cut.verdict.margin == pytest.approx(margin, abs=0.006)
+    assert cut.verdict.breaks == (margin >= 1.0)
+
+
+def test_an_uneven_wave_loses_more_margin_than_stroke() -> None:
+    sets = ("vibration.alpha=0.75",)
+    program = FAST.replace("N1.5", "N1.25")
+    plain = cut_of(program, *sets).verdict
+    behind = cut_of(program, *sets, "axes.Z.position_gain_1_s=300").verdict
+    assert behind.stroke_mm / plain.stroke_mm == pytest.approx(0.49, abs=0.01)
+    assert behind.margin / plain.margin == pytest.approx(0.42, abs=0.005)
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        ["position_gain_1_s=33"],
+        ["acc_dec_ms=8", "position_gain_1_s=50"],
+        ["acc_dec=bell", "acc_dec_ms=6", "bell_ms=4", "position_gain_1_s=80", "feed_forward=0.5"],
+    ],
+)
+@pytest.mark.parametrize("words", ["N1.5", "N2.6", "E3"])
+def test_a_stroke_that_nobody_asked_for_is_raised_until_the_axes_make_enough(
+    keys: list[str], words: str
+) -> None:
+    cut = cut_of(FAST.replace("N1.5 Q1.2", words), *(f"axes.Z.{key}" for key in keys))
+    assert cut.verdict.margin == pytest.approx(1.2, rel=0.02)
+    assert cut.wave.stroke_mm > cut.verdict.stroke_mm
+    assert any("commanded" in reason for reason in cut.plan.reasons)
+    # Neither the command nor the axes leave the path.
+    assert cut.expansion.distance_mm.min() > 0.0
+    assert cut.expansion.distance_mm.max() <= cut.plan.path.length_mm
+
+
+def test_no_stroke_is_raised_beyond_what_the_axis_can_do() -> None:
+    sets = ("axes.Z.acc_dec_ms=8", "axes.Z.position_gain_1_s=50", "axes.Z.max_acceleration_mm_s2=3000")
+    program = FAST.replace(" Q1.2", "")
+    cut = cut_of(program, *sets)
+    assert 0.5 < cut.verdict.margin < 1.0
+    assert cut.acceleration_mm_s2 <= 3000.0
+    slow = cut_of(program, *sets[:2], "axes.Z.max_velocity_mm_min=4000")
+    assert slow.verdict.margin < 1.0
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-lathe", sets))
+    assert [d.code for d in caught.value.diagnostics] == ["VIB062"]
+
+
+def test_what_the_control_makes_of_strokes_must_be_known() -> None:
+    with pytest.raises(chipbreak.ProgramRejectedError, match="position_gain_1_s"):
+        cut_of(FAST, "planner.model=after-interpolation", "axes.Z.acc_dec_ms=8")

@@ -12,7 +12,7 @@ from chipbreak.kinematics.toolpath import Path
 from chipbreak.model.modal import State
 from chipbreak.settings.sections import Axis, Settings
 from chipbreak.text.diagnostics import RefusalError
-from chipbreak.trajectory.filters import AxisFilter, axis_filter
+from chipbreak.trajectory.filters import NO_FILTER, AxisFilter, axis_filter
 from chipbreak.trajectory.law import AxisLimits, ControlLaw
 from chipbreak.trajectory.laws import LAWS, law_named
 from chipbreak.units import MS_PER_S, S_PER_MIN
@@ -36,13 +36,21 @@ def control_along(settings: Settings, path: Path, state: State) -> ControlLaw:
     law = _with_numbers(law_of(settings), settings)
     law = _in_path_mode(law, settings, state)
     axes = [_limits(name, axis) for name, axis in settings.axes.items()]
-    directions = _directions(path)
+    directions = directions_of(path)
     if law.needs_acceleration and settings.planner.path_acceleration_mm_s2 is None:
         _require_accelerations(axes, directions)
     if law.needs_filters:
         _require_filters(settings, directions)
+    # An axis that rests has nothing to follow.
+    moves = [any(direction[index] for direction in directions) for index in range(len(axes))]
+    axes = [a if m else a._replace(filter=NO_FILTER) for a, m in zip(axes, moves, strict=True)]
     laws = [law.along(direction, axes) for direction in directions]
     return min(laws, key=lambda one: (one.acceleration_mm_s2, one.velocity_mm_s))
+
+
+def axes_follow_exactly(settings: Settings) -> bool:
+    """True where the profile says nothing of what the axes make of their command."""
+    return all(_filter(axis) == NO_FILTER for axis in settings.axes.values())
 
 
 def _with_numbers(law: type[ControlLaw], settings: Settings) -> ControlLaw:
@@ -126,7 +134,7 @@ def _limit(number: float | None) -> float:
     return inf if number is None else number
 
 
-def _directions(path: Path) -> list[tuple[float, float, float]]:
+def directions_of(path: Path) -> list[tuple[float, float, float]]:
     """The directions of the lines; an arc takes every direction of its plane, its axes limit most."""
     directions = []
     for leg, arc in zip(path.legs, path.arcs, strict=True):

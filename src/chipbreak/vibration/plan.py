@@ -26,8 +26,10 @@ from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.units import MS_PER_S, S_PER_MIN, spindle_speed_rpm, typed_surface_speed
 from chipbreak.vibration.chain import Chain, legs_of
+from chipbreak.vibration.compensation import Asked, compensated
 from chipbreak.vibration.expander import Expander, StrokeAsked
 from chipbreak.vibration.expanders import expander_named
+from chipbreak.vibration.machine import axes_follow_exactly, control_along, directions_of
 from chipbreak.vibration.request import OUT_OF_RANGE, solver_inputs
 
 _MOST_RPM = 1e7
@@ -105,10 +107,12 @@ def plan_cut(chain: Chain, settings: Settings) -> CutPlan:
     path = path_of(legs_of(chain))
     solution = _solved(asked, chain, expander, settings)
     wave = _wave_of(chain, path.length_mm, solution, expander, settings)
-    edges = int(request.values["EDGES"].value)
-    alpha = request.values["ALPHA"].value
+    values = request.values
+    edges = int(values["EDGES"].value)
+    alpha = values["ALPHA"].value
     _check_size(wave)
     _check_passes(wave, edges)
+    wave = _commanded(wave, chain, path, settings, reasons)
     time_s, distance_mm = sample(wave)
     if not math.isclose(wave.alpha_share, alpha, abs_tol=1e-9):
         whole = f"{wave.forward_ticks} of {wave.ticks} base periods"
@@ -128,6 +132,28 @@ def plan_cut(chain: Chain, settings: Settings) -> CutPlan:
         (*reasons, *solution.reasons),
         end_s if _dwells_at_end(settings) else 0.0,
     )
+
+
+def _commanded(
+    wave: WaveformParameters, chain: Chain, path: Path, settings: Settings, reasons: list[str]
+) -> WaveformParameters:
+    """The wave with the stroke of which the axes make enough; one that was asked for stays as it is."""
+    is_given = chain.requests[0].values.keys() & {"Q", "A"}
+    if is_given or not wave.shape.turns_back or axes_follow_exactly(settings):
+        return wave
+    law = control_along(settings, path, chain.before)
+    edges = int(chain.requests[0].values["EDGES"].value)
+    asked = Asked(settings.vibration.margin, edges)
+    found = compensated(wave, asked, law, directions_of(path))
+    if found.stroke_mm > wave.stroke_mm:
+        reasons.append(
+            f"stroke {wave.stroke_mm:.4g} -> {found.stroke_mm:.4g} mm commanded: the axes leave the rest"
+        )
+    if found.ramp_in_s > wave.ramp_in_s:
+        reasons.append(
+            f"ramp {wave.ramp_in_s:.3g} -> {found.ramp_in_s:.3g} s, as the stroke is so much larger"
+        )
+    return found
 
 
 def _dwells_at_end(settings: Settings) -> bool:
