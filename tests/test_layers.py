@@ -34,7 +34,7 @@ def room(module: str) -> str:
 # Libraries that only these modules may import.
 ONLY_IN = {
     "lark": {"syntax.grammar", "syntax.parse"},
-    "click": {"streams", "options", "cli", "tool_commands", "batch_command"},
+    "click": {"streams", "options", "cli", "tool_commands", "batch_command", "profile_commands"},
     "distributed": {"batch.dask_cluster"},
 }
 

@@ -32,6 +32,7 @@ from chipbreak.options import (
     settings_of,
     verify_program,
 )
+from chipbreak.profile_commands import profile
 from chipbreak.streams import note_rejection, read_input, replace_file, say, write_json, write_stdout
 from chipbreak.text.encoding import escaped
 from chipbreak.text.named_tuple import NamedTuple
@@ -339,32 +340,7 @@ cli.add_command(inspect)
 cli.add_command(batch)
 
 
-@cli.group()
-def profile() -> None:
-    """Machine profiles."""
-
-
-@profile.command("list")
-def profile_list() -> None:
-    """The shipped profiles."""
-    from chipbreak.settings import load, profile_names
-
-    for name in profile_names():
-        settings = load(name)
-        calls = settings.checks.calls
-        whose = f", calls of {calls}" if calls != "builtin" else ""
-        click.echo(f"{name:20} {settings.dialect.title}{whose}")
-
-
-@profile.command("show")
-@click.argument("name")
-@asking(SET)
-def profile_show(asked: Asked, name: str) -> None:
-    """Every value of a profile, and where it comes from."""
-    from chipbreak.settings.show import show_profile
-
-    for line in show_profile(settings_of(asked._replace(profile=name), "-")):
-        click.echo(line)
+cli.add_command(profile)
 
 
 def main() -> None:

@@ -76,12 +76,13 @@ class Reporter:
             raise click.UsageError(escaped(f"cannot write {log}: {error.strerror}")) from None
 
 
-def write_json(value: Any, *, indent: int | None = None, err: bool = False) -> None:
-    """A value as JSON to stdout, or to stderr; an object says the version of its keys."""
+def write_json(value: Any, *, indent: int | None = None, err: bool = False, versioned: bool = True) -> None:
+    """A value as JSON to stdout, or to stderr; an object of ours says the version of its keys."""
     import json  # noqa: PLC0415 (most runs print none)
 
-    versioned = {"schema": SCHEMA, **value} if isinstance(value, dict) else value
-    click.echo(json.dumps(versioned, indent=indent), err=err)
+    if versioned and isinstance(value, dict):
+        value = {"schema": SCHEMA, **value}
+    click.echo(json.dumps(value, indent=indent), err=err)
 
 
 def say(line: str) -> None:

@@ -1,0 +1,1 @@
+"""What a machine's own files say of it: the start of a profile."""
