@@ -34,7 +34,16 @@ def room(module: str) -> str:
 # Libraries that only these modules may import.
 ONLY_IN = {
     "lark": {"syntax.grammar", "syntax.parse"},
-    "click": {"streams", "options", "cli", "tool_commands", "batch_command", "profile_commands"},
+    "click": {
+        "streams",
+        "options",
+        "cli",
+        "tool_commands",
+        "batch_command",
+        "profile_commands",
+        "figure_commands",
+    },
+    "matplotlib": {"figures.style"},
     "distributed": {"batch.dask_cluster"},
 }
 

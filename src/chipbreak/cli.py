@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 from chipbreak.batch_command import batch
+from chipbreak.figure_commands import plot, report
 from chipbreak.options import (
     DIFFERENT,
     DONE,
@@ -338,6 +339,8 @@ def macros(asked: Asked, output: str) -> None:
 cli.add_command(tools)
 cli.add_command(inspect)
 cli.add_command(batch)
+cli.add_command(plot)
+cli.add_command(report)
 
 
 cli.add_command(profile)

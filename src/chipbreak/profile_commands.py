@@ -48,9 +48,9 @@ def profile_show(asked: Asked, name: str) -> None:
 @profile.command("schema")
 def profile_schema() -> None:
     """The JSON Schema of profiles, by which an editor completes and checks them."""
-    from chipbreak.settings.schema import profile_schema as schema
+    from chipbreak.settings.schema import schema_of_profiles
 
-    write_json(schema(), indent=2, versioned=False)
+    write_json(schema_of_profiles(), indent=2, versioned=False)
 
 
 @profile.command("init")

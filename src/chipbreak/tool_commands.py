@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
@@ -50,27 +50,59 @@ def inspect(
 
     Both are CSV with the columns tooth,height_mm,radius_mm.  Exit 0: fine, 1: chipped, 2: trouble.
     """
-    from chipbreak.settings.sections import Checks
-
     if output is not None and Path(output).suffix.lower() != ".svg":
         raise click.UsageError(
             f"{output}: figures are SVG, which any browser shows and converts; name it .svg"
         )
+    edges = inspected_edges(asked, before, after, next_kind, tool)
+    if output is not None:
+        replace_file(Path(output), [edges.svg().encode()])
+    _say(edges.verdicts, edges.heading, as_json=asked.as_json)
+    sys.exit(DIFFERENT if edges.chipped else DONE)
+
+
+class InspectedEdges(NamedTuple):
+    """The edges of a tool before and after cutting: a verdict and the curves of each tooth."""
+
+    heading: str
+    limit_mm: float
+    verdicts: dict[int, EdgeVerdict]
+    curves: Sequence[EdgeCurves]
+
+    @property
+    def chipped(self) -> list[int]:
+        """The teeth that are chipped."""
+        return [tooth for tooth, verdict in self.verdicts.items() if verdict.is_chipped]
+
+    def svg(self) -> str:
+        """The figure of the edges."""
+        from chipbreak.inspection.edge_figure import edge_figure
+
+        found = (
+            f"tooth {', '.join(map(str, self.chipped))} chipped" if self.chipped else "no tooth is chipped"
+        )
+        return edge_figure(self.curves, self.limit_mm, f"{self.heading.replace('limit ', '')}: {found}")
+
+
+def inspected_edges(
+    asked: Asked, before: str, after: str, next_kind: str, tool: int | None = None
+) -> InspectedEdges:
+    """Compare two files of traced edges; exits with 2 where they cannot be compared."""
+    from chipbreak.settings.sections import Checks
+
     # The limits have defaults, so no machine is needed to judge an edge.
     needs_profile = asked.profile is not None or bool(asked.sets)
     checks = settings_of(asked, before).checks if needs_profile else Checks()
     limit_mm = _limit_mm(checks, next_kind, tool)
     stored, traced = _traces(before, after, asked)
     edges = {tooth: _judged(tooth, stored[tooth], traced[tooth], limit_mm, after) for tooth in stored}
-    verdicts = {tooth: verdict for tooth, (verdict, _) in edges.items()}
     title = f"T{tool}, " if tool is not None else ""
-    chipped = [tooth for tooth, verdict in verdicts.items() if verdict.is_chipped]
-    if output is not None:
-        found = f"tooth {', '.join(map(str, chipped))} chipped" if chipped else "no tooth is chipped"
-        heading = f"{title}next {next_kind}, W {limit_mm:g} mm: {found}"
-        _write_figure(Path(output), [curves for _, curves in edges.values()], limit_mm, heading)
-    _say(verdicts, f"{title}next {next_kind}, limit W {limit_mm:g} mm", as_json=asked.as_json)
-    sys.exit(DIFFERENT if chipped else DONE)
+    return InspectedEdges(
+        f"{title}next {next_kind}, limit W {limit_mm:g} mm",
+        limit_mm,
+        {tooth: verdict for tooth, (verdict, _) in edges.items()},
+        [curves for _, curves in edges.values()],
+    )
 
 
 def _traces(before: str, after: str, asked: Asked) -> tuple[dict[int, Any], dict[int, Any]]:
@@ -88,12 +120,6 @@ def _traces(before: str, after: str, asked: Asked) -> tuple[dict[int, Any], dict
         odd = ", ".join(str(tooth) for tooth in sorted(set(stored) ^ set(traced)))
         raise click.UsageError(f"tooth {odd} is in one of {before} and {after} only")
     return stored, traced
-
-
-def _write_figure(target: Path, curves: Sequence[EdgeCurves], limit_mm: float, heading: str) -> None:
-    from chipbreak.inspection.edge_figure import edge_figure
-
-    replace_file(target, [edge_figure(curves, limit_mm, heading).encode()])
 
 
 def _limit_mm(checks: Checks, next_kind: str, tool: int | None) -> float:

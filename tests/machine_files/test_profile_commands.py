@@ -17,7 +17,7 @@ from chipbreak.machine_files.found import Found, Machine, profile_text
 from chipbreak.machine_files.questions import QUESTIONS, answer
 from chipbreak.settings import load, profile_names
 from chipbreak.settings.profile_files import profile_text as shipped_text
-from chipbreak.settings.schema import profile_schema
+from chipbreak.settings.schema import schema_of_profiles
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS
 
 INI = "[DISPLAY]\nLATHE = 1\n[TRAJ]\nCOORDINATES = X Z\nLINEAR_UNITS = mm\n[AXIS_X]\nMAX_ACCELERATION = 900\n"
@@ -145,7 +145,7 @@ def fits(value: Any, schema: dict[str, Any]) -> bool:
 
 @pytest.mark.parametrize("name", profile_names())
 def test_shipped_profiles_fit_the_schema(name: str) -> None:
-    assert fits(tomllib.loads(shipped_text(name)[1]), profile_schema())
+    assert fits(tomllib.loads(shipped_text(name)[1]), schema_of_profiles())
 
 
 @pytest.mark.parametrize(
@@ -167,11 +167,11 @@ def test_what_the_settings_refuse_does_not_fit(text: str, tmp_path: Path) -> Non
     path.write_text(f'base = "generic-lathe"\n{text}')
     with pytest.raises(chipbreak.SettingsError):
         load(path)
-    assert not fits(tomllib.loads(text), profile_schema())
+    assert not fits(tomllib.loads(text), schema_of_profiles())
 
 
 def test_the_schema_names_every_key_with_its_default() -> None:
-    properties = profile_schema()["properties"]
+    properties = schema_of_profiles()["properties"]
     assert set(properties) == {"base", "axes", *OPEN_SECTIONS, *(s for s in SECTIONS if "." not in s)}
     assert properties["command"]["properties"]["base_period_ms"] == {
         "type": "number",
@@ -183,4 +183,4 @@ def test_the_schema_names_every_key_with_its_default() -> None:
 
 def test_the_command_prints_the_schema(tmp_path: Path) -> None:
     done = run("profile", "schema", cwd=tmp_path)
-    assert json.loads(done.stdout) == json.loads(json.dumps(profile_schema()))
+    assert json.loads(done.stdout) == json.loads(json.dumps(schema_of_profiles()))

@@ -23,7 +23,7 @@ _OPEN: Mapping[str, Any] = {
 }
 
 
-def profile_schema() -> dict[str, Any]:
+def schema_of_profiles() -> dict[str, Any]:
     """The schema of a profile, with the default of every key."""
     properties: dict[str, Any] = {
         "base": {

@@ -1,0 +1,1 @@
+"""What is said of a run, drawn: chips, speeds, ramps, times.  Needs the optional extra ``plot``."""
