@@ -44,6 +44,7 @@ def test_the_numbers_of_a_lathe(spread: bool, end: str, tmp_path: Path) -> None:
     assert machine.base == "fanuc-lathe"
     assert values(path) == {
         "control.decimal_point": "calculator",
+        "planner.model": "after-interpolation",
         "control.increment_mm": 0.001,
         "control.lathe_system": "B",
         "control.x_diameter": True,

@@ -173,8 +173,15 @@ def _spindle(parameters: _Parameters) -> Iterator[Found]:
         yield Found("spindle.max_rpm", value, f"parameter 3772, {value:g} rpm")
 
 
+def _law(parameters: _Parameters) -> Iterator[Found]:
+    """Without AI contour control the time of blocks is kept, and the filters take from the stroke."""
+    if any(True for _ in _servo(parameters)):
+        yield Found("planner.model", "after-interpolation", "parameters 1622 and 1825; look-ahead under AICC")
+
+
 _RULES: tuple[Callable[[_Parameters], Iterator[Found]], ...] = (
     _numbers_read,
+    _law,
     _lathe,
     _speeds,
     _kind_of_acc_dec,

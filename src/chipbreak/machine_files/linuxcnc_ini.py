@@ -192,17 +192,9 @@ def _tool_table(ini: _Ini) -> Iterator[Found]:
         yield Found("tools.table_unit", unit, "[TRAJ] LINEAR_UNITS")
 
 
-def _feed_override(ini: _Ini) -> Iterator[Found]:
-    """It enters the speed at which the planner passes from one block to the next."""
-    entry = ini.get("DISPLAY", "MAX_FEED_OVERRIDE")
-    if entry is not None and entry.number and entry.number >= 1.0:
-        yield Found("planner.max_feed_override", entry.number, entry.source)
-
-
 _RULES: tuple[Callable[[_Ini], Iterator[Found]], ...] = (
     _period,
     _start_up_codes,
-    _feed_override,
     _limits,
     _spindle,
     _tool_table,

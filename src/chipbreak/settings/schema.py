@@ -93,5 +93,10 @@ def _kind(hint: Any, limits: Mapping[str, Any]) -> dict[str, Any]:
         return schema
     if "values" in limits:
         return {"enum": list(limits["values"])}
-    names = {"above": "exclusiveMinimum", "below": "exclusiveMaximum", "at_least": "minimum"}
+    names = {
+        "above": "exclusiveMinimum",
+        "below": "exclusiveMaximum",
+        "at_least": "minimum",
+        "at_most": "maximum",
+    }
     return schema | {word: limits[name] for name, word in names.items() if name in limits}
