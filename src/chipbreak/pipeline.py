@@ -194,7 +194,7 @@ class _Tried(NamedTuple):
 def _tried(context: Context, passes: Sequence[Pass], output: bytes | None) -> _Tried:
     """Plan, write (or take the ``output`` there is) and look after every promise."""
     interpreted = context.interpreted
-    diagnostics = findings(interpreted)
+    diagnostics = findings(interpreted, context.named_cycles)
     planned = _planned(passes, context)
     diagnostics += [diagnostic for one in planned for diagnostic in one.diagnostics]
     # Of two insertions before one line, what was planned later stands first.
@@ -226,6 +226,7 @@ def _context(whole: _Whole, unrolled: Unrolled, options: RunOptions) -> Context:
         tools,
         options,
         split_operations=unrolled.cut_operations,
+        named_cycles=unrolled.named,
     )
 
 

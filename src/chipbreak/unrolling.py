@@ -49,7 +49,7 @@ class Unrolled(NamedTuple):
     """A program whose cycles are plain blocks, or the program itself.
 
     ``cut_operations`` are the operations with the cycles as operations of their own, for wishes by kind.
-    ``diagnostics`` and ``left`` are about cycles that stay.
+    ``diagnostics`` and ``left`` are about cycles that stay; ``named`` are their lines.
     """
 
     interpreted: InterpretedProgram
@@ -60,6 +60,7 @@ class Unrolled(NamedTuple):
     edits: Sequence[Edit] = ()
     diagnostics: Sequence[Diagnostic] = ()
     left: Sequence[LeftCut] = ()
+    named: frozenset[int] = frozenset()
 
     def idle(self, edits: Sequence[Edit]) -> set[int]:
         """The groups of cycles in whose blocks none of the edits lies."""
@@ -92,8 +93,9 @@ def unroll(
         [*plan.refused, *(Refused(line, error) for line, error in idle.items())],
     )
     diagnostics, left = _said(interpreted, plan.refused, asked)
+    named = {line for one in plan.refused for line in (one.line, *one.others)}
     if not plan.edits:
-        return plain._replace(diagnostics=diagnostics, left=left)
+        return plain._replace(diagnostics=diagnostics, left=left, named=frozenset(named))
     edits = [one.edit._replace(pass_name="unroll") for one in plan.edits]
     output = b"".join(render(interpreted.program, edits, interpreted.settings, UNROLLED_CYCLES))
     result = verify_unrolled(interpreted, output, edits)
@@ -107,7 +109,17 @@ def unroll(
     new_main = main_program(result)
     place = _places([one.edit for one in ordered], [(region.first, region.last) for region in found])
     moved = [_moved(operation, place, new_main) for operation in operations]
-    return Unrolled(result, new_main, moved, list(_split(moved, spans)), spans, edits, diagnostics, left)
+    return Unrolled(
+        result,
+        new_main,
+        moved,
+        list(_split(moved, spans)),
+        spans,
+        edits,
+        diagnostics,
+        left,
+        frozenset(map(place, named)),
+    )
 
 
 def _asked(interpreted: InterpretedProgram, operations: Sequence[Operation]) -> dict[int, AskedBy | None]:
@@ -150,7 +162,7 @@ def _said(
     diagnostics = []
     left = []
     rule = interpreted.settings.vibration.refused
-    for line, error in refused:
+    for line, error, _ in refused:
         asked_by = asked.get(line)
         stays = asked_by is None or may_be_left(asked_by, rule)
         severity = Severity.WARNING if stays else Severity.ERROR

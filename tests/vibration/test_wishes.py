@@ -149,3 +149,29 @@ def test_many_counts_are_said_once() -> None:
     program = HEAD + "".join(f"N{n}.5 G1 Z-{n}. F0.05\n" for n in range(1, 40)) + "M30\n"
     (found,) = chipbreak.check(program.encode(), chipbreak.load("generic-lathe"))
     assert "and of 38 more" in found.message
+
+
+CYCLE = (
+    "G97 S1000 M3\nG0 X52. Z2.\nG71 U2. R0.5\nG71 P140 Q220 U0.4 F0.3\nG1 X30. Z0.\nX36. Z-30.\nX52.\nM30\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("program", "codes"),
+    [
+        (CYCLE, ["CYC001"]),
+        (CYCLE.replace("G1 X30.", "N140 G1 X30."), ["CYC001"]),  # the end is missing
+        (CYCLE.replace("G71 U2. R0.5", "(NO DEPTH)").replace("G1 X30.", "N140 G0 X30.\nN220 G1"), ["CYC004"]),
+        (CYCLE.replace("X52.\nM30", "G83 Z-20. Q5000 F0.1\nM30"), ["CYC001", "VIB067"]),
+    ],
+)
+def test_why_a_cycle_stays_is_said_once(program: str, codes: list[str]) -> None:
+    """By the profile a warning; a directive over the cycle alone is an error, and nothing else is said."""
+    result = chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-lathe", ["vibration.n=1.5"]))
+    assert [one.code for one in result.diagnostics] == codes
+    one_wish = program.replace("G71 U2.", "(VIB N1.5)\nG71 U2.").replace("(NO DEPTH)", "(VIB N1.5)")
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        chipbreak.rewrite(one_wish.encode(), chipbreak.load("fanuc-lathe"))
+    assert [one.code for one in caught.value.diagnostics] == codes[:1]
+    quiet = [one.code for one in chipbreak.check(program.encode(), chipbreak.load("fanuc-lathe"))]
+    assert quiet == (["MOD003"] if codes[0] == "CYC001" else [])

@@ -12,6 +12,7 @@ import math
 
 from chipbreak.dialects.base import ContourCycle
 from chipbreak.dialects.modes import Modes
+from chipbreak.model.findings import NUMBER_THE_SHAPE
 from chipbreak.model.flow import ContourCall
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
@@ -75,12 +76,11 @@ def read_call(interpreted: InterpretedProgram, contour: ContourCall) -> Call:
     """
     block = interpreted.program.block(contour.line)
     kind = kind_of(block, interpreted.settings)
+    if contour.first is None or contour.last is None:
+        missing = next(one for one in interpreted.flow.missing if one.line == contour.line)
+        raise RefusalError(NO_CONTOUR, missing.message, NUMBER_THE_SHAPE)
     if kind is None or kind == "pattern":
         raise RefusalError(UNREAD_FORM, "this cycle is not written out as passes", "write its passes as G1")
-    if contour.first is None or contour.last is None:
-        names = f"N{block.number('P'):g} to N{block.number('Q'):g}"
-        message = f"the contour {names} of this cycle is not in the program, or runs backwards"
-        raise RefusalError(NO_CONTOUR, message, "P names its first block, Q its last one behind it")
     _refuse_words(block, _WORDS_OF_FINISH if kind == "finish" else _WORDS_OF_CALL)
     codes = [f"G{number:g}" for number in block.numbers("G")]
     name = f"{codes[0]} P{block.number('P'):g} Q{block.number('Q'):g}"

@@ -52,10 +52,11 @@ class UnrolledEdit(NamedTuple):
 
 
 class Refused(NamedTuple):
-    """A cycle that was asked and stays as it is."""
+    """A cycle that was asked and stays as it is, and the lines of others that stay with it."""
 
     line: int
     error: RefusalError
+    others: tuple[int, ...] = ()
 
 
 class UnrollPlan(NamedTuple):
@@ -109,7 +110,7 @@ def _add_contours(plan: UnrollPlan, interpreted: InterpretedProgram, wanted: set
             plan.edits.extend(edits)
             continue
         said = refused.line if refused.line in wanted else lines[0]
-        plan.refused.append(refused._replace(line=said))
+        plan.refused.append(refused._replace(line=said, others=tuple(lines)))
 
 
 def _unclear_numbers(interpreted: InterpretedProgram, calls: Sequence[ContourCall]) -> set[float | None]:

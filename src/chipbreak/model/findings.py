@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Container, Iterator
+
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.setting_lines import other_settings
 from chipbreak.model.stops import stops
@@ -10,29 +12,32 @@ from chipbreak.model.unread_words import unread_words
 from chipbreak.text.diagnostics import Diagnostic, Severity
 
 MISSING_NUMBER = "MOD003"
+NUMBER_THE_SHAPE = "number the first and the last block of the shape as P and Q say"
 
 
-def findings(interpreted: InterpretedProgram) -> list[Diagnostic]:
-    """All warnings, by kind, and errors for what the control would stop at."""
+def findings(
+    interpreted: InterpretedProgram, without_contour: Container[int] = frozenset()
+) -> list[Diagnostic]:
+    """All warnings, by kind, and errors for what the control would stop at.
+
+    That a cycle in a line of ``without_contour`` has no contour is said elsewhere.
+    """
     return [
         *interpreted.program.unreadable(),
         *unread_words(interpreted),
         *feeds_in_other_units(interpreted),
-        *missing_numbers(interpreted),
+        *(one for line, one in missing_numbers(interpreted) if line not in without_contour),
         *other_settings(interpreted),
         *stops(interpreted),
     ]
 
 
-def missing_numbers(interpreted: InterpretedProgram) -> list[Diagnostic]:
-    """A warning for every shape of a cycle of which an end is not there."""
-    return [
-        interpreted.program.diagnose(
+def missing_numbers(interpreted: InterpretedProgram) -> Iterator[tuple[int, Diagnostic]]:
+    """A line and a warning for every shape of a cycle of which an end is not there."""
+    for one in interpreted.flow.missing:
+        yield (
             one.line,
-            MISSING_NUMBER,
-            f"this cycle looks for N{one.number} ({one.letter}{one.number}), and no block has that number",
-            "number the first and the last block of the shape as P and Q say",
-            severity=Severity.WARNING,
+            interpreted.program.diagnose(
+                one.line, MISSING_NUMBER, one.message, NUMBER_THE_SHAPE, severity=Severity.WARNING
+            ),
         )
-        for one in interpreted.flow.missing
-    ]

@@ -30,6 +30,14 @@ class MissingNumber(NamedTuple):
     letter: str
     number: int
 
+    @property
+    def message(self) -> str:
+        """What is missing, in words."""
+        where = "no block" if self.letter == "P" else "no block behind the first one of its shape"
+        return (
+            f"this cycle looks for N{self.number} ({self.letter}{self.number}), and {where} has that number"
+        )
+
 
 class Flow(NamedTuple):
     """Jump targets and cycle contours.

@@ -41,6 +41,7 @@ class Context(Record):
     ``read_tools`` gives the tool table, read when it is first asked for.  ``planned`` are the edits of the
     passes before.  ``given_up`` are edits, by their first line, that were tried and are not planned again.
     ``split_operations`` are the operations with each cycle that was written out as one of its own.
+    ``named_cycles`` are lines of cycles of which it is said already why they stay as they are.
     """
 
     interpreted: InterpretedProgram
@@ -51,6 +52,7 @@ class Context(Record):
     planned: tuple[Edit, ...] = ()
     given_up: Mapping[int, Diagnostic] = field(default_factory=FrozenTable)
     split_operations: Sequence[Operation] = ()
+    named_cycles: frozenset[int] = frozenset()
 
     @property
     def cut_operations(self) -> Sequence[Operation]:

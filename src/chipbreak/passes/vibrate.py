@@ -32,7 +32,7 @@ class Vibrate(Pass):
 
     def plan(self, context: Context) -> Planned:
         """The blocks of every vibrated cut, and the programmed spindle speed where it is needed again."""
-        asked = requests_of(context.interpreted, context.cut_operations)
+        asked = requests_of(context.interpreted, context.cut_operations, context.named_cycles)
         left = asked.left
         edits: Sequence[Edit] = ()
         diagnostics = asked.diagnostics

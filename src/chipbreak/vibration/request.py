@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 
 from chipbreak.kinematics.sourced_value import SourcedValue
 from chipbreak.model.block_effect import CUTTING, BlockEffect
@@ -121,10 +121,16 @@ class Requests(NamedTuple):
 class RequestReader:
     """Walks through the program once and collects requests and complaints."""
 
-    def __init__(self, interpreted: InterpretedProgram, operations: Sequence[Operation] = ()) -> None:
+    def __init__(
+        self,
+        interpreted: InterpretedProgram,
+        operations: Sequence[Operation] = (),
+        named_cycles: Container[int] = frozenset(),
+    ) -> None:
         self.interpreted = interpreted
         self.program = interpreted.program
         self.settings = interpreted.settings
+        self.named_cycles = named_cycles
         self.scope = Scope(self.settings.vibration.only, operations)
         self.default = Wish("profile", profile_directive(interpreted.settings))
         self.wish = self.default
@@ -218,7 +224,7 @@ class RequestReader:
         is_foreign = any(w.address in AXES for w in effect.unread) and effect.after.modes.motion in CUTTING
         is_cut = is_foreign if effect.move is None else effect.move.is_cut
         if not is_cut or effect.in_contour:
-            self.wish.pass_over(effect)
+            self.wish.pass_over(effect, is_named=effect.block.line in self.named_cycles)
             return
         wish = self.wish
         line = effect.block.line
@@ -403,9 +409,16 @@ def solver_inputs(
     return speed, per_rev, frequency
 
 
-def requests_of(interpreted: InterpretedProgram, operations: Sequence[Operation] = ()) -> Requests:
-    """All requests of a program in order, and what is wrong with them."""
-    reader = RequestReader(interpreted, operations)
+def requests_of(
+    interpreted: InterpretedProgram,
+    operations: Sequence[Operation] = (),
+    named_cycles: Container[int] = frozenset(),
+) -> Requests:
+    """All requests of a program in order, and what is wrong with them.
+
+    ``named_cycles`` are lines of cycles of which it is said already why they stay as they are.
+    """
+    reader = RequestReader(interpreted, operations, named_cycles)
     reader.read()
     cycles = {
         passed.line: wish.asked_by

@@ -39,7 +39,8 @@ class Passed(NamedTuple):
 class Wish:
     """Who asks, with which values, from ``line`` (from 0) on; ``blocked`` is why nothing there can vibrate.
 
-    ``reached`` counts the cuts that it asked, ``unasked`` those of operations that it is not for.
+    ``reached`` counts the cuts that it asked, ``unasked`` those of operations that it is not for, ``named``
+    the cycles that it passed over and of which something better is said.
     """
 
     asked_by: AskedBy
@@ -48,6 +49,7 @@ class Wish:
     at: tuple[int, int] | None = None
     reached: int = 0
     unasked: int = 0
+    named: int = 0
     passed: list[Passed] = field(default_factory=list)
     ended_at: int | None = None
     blocked: Diagnostic | None = None
@@ -57,10 +59,12 @@ class Wish:
         """False for ``(VIB OFF)``, and for a profile that asks for nothing."""
         return self.directive.on
 
-    def pass_over(self, effect: BlockEffect) -> None:
-        """Note a block that the control moves by itself."""
+    def pass_over(self, effect: BlockEffect, *, is_named: bool) -> None:
+        """Note a block that the control moves by itself; ``is_named``: it is said why it stays."""
         what = next((what for what, rule in _OBSTACLES if rule(effect)), None)
-        if what is not None:
+        if what is not None and is_named:
+            self.named += 1
+        elif what is not None:
             self.passed.append(Passed(what, effect.block.text.strip()[:40], effect.block.line))
 
 
@@ -79,8 +83,8 @@ def said_of(wish: Wish, program: Program, *, is_strict: bool) -> Diagnostic | No
 
 def _unanswered(wish: Wish, program: Program, severity: Severity) -> Diagnostic | None:
     """The wish reached no cut at all."""
-    if wish.asked_by == "profile" and not wish.passed and not wish.unasked:
-        return None  # a program without a cut
+    if not wish.passed and not wish.unasked and (wish.asked_by == "profile" or wish.named):
+        return None  # a program without a cut, or all is said of its cycles
     why = "; ".join(_reasons(wish, program))
     who = "this wish for vibration" if wish.asked_by == "directive" else "the profile's wish for vibration"
     return _at(wish, program, UNANSWERED, f"{who} reached no cut: {why}", severity)
