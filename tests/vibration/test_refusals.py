@@ -11,6 +11,7 @@ import chipbreak
 from machine_reader import filtered, rejected, run_program
 
 HEAD = "G97 S3000 M3\nG0 X20. Z2.\n"
+NO_CHECKS = ["checks.enabled=false"]
 # What stands before the cut, what stands in it beside its end and feed, and the refusal.
 REFUSED = [
     pytest.param("G41", "G1 Z-30. F0.05", "VIB040", id="nose compensation left"),
@@ -190,3 +191,27 @@ def test_the_active_speed_stands_in_a_line_of_the_file_at_hand() -> None:
     result = chipbreak.rewrite(done.encode("latin-1"), chipbreak.load("fanuc-lathe"))
     line = done.split("\n").index("S2000") + 1
     assert result.cuts[1].plan.given["S"].origin == f"active S, line {line}"
+
+
+@pytest.mark.parametrize(
+    ("profile", "blocks", "reason"),
+    [
+        ("fanuc-lathe", "G83 Z-20. R5. Q5000 F0.1\nG80", "a drilling cycle in line 3 moves the tool"),
+        ("fanuc-lathe", "G84 Z-20. F1.\nG80", "a drilling cycle in line 3 moves the tool"),
+        ("fanuc-lathe", "G85 Z-20. R5. F0.1\nX10.\nG80", "a drilling cycle in line 4 moves the tool"),
+        ("linuxcnc-lathe", "G83 Z-20. R5. Q5 F0.1\nG80", "a drilling cycle in line 3 moves the tool"),
+        ("fanuc-mill", "G81 Z-20. R5. F100.\nG80", "a drilling cycle in line 3 moves the tool"),
+        ("fanuc-lathe", "G0 Z#1", "the control works out where line 3 goes"),
+        ("fanuc-lathe", "G0 X10. Z[#1+2]", "the control works out where line 3 goes"),
+        ("fanuc-lathe", "G83 Z-20. R5. F0.1\nG80\nT0101", "a tool or its offset changed"),
+        ("fanuc-lathe", "T0101", "a tool or its offset changed"),
+    ],
+)
+def test_the_reason_of_an_unknown_place_is_the_last_one(profile: str, blocks: str, reason: str) -> None:
+    head = (
+        "T0303 S3000 M3\nG0 G95 X20. Z2.\n" if "mill" not in profile else "T3 M6 S3000 M3\nG0 G95 X20. Z2.\n"
+    )
+    cut = "(VIB N1.5)\nG1 Z-30. F0.05\nM30\n"
+    (found,) = chipbreak.check(f"{head}{blocks}\n{cut}".encode(), chipbreak.load(profile, NO_CHECKS))
+    assert found.code == "VIB051"
+    assert found.message == f"where Z stands before this cut cannot be known: {reason}"

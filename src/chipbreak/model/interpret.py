@@ -9,6 +9,7 @@ units, compensation, offsets and the other modal groups, (8) non-modal codes, (9
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from chipbreak.dialects.base import MCode
 from chipbreak.dialects.modes import UNSAID, Group, Motion
@@ -41,6 +42,7 @@ _MODES_WITH_WORDS = frozenset({"path", "look_ahead"})  # P, Q and R beside G64 o
 # The axis words of their codes are a centre, no move; those of LinuxCNC's G43.1 are an offset.
 _CENTRE_GROUPS: tuple[Group, ...] = ("rotation", "scaling", "mirror")
 _LOSES_NAMED_AXES = ("home", "machine", "skip")
+_LOST_BY_CYCLES: Mapping[Motion, str] = {"cycle": "a drilling cycle", "thread-cycle": "a threading cycle"}
 _AXES_WITHOUT_V = frozenset("XYZUWABCH")
 _PLAIN_LETTERS = frozenset("GMTSFODHABC")
 _STARTS = frozenset({("spindle", "cw"), ("spindle", "ccw")})
@@ -193,7 +195,21 @@ class Interpreter:
         if codes.unknown:
             return state.lost("a G code this profile does not know stands with axis words"), None
         move = move_of(block, state, axis_words, self.settings, codes.non_modal)
-        return state._replace(position=move.end), move
+        after = state._replace(position=move.end)
+        if any(math.isnan(getattr(move.end, axis.lower())) for axis in move.axes):
+            why = self._why_lost(state, block, axis_words, codes)
+            after = after._replace(unknown_why=why or after.unknown_why)
+        return after, move
+
+    def _why_lost(self, state: State, block: Block, axis_words: Words, codes: BlockCodes) -> str:
+        """Why nobody knows where a move ends; empty where the reason is one from before."""
+        if codes.non_modal:
+            return ""
+        if state.modes.motion in _LOST_BY_CYCLES:
+            return f"{_LOST_BY_CYCLES[state.modes.motion]} in line {self._user_line(block)} moves the tool"
+        if any(word.number is None for word in axis_words):
+            return f"the control works out where line {self._user_line(block)} goes"
+        return ""
 
     def _axis_words(self, block: Block) -> Words:
         if block.has("D") and not block.has_any(_AXES_WITHOUT_V):
