@@ -38,7 +38,7 @@ WAYS: dict[str, list[Way]] = {
     "cycle-contour-turns-back": [("X26. Z-34.\n", "")],
     "cycle-depth-missing": [("G71 P", "G71 U2. R0.5\nG71 P")],
     "cycle-depth-zero": [("U0. ", "U2. ")],
-    "cycle-of-a-pattern": [("(?s)G73 U4.*X52.\n", "G1 Z-30. F0.3\n")],
+    "cycle-pattern-of-no-pass": [("R0", "R3")],
     "cycle-without-contour": [("Q30", "Q20")],
     "check-has-no-place": [("(.FINISH.)", r"G0 Z15.\nG40 X1.\n\1\nG0 X1. Y2.\nG1 Z-1. F50.")],
     "chips-do-not-break": [("Q0.5", "Q1.06")],

@@ -192,8 +192,12 @@ def test_a_contour_behind_the_end_of_the_program() -> None:
 
 
 STAYS = [
-    (b"X30. Z-30.", b"X30. ,C1. Z-30.", "CYC002"),
-    (b"X30. Z-30.", b"X30. Z-30. M8", "CYC002"),
+    (b"X30. Z-30.", b"X30. ,C100. Z-30.", "CYC002"),
+    (b"X30. Z-30.", b"X30. Z-30. ,R1. C2.", "CYC002"),
+    (b"N20 X52.", b"N20 X52. ,C1.", "CYC002"),
+    (b"X30. Z-30.", b"X30. Z-30. ,A45.", "CYC002"),
+    (b"X30. Z-30.", b"X30. Z-30. M98 P9", "CYC002"),
+    (b"X30. Z-30.", b"X30. Z-30. M8", "CYC007"),
     (b"X30. Z-30.", b"X#1 Z-30.", "CYC002"),
     (b"N20 X52.", b"N20 G42 X52.", "CYC007"),
     (b"G0 X52. Z2.", b"G0 X52.", "CYC007"),

@@ -4,11 +4,14 @@
 
     G71 U2. R0.5                          G71 P10 Q20 U0.4 W0.1 D2000 F0.3
     G71 P10 Q20 U0.4 W0.1 F0.3
+    G73 U4. W1. R3                        G73 P10 Q20 U0.4 W0.1 I4. K1. D3 F0.3
+    G73 P10 Q20 U0.4 W0.1 F0.3
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from chipbreak.dialects.base import ContourCycle
 from chipbreak.dialects.modes import Modes
@@ -26,9 +29,18 @@ NO_CONTOUR = "CYC001"
 BAD_DEPTH = "CYC004"
 UNREAD_FORM = "CYC007"
 _OFF_GROUPS = ("rotation", "scaling", "mirror", "polar", "cylinder", "polygon", "modal_macro")
-_WORDS_OF_CALL = frozenset("GPQUWDFS")
-_WORDS_OF_FINISH = frozenset("GPQFS")
-_FIRST_BLOCK = {"along-z": frozenset("GUR"), "along-x": frozenset("GWR")}
+_WORDS_OF_CALL: Mapping[ContourCycle, frozenset[str]] = {
+    "along-z": frozenset("GPQUWDIKRFS"),
+    "along-x": frozenset("GPQUWDIKRFS"),
+    "pattern": frozenset("GPQUWDIKFS"),
+    "finish": frozenset("GPQFS"),
+}
+_FIRST_BLOCK: Mapping[ContourCycle, frozenset[str]] = {
+    "along-z": frozenset("GUR"),
+    "along-x": frozenset("GWR"),
+    "pattern": frozenset("GUWR"),
+}
+_MOST_TIMES = 500
 
 
 class Call(NamedTuple):
@@ -37,6 +49,10 @@ class Call(NamedTuple):
     ``contour_first``, ``contour_last``  the lines of its contour, both inclusive
     ``depth_mm``       of a pass, as a radius;  ``retract_mm`` how far the tool goes back
     ``x_allowance_mm``, ``z_allowance_mm``  with the sign of the program, X as a radius
+    ``x_first_mm``, ``z_first_mm``  with their signs: what an additional pass along the contour leaves before
+                       the last one, or of a pattern how far its first pass is from its last
+    ``times``          the passes of a pattern
+    ``is_type_two``    the cycle says that its contour may have pockets
     ``feed``, ``speed``  F and S as written, empty where the cycle says none
     """
 
@@ -50,6 +66,10 @@ class Call(NamedTuple):
     retract_mm: float = 0.0
     x_allowance_mm: float = 0.0
     z_allowance_mm: float = 0.0
+    x_first_mm: float = 0.0
+    z_first_mm: float = 0.0
+    times: int = 1
+    is_type_two: bool = False
     feed: str = ""
     speed: str = ""
 
@@ -76,12 +96,12 @@ def read_call(interpreted: InterpretedProgram, contour: ContourCall) -> Call:
     """
     block = interpreted.program.block(contour.line)
     kind = kind_of(block, interpreted.settings)
+    if kind is None:
+        raise RefusalError(UNREAD_FORM, "this cycle is not written out as passes", "write its passes as G1")
     if contour.first is None or contour.last is None:
         missing = next(one for one in interpreted.flow.missing if one.line == contour.line)
         raise RefusalError(NO_CONTOUR, missing.message, NUMBER_THE_SHAPE)
-    if kind is None or kind == "pattern":
-        raise RefusalError(UNREAD_FORM, "this cycle is not written out as passes", "write its passes as G1")
-    _refuse_words(block, _WORDS_OF_FINISH if kind == "finish" else _WORDS_OF_CALL)
+    _refuse_words(block, _WORDS_OF_CALL[kind])
     codes = [f"G{number:g}" for number in block.numbers("G")]
     name = f"{codes[0]} P{block.number('P'):g} Q{block.number('Q'):g}"
     call = Call(kind, contour.line, contour.line + 1, contour.first, contour.last, name)
@@ -100,21 +120,60 @@ def _with_lengths(call: Call, block: Block, interpreted: InterpretedProgram) -> 
     )
     call = call._replace(retract_mm=settings.cycles.retract_mm)
     if block.has("D"):
-        return _checked(call._replace(depth_mm=_depth_of_one_line(block, state, settings)))
+        return _checked(_one_block(call, block, state, settings))
+    if block.has_any("IKR"):
+        message = "I, K or R stands in a cycle that says no D"
+        raise RefusalError(UNREAD_FORM, message, "say the whole cycle in one block, with D")
     before = _first_block(call, interpreted)
     if before is None:
-        message = "nothing says how deep the passes of this cycle are"
-        raise RefusalError(
-            BAD_DEPTH, message, "write the block with the depth straight before it: G71 U2. R0.5"
+        first, rest = ("G73 U4. W1. R3", "passes") if call.kind == "pattern" else ("G71 U2. R0.5", "depth")
+        message = f"nothing says the {rest} of this cycle"
+        help_text = f"write the block with the {rest} straight before it: {first}"
+        raise RefusalError(BAD_DEPTH, message, help_text)
+    return _checked(_two_blocks(call._replace(first=before.line), before, state, settings))
+
+
+def _one_block(call: Call, block: Block, state: State, settings: Settings) -> Call:
+    """D, I, K and R of a cycle that stands in one block; I is a radius."""
+    signs = settings.axis_words.signs
+    call = call._replace(
+        x_first_mm=_length(block, "I", state, settings) * signs["X"],
+        z_first_mm=_length(block, "K", state, settings) * signs["Z"],
+    )
+    if call.kind == "pattern":
+        return call._replace(times=_times(block, "D"))
+    type_of_contour = block.number("R")
+    if block.has("R") and type_of_contour not in (0.0, 1.0):
+        message = "R of a cycle in one block is the type of its contour: R1 with pockets"
+        raise RefusalError(UNREAD_FORM, message, "take R out, or write the cycle in two blocks")
+    depth_mm = _depth_of_one_line(block, state, settings)
+    return call._replace(depth_mm=depth_mm, is_type_two=type_of_contour == 1.0)
+
+
+def _two_blocks(call: Call, before: Block, state: State, settings: Settings) -> Call:
+    """What the block before says: depth and retract, or how far off a pattern begins, and its passes."""
+    if call.kind == "pattern":
+        signs = settings.axis_words.signs
+        return call._replace(
+            x_first_mm=_length(before, "U", state, settings) * signs["X"],
+            z_first_mm=_length(before, "W", state, settings) * signs["Z"],
+            times=_times(before, "R"),
         )
     letter = "U" if call.kind == "along-z" else "W"
-    return _checked(
-        call._replace(
-            first=before.line,
-            depth_mm=_length(before, letter, state, settings),
-            retract_mm=_length(before, "R", state, settings) if before.has("R") else call.retract_mm,
-        )
-    )
+    retract_mm = _length(before, "R", state, settings) if before.has("R") else call.retract_mm
+    return call._replace(depth_mm=_length(before, letter, state, settings), retract_mm=retract_mm)
+
+
+def _times(block: Block, letter: str) -> int:
+    """How many passes a pattern has.  Errors: CYC004 for none, CYC007 for a number that is not whole."""
+    number = block.number(letter)
+    if number is None or number != int(number) or number > _MOST_TIMES:
+        message = f"{letter} of this cycle is not the number of its passes"
+        raise RefusalError(UNREAD_FORM, message, f"write a whole number up to {_MOST_TIMES}: {letter}3")
+    if number < 1.0:
+        message = f"{number:g} passes of a pattern cannot be"
+        raise RefusalError(BAD_DEPTH, message, f"give {letter} as a number above zero")
+    return int(number)
 
 
 def _first_block(call: Call, interpreted: InterpretedProgram) -> Block | None:
@@ -132,11 +191,12 @@ def _first_block(call: Call, interpreted: InterpretedProgram) -> Block | None:
 
 def _checked(call: Call) -> Call:
     """Depth and retract can be, and no value is worked out on the control."""
-    lengths = (call.depth_mm, call.retract_mm, call.x_allowance_mm, call.z_allowance_mm)
-    if any(math.isnan(value) for value in lengths):
+    depth_mm = 1.0 if call.kind == "pattern" else call.depth_mm
+    lengths = (depth_mm, call.retract_mm, call.x_allowance_mm, call.z_allowance_mm)
+    if any(math.isnan(value) for value in (*lengths, call.x_first_mm, call.z_first_mm)):
         message = "a length of this cycle is a variable, or a number without a decimal point"
         raise RefusalError(UNREAD_FORM, message, "write the number with its point")
-    if call.depth_mm <= 0.0 or call.retract_mm < 0.0:
+    if depth_mm <= 0.0 or call.retract_mm < 0.0:
         message = f"a depth of {call.depth_mm:g} mm and a retract of {call.retract_mm:g} mm cannot be"
         raise RefusalError(BAD_DEPTH, message, "give the depth of a pass as a number above zero")
     return call

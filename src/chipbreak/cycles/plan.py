@@ -12,18 +12,21 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from chipbreak.cycles.call import BAD_DEPTH, UNREAD_FORM, Call, kind_of, read_call, refuse_modes
 from chipbreak.cycles.contour import Frame
-from chipbreak.cycles.promise import CopiedContour, RemovedContour, UnrolledRoughing
+from chipbreak.cycles.corners import BAD_CONTOUR, words_of_corner
+from chipbreak.cycles.pattern import Pattern, offsets_of, pattern_passes
+from chipbreak.cycles.promise import CopiedContour, PlannedMoves, RemovedContour, UnrolledRoughing
 from chipbreak.cycles.reading import (
-    BAD_CONTOUR,
     TURNS_BACK,
     Contour,
     effects_of_contour,
     goes_down,
     read_contour,
+    segments_of,
+    steps_of,
 )
 from chipbreak.cycles.roughing import Roughing, roughing_passes
 from chipbreak.cycles.single_passes import first_lines, single_passes
-from chipbreak.cycles.writing import BlockWriter, blocks_of_passes
+from chipbreak.cycles.writing import BlockWriter, blocks_of_passes, plain_contour, without_number
 from chipbreak.editing.edits import Edit
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.flow import ContourCall, contour_calls, sequence_lines
@@ -37,6 +40,7 @@ from chipbreak.text.named_tuple import NamedTuple
 BAD_ALLOWANCE = "CYC005"
 _MOST_LINES_BETWEEN = 2000
 _MOST_PASSES = 500
+_NARROW_STEPS = 8  # of the output; the digits blur what is shorter
 _DIRECTIVE = re.compile(r"\s*(VIB|OP)\b", re.IGNORECASE)
 
 
@@ -246,7 +250,8 @@ def _edit_of_call(interpreted: InterpretedProgram, contour: ContourCall, state: 
     _refuse_state(call, state)
     if call.kind == "finish":
         return UnrolledEdit(_finish_edit(interpreted, call, state), Kind.FINISH)
-    return UnrolledEdit(_rough_edit(interpreted, call, state), Kind.ROUGH)
+    edit_of = _pattern_edit if call.kind == "pattern" else _rough_edit
+    return UnrolledEdit(edit_of(interpreted, call, state), Kind.ROUGH)
 
 
 def _refuse_state(call: Call, state: State) -> None:
@@ -270,14 +275,15 @@ def _rough_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Ed
     along = "Z" if call.kind == "along-z" else "X"
     lines = (call.contour_first, call.contour_last)
     contour = read_contour(interpreted, state, lines, along)
-    if goes_down(contour) and not contour.first_names_both:
+    if goes_down(contour) and not (contour.first_names_both or call.is_type_two):
         message = (
             "the contour goes down again, which a cycle whose first contour block moves one axis does not cut"
         )
         help_text = "name X and Z in the first block of the contour, where the control has pockets (type II)"
         raise RefusalError(TURNS_BACK, message, help_text)
-    cycle = _cycle(call, contour)
     settings = interpreted.settings
+    step_mm = settings.output.step_mm(is_inch=state.is_inch)
+    cycle = _cycle(call, contour)._replace(narrow_mm=_NARROW_STEPS * step_mm)
     blocks = blocks_of_passes(roughing_passes(cycle), contour.frame, state, settings, call.feed)
     content = tuple(text for text in (call.speed, *blocks, *_motion_back(state)) if text)
     reason = f"passes of {call.depth_mm:g} mm along {along} to the contour with its allowances"
@@ -286,12 +292,18 @@ def _rough_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Ed
 
 
 def _cycle(call: Call, contour: Contour) -> Roughing:
-    t_mm, h_mm = _allowances(call, contour.frame)
-    letters = "WU" if call.kind == "along-z" else "UW"
-    for value_mm, letter in zip((t_mm, h_mm), letters, strict=True):
+    t_mm, h_mm = _against_cutting(call.z_allowance_mm, call.x_allowance_mm, contour.frame)
+    t_first_mm, h_first_mm = _against_cutting(call.z_first_mm, call.x_first_mm, contour.frame)
+    allowances = (("W", t_mm), ("U", h_mm), ("K", t_first_mm), ("I", h_first_mm))
+    if call.kind == "along-x":
+        allowances = (("U", t_mm), ("W", h_mm), ("I", t_first_mm), ("K", h_first_mm))
+    for letter, value_mm in allowances:
         if value_mm < 0.0:
             message = f"the allowance {letter} of this cycle lies inside the finished part"
             raise RefusalError(BAD_ALLOWANCE, message, f"give {letter} the sign that points to the stock")
+    if max(t_first_mm, h_first_mm) > call.depth_mm:
+        message = "I or K of this cycle leaves more than the depth of a pass"
+        raise RefusalError(BAD_DEPTH, message, "give less than D for the pass before the last one")
     _refuse_many_passes(call, contour)
     return Roughing(
         contour.start,
@@ -301,6 +313,8 @@ def _cycle(call: Call, contour: Contour) -> Roughing:
         t_mm,
         h_mm,
         contour.feeds_in,
+        t_first_mm,
+        h_first_mm,
     )
 
 
@@ -313,45 +327,71 @@ def _refuse_many_passes(call: Call, contour: Contour) -> None:
         raise RefusalError(BAD_DEPTH, message, help_text)
 
 
-def _allowances(call: Call, frame: Frame) -> tuple[float, float]:
+def _against_cutting(z_mm: float, x_mm: float, frame: Frame) -> tuple[float, float]:
     """What stays against the direction of cutting, and towards the stock."""
-    moved = frame.inside(call.z_allowance_mm, call.x_allowance_mm)
-    return -moved.t + 0.0, moved.h
+    moved = frame.inside(z_mm, x_mm)
+    return -moved.t + 0.0, moved.h + 0.0
+
+
+def _pattern_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Edit:
+    settings = interpreted.settings
+    frame = Frame("Z", 1, 1)
+    effects = effects_of_contour(interpreted, state, call.contour_first, call.contour_last)
+    steps = steps_of(effects, settings)
+    first = steps[0].move
+    offsets = offsets_of(
+        call.times,
+        frame.inside(call.z_first_mm, call.x_first_mm),
+        frame.inside(call.z_allowance_mm, call.x_allowance_mm),
+    )
+    start = frame.inside(state.position.z, state.position.x)
+    begin = frame.inside(first.end.z, first.end.x)
+    segments = segments_of(steps[1:], frame)
+    passes = pattern_passes(Pattern(start, begin, segments, offsets, first.kind == "line"))
+    blocks = blocks_of_passes(passes, frame, state, settings, call.feed)
+    content = tuple(text for text in (call.speed, *blocks, *_motion_back(state)) if text)
+    reason = f"{call.times} passes along the contour, the last one at its allowances"
+    promise = PlannedMoves(frame=frame, motions=tuple(motion for one in passes for motion in one.moves))
+    return Edit(call.first, call.last, content, call.name, reason, promise)
 
 
 def _finish_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Edit:
     lines = (call.contour_first, call.contour_last)
     effects = effects_of_contour(interpreted, state, *lines)
-    changed = set(state.modes.changed(effects[-1].after.modes)) - {"motion"}
-    if changed:
-        message = f"the contour leaves another {', '.join(sorted(changed))} in force behind this cycle"
-        raise RefusalError(UNREAD_FORM, message, "end in the contour what it begins: G40 in its last block")
-    ends = tuple(effect.move.end for effect in effects if effect.move is not None)
+    _refuse_left_behind(state, effects[-1].after)
+    settings = interpreted.settings
+    if any(words_of_corner(effect, settings) for effect in effects):
+        blocks, ends = plain_contour(effects, state, settings)
+    else:
+        ends = [effect.move.end for effect in effects if effect.move is not None]
+        blocks = [without_number(block) for block in _blocks(effects)]
     if any(math.isnan(end.x + end.z) for end in ends):
         raise RefusalError(
             BAD_CONTOUR, "a point of the contour cannot be known", "write it with plain numbers"
         )
-    home = BlockWriter(effects[-1].after, interpreted.settings)
+    home = BlockWriter(effects[-1].after, settings)
     back = home.block("G0", state.position.z, state.position.x)
     head = " ".join(text for text in (call.speed, call.feed) if text)
-    content = (head, *map(_without_number, _blocks(effects)), back, *_motion_back(state))
+    content = (head, *blocks, back, *_motion_back(state))
     reason = "the contour as the finishing cycle runs it"
-    promise = CopiedContour(ends=ends)
+    promise = CopiedContour(ends=tuple(ends))
     return Edit(call.first, call.last, tuple(filter(None, content)), call.name, reason, promise)
+
+
+def _refuse_left_behind(before: State, behind: State) -> None:
+    """What the finishing cut leaves in force is not known of the cycle, so it must be what was in force."""
+    changed = sorted(set(before.modes.changed(behind.modes)) - {"motion"})
+    if before.coolant != behind.coolant:
+        changed.append("coolant")
+    if before.spindle != behind.spindle:
+        changed.append("spindle")
+    if changed:
+        message = f"the contour leaves another {', '.join(changed)} in force behind this cycle"
+        raise RefusalError(UNREAD_FORM, message, "end in the contour what it begins: G40 in its last block")
 
 
 def _blocks(effects: Iterable[BlockEffect]) -> Iterator[Block]:
     return (effect.block for effect in effects if effect.block.words or effect.block.comments)
-
-
-def _without_number(block: Block) -> str:
-    """The text of a block without its N word: the number names the block of the contour alone."""
-    number = block.sequence
-    return (
-        block.text.strip()
-        if number is None
-        else (block.text[: number.start] + block.text[number.end :]).strip()
-    )
 
 
 def _motion_back(state: State) -> list[str]:

@@ -7,12 +7,14 @@ no more than the depth in one pass, and rush through no stock.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
 
-from chipbreak.cycles.reading import Contour, leg_of
-from chipbreak.cycles.roughing import Roughing
+from chipbreak.cycles.contour import Frame, Point
+from chipbreak.cycles.reading import Contour, leg_of, segment_of
+from chipbreak.cycles.roughing import Motion, Roughing
 from chipbreak.editing.promise import Promise, Written
 from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.toolpath import path_of
@@ -21,8 +23,8 @@ from chipbreak.model.modal import Position, State
 from chipbreak.model.state_difference import difference, moved
 from chipbreak.text.diagnostics import SelfCheckError
 
-_PLACES = 4001
-_SAME_MM = 1e-6
+_MOST_PLACES = 200_001
+_BESIDE = 4
 _POINTS_OF_ARC = 2001
 
 
@@ -67,8 +69,10 @@ class CopiedContour(UnrolledCycle, kw_only=True):
         """Compare the ends of its moves with those of the contour.  Raises SelfCheckError."""
         super().check(written)
         ends = [move.end for move in _moves(written)][: len(self.ends)]
-        pairs = zip(self.ends, ends, strict=True)
-        if any(abs(a.x - b.x) > _SAME_MM or abs(a.z - b.z) > _SAME_MM for a, b in pairs):
+        near_mm = 1.01 * written.original.settings.output.step_mm(is_inch=written.now_behind.is_inch)
+        pairs = zip(self.ends, ends, strict=False)
+        misses = any(abs(a.x - b.x) > near_mm or abs(a.z - b.z) > near_mm for a, b in pairs)
+        if misses or len(ends) != len(self.ends):
             raise SelfCheckError(f"the finishing cut at line {written.edit.first + 1} misses its contour")
 
 
@@ -91,6 +95,43 @@ class SinglePasses(UnrolledCycle, kw_only=True):
             raise SelfCheckError(f"the passes at line {written.edit.first + 1} are not those of the cycle")
 
 
+class PlannedMoves(UnrolledCycle, kw_only=True):
+    """Each move as it was planned, in the axes of ``frame``; one that the digits swallow may be missing."""
+
+    frame: Frame
+    motions: tuple[Motion, ...]
+
+    def check(self, written: Written) -> None:
+        """Compare the moves one by one.  Raises SelfCheckError."""
+        super().check(written)
+        near_mm = 3.0 * written.original.settings.output.step_mm(is_inch=written.now_behind.is_inch)
+        found = _moves(written)
+        move = next(found, None)
+        at: Point | None = None
+        for motion in self.motions:
+            if move is not None and self._is_same(motion, move, near_mm):
+                move = next(found, None)
+            elif at is None or math.dist(at, motion.end) > near_mm:
+                break
+            at = motion.end
+        else:
+            if move is None:
+                return
+        raise SelfCheckError(f"the passes at line {written.edit.first + 1} are not those of the cycle")
+
+    def _is_same(self, motion: Motion, move: Move, near_mm: float) -> bool:
+        made = segment_of(move, self.frame)
+        if (
+            motion.cuts != move.is_cut
+            or motion.turn != made.turn
+            or math.dist(motion.end, made.end) > near_mm
+        ):
+            return False
+        if motion.centre is None or made.centre is None:
+            return motion.centre is made.centre
+        return math.dist(motion.centre, made.centre) <= near_mm
+
+
 class UnrolledRoughing(UnrolledCycle, kw_only=True):
     """The passes of a roughing cycle remove the stock over its contour."""
 
@@ -105,8 +146,7 @@ class UnrolledRoughing(UnrolledCycle, kw_only=True):
         left = _Left(self.cycle, step_mm)
         for move in _moves(written):
             left.run(self._way(move), is_cut=move.is_cut)
-        if self.cycle.follows:
-            left.compare()
+        left.compare()
 
     def _way(self, move: Move) -> Floats:
         """Places on a move in the axes of the passes, (n, 2)."""
@@ -119,69 +159,74 @@ class UnrolledRoughing(UnrolledCycle, kw_only=True):
 
 
 class _Left:
-    """The stock that is left, as heights at places along the passes."""
+    """The stock that is left, as heights on a fine grid along the passes.
+
+    What is narrower than a few steps of the output is not judged: the digits decide there.
+    """
 
     def __init__(self, cycle: Roughing, step_mm: float) -> None:
         self.cycle = cycle
         self.tolerance_mm = 3.0 * step_mm
-        self.contour = _outline(cycle)
-        first_mm, last_mm = cycle.departure.t, float(self.contour[:, 0].max())
-        joints = np.unique(np.append(self.contour[:, 0], [first_mm, last_mm]))
-        middles = (joints[1:] + joints[:-1]) / 2.0
-        places = np.unique(np.append(np.linspace(first_mm, last_mm, _PLACES), middles))
-        # Beside a joint the digits of the output decide on which side of it a place is.
-        at = np.clip(np.searchsorted(joints, places), 1, len(joints) - 1)
-        beside_mm = np.minimum(places - joints[at - 1], joints[at] - places)
-        self.t = places[beside_mm > self.tolerance_mm]
+        contour = _outline(cycle)
+        first_mm = cycle.departure.t
+        last_mm = float(contour[:, 0].max())
+        count = min(math.ceil((last_mm - first_mm) / step_mm) + 1, _MOST_PLACES)
+        self.t = np.linspace(first_mm, last_mm, max(count, 2))
+        self.contour = np.interp(self.t, contour[:, 0], contour[:, 1])
         self.height = np.full(len(self.t), cycle.start.h)
+        # Along a wall a pass is as thick as what stands before the wall, whatever the wall's height.
+        wall_mm = 0.5 * cycle.t_first_mm / (self.t[1] - self.t[0])
+        self.beside = _BESIDE + math.ceil(wall_mm)
 
     def run(self, way: Floats, *, is_cut: bool) -> None:
         """One move of the tool."""
-        if abs(way[-1, 0] - way[0, 0]) <= self.tolerance_mm:
-            self._straight_down(way, is_cut=is_cut)
-            return
-        way = way if way[-1, 0] > way[0, 0] else way[::-1]
+        sinks = bool(way[-1, 1] < way[0, 1])
+        way = way if way[-1, 0] >= way[0, 0] else way[::-1]
         onward = np.maximum.accumulate(way[:, 0])
         if float((onward - way[:, 0]).max()) > self.tolerance_mm:
             raise SelfCheckError("a move of an unrolled cycle turns back along its passes")
-        way = np.column_stack((onward, way[:, 1]))
-        inside = (self.t > way[0, 0] + self.tolerance_mm) & (self.t < way[-1, 0] - self.tolerance_mm)
-        there = self._near(self.t[inside], way).max(axis=0)
-        taken_mm = float((self.height[inside] - there).max(initial=0.0))
+        low, high = np.searchsorted(self.t, (onward[0], onward[-1])).tolist()
+        if sinks and not is_cut and high - low < _BESIDE:
+            self._check_sinking(float(way[:, 1].min()), low)
+        there = np.interp(self.t[low:high], onward, way[:, 1])
+        taken_mm = self._taken_mm(self.height[low:high] - there, is_cut=is_cut)
         if not is_cut and taken_mm > self.tolerance_mm:
             raise SelfCheckError(f"a rapid of an unrolled cycle goes through {taken_mm:z.3f} mm of stock")
         if taken_mm > self.cycle.depth_mm + self.tolerance_mm:
             raise SelfCheckError(f"a pass takes {taken_mm:z.3f} mm, {self.cycle.depth_mm:g} are commanded")
         if is_cut:
-            on_way = (self.t >= way[0, 0]) & (self.t <= way[-1, 0])
-            there = np.interp(self.t[on_way], way[:, 0], way[:, 1])
-            self.height[on_way] = np.minimum(self.height[on_way], there)
+            self.height[low:high] = np.minimum(self.height[low:high], there)
 
-    def _straight_down(self, way: Floats, *, is_cut: bool) -> None:
-        """A rapid at one place must find free room on one of its sides at least."""
-        lowest_mm = float(way[:, 1].min())
-        before = self.height[self.t < way[0, 0] - self.tolerance_mm][-1:]
-        behind = self.height[self.t > way[0, 0] + self.tolerance_mm][:1]
-        if is_cut or not len(before) or not len(behind):
-            return
-        if min(before[0], behind[0]) > lowest_mm + self.tolerance_mm:
+    def _taken_mm(self, taken: Floats, *, is_cut: bool) -> float:
+        """How much a move takes at most; strips that the digits blur do not count."""
+        allowed_mm = self.tolerance_mm + (self.cycle.depth_mm if is_cut else 0.0)
+        most_mm = float(taken.max(initial=0.0))
+        beside = self.beside if is_cut else _BESIDE
+        return most_mm if most_mm <= allowed_mm else float(_lowest_near(taken, beside).max(initial=0.0))
+
+    def _check_sinking(self, lowest_mm: float, at: int) -> None:
+        """A rapid straight down must find free room on one of its sides at least."""
+        beside = self.height[max(at - _BESIDE, 0) : at + _BESIDE]
+        if _BESIDE < at < len(self.t) and float(beside.min()) > lowest_mm + self.tolerance_mm:
             raise SelfCheckError("a rapid of an unrolled cycle goes down into stock")
-
-    def _near(self, places: Floats, way: Floats) -> Floats:
-        """The heights of a way at places and a little before and behind them, (3, n)."""
-        shifts = np.array([-1.0, 0.0, 1.0])[:, np.newaxis] * self.tolerance_mm
-        heights: Floats = np.interp(places + shifts, way[:, 0], way[:, 1])
-        return heights
 
     def compare(self) -> None:
         """What is left is the contour with its allowances, as far as the stock reached."""
-        near = self._near(self.t, self.contour)
-        near = np.minimum(near, self.cycle.start.h)
-        above_mm = float((self.height - near.max(axis=0)).max(initial=0.0))
-        below_mm = float((near.min(axis=0) - self.height).max(initial=0.0))
+        aimed = np.minimum(self.contour, self.cycle.start.h)
+        within = slice(_BESIDE, -_BESIDE)
+        above_mm = float((self.height[within] + _lowest_near(-aimed)).max(initial=0.0))
+        below_mm = float((_lowest_near(aimed) - self.height[within]).max(initial=0.0))
         if max(above_mm, below_mm) > self.tolerance_mm:
             wrong = f"{above_mm:z.3f} mm too much, {below_mm:z.3f} mm too little"
             raise SelfCheckError(f"an unrolled cycle leaves {wrong} over its contour")
+
+
+def _lowest_near(heights: Floats, beside: int = _BESIDE) -> Floats:
+    """The lowest of each height and its ``beside`` neighbours on either side; fewer heights come out."""
+    if len(heights) <= 2 * beside:
+        return heights[:0]
+    lowest: Floats = np.lib.stride_tricks.sliding_window_view(heights, 2 * beside + 1).min(axis=1)
+    return lowest
 
 
 def _outline(cycle: Roughing) -> Floats:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 
 from chipbreak.cycles.contour import Frame, Point, Segment, turns_back_along_h, turns_back_along_t
+from chipbreak.cycles.corners import BAD_CONTOUR, Corner, corner_of, cornered, with_angle, words_of_corner
 from chipbreak.kinematics.toolpath import Leg, path_of
 from chipbreak.model.block_effect import BlockEffect, Move
 from chipbreak.model.flow import Flow
 from chipbreak.model.interpret import Interpreter
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
+from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 
-BAD_CONTOUR = "CYC002"
 TURNS_BACK = "CYC003"
 BEYOND_START = "CYC006"
 _TURNS = {"line": 0, "cw": -1, "ccw": 1, "rapid": 0}
@@ -43,32 +45,60 @@ def effects_of_contour(
 
     Errors: CYC002 for a block that no contour can have.
     """
-    reader = Interpreter(interpreted.settings, Flow(frozenset(), ()))
+    settings = interpreted.settings
+    reader = Interpreter(settings, Flow(frozenset(), ()))
     effects = []
     for line in range(first, last + 1):
         effect = reader.advance(state, interpreted.program.block(line))
-        _check_block(effect)
+        _check_block(effect, settings)
+        effect = with_angle(effect, settings)
         effects.append(effect)
         state = effect.after
     return effects
 
 
-def _check_block(effect: BlockEffect) -> None:
-    block = effect.block
-    why = ""
-    if block.opaque or block.skip or block.has_macro:
-        why = "cannot be read, has block delete or is worked out on the control"
-    elif effect.non_modal or set(effect.before.modes.changed(effect.after.modes)) - _GROUPS:
-        why = "has a G code that does not belong into a contour"
-    elif effect.unread or effect.vibration or block.has_any(_CHAMFERS):
-        why = "has a word that is not read here"
-    elif effect.move is not None and effect.move.kind not in _TURNS:
-        why = "is no line and no arc"
-    elif effect.functions or block.has_any("MT"):
-        why = "has an M or T word"
+def _check_block(effect: BlockEffect, settings: Settings) -> None:
+    """The first of the rules that a block breaks.  Errors: CYC002."""
+    why = next((why for why, breaks in _RULES if breaks(effect, settings)), "")
     if why:
-        message = f"the contour block {block.text.strip()[:40]} {why}"
+        message = f"the contour block {effect.block.text.strip()[:40]} {why}"
         raise RefusalError(BAD_CONTOUR, message, "a contour has G0, G1, G2 and G3 with plain numbers")
+
+
+def _is_unreadable(effect: BlockEffect, _: Settings) -> bool:
+    block = effect.block
+    return bool(block.opaque or block.skip or block.has_macro)
+
+
+def _has_foreign_code(effect: BlockEffect, _: Settings) -> bool:
+    dwells = effect.non_modal == {"dwell"} and effect.move is None
+    is_foreign = bool(effect.non_modal) and not dwells
+    return is_foreign or bool(set(effect.before.modes.changed(effect.after.modes)) - _GROUPS)
+
+
+def _has_unread_word(effect: BlockEffect, settings: Settings) -> bool:
+    corners = words_of_corner(effect, settings)
+    others = [word for word in effect.unread if word not in corners]
+    is_axis = not corners and effect.block.has_any(_CHAMFERS)
+    return bool(others or effect.vibration or is_axis)
+
+
+def _moves_otherwise(effect: BlockEffect, _: Settings) -> bool:
+    return effect.move is not None and effect.move.kind not in _TURNS
+
+
+def _leaves_the_contour(effect: BlockEffect, _: Settings) -> bool:
+    """M codes and T are for the finishing cycle; what stops or leaves the program is for neither."""
+    return effect.block.has("T") or effect.does("program") or effect.does("subprogram") or effect.does("stop")
+
+
+_RULES: tuple[tuple[str, Callable[[BlockEffect, Settings], bool]], ...] = (
+    ("cannot be read, has block delete or is worked out on the control", _is_unreadable),
+    ("has a G code that does not belong into a contour", _has_foreign_code),
+    ("has a word that is not read here", _has_unread_word),
+    ("is no line and no arc", _moves_otherwise),
+    ("changes the tool, stops or leaves the program", _leaves_the_contour),
+)
 
 
 def read_contour(
@@ -79,26 +109,49 @@ def read_contour(
     Errors: CYC002 for a contour that cannot be used, CYC003 for one that turns back, CYC006 for one that
     begins beyond the start point, VIB022 for an arc that cannot be.
     """
-    moves = [e.move for e in effects_of_contour(interpreted, state, *lines) if e.move is not None]
-    if len(moves) < 2:
+    steps = steps_of(effects_of_contour(interpreted, state, *lines), interpreted.settings)
+    first = steps[0].move
+    frame = _frame([step.move for step in steps], along)
+    start = frame.inside(first.start.z, first.start.x)
+    segments = segments_of(steps[1:], frame)
+    _check_shape(segments, start)
+    return Contour(frame, start, segments, first.kind == "line", {"X", "Z"} <= set(first.axes))
+
+
+class Step(NamedTuple):
+    """A move of a contour, and the corner behind it."""
+
+    move: Move
+    corner: Corner | None
+
+
+def steps_of(effects: Sequence[BlockEffect], settings: Settings) -> list[Step]:
+    """The moves of a contour, the one to its first point included.
+
+    Errors: CYC002 for a contour that cannot be used.
+    """
+    steps = [Step(e.move, corner_of(e, settings)) for e in effects if e.move is not None]
+    if len(steps) < 2:
         raise RefusalError(
             BAD_CONTOUR, "the contour of this cycle has fewer than two moves", "give it its shape"
         )
-    if any(math.isnan(value) for move in moves for value in (move.end.x, move.end.z)):
+    if any(math.isnan(value) for step in steps for value in (step.move.end.x, step.move.end.z)):
         message = "a point of the contour cannot be known"
         raise RefusalError(BAD_CONTOUR, message, "write its numbers with their decimal points")
-    if moves[0].kind not in ("rapid", "line"):
-        message = "the first block of the contour is an arc"
+    if steps[0].move.kind not in ("rapid", "line") or steps[0].corner is not None:
+        message = "the first block of the contour is an arc, or says a corner"
         raise RefusalError(BAD_CONTOUR, message, "begin the contour with G0 or G1")
-    if any(move.kind == "rapid" for move in moves[1:]):
-        message = "the contour has a rapid behind its first block"
-        raise RefusalError(BAD_CONTOUR, message, "write the contour with G1, G2 and G3")
-    frame = _frame(moves, along)
-    segments = tuple(_segment(move, frame) for move in moves[1:])
-    segments = tuple(one for one in segments if one.length_mm > _SAME_MM)
-    start = frame.inside(moves[0].start.z, moves[0].start.x)
-    _check_shape(segments, start)
-    return Contour(frame, start, segments, moves[0].kind == "line", {"X", "Z"} <= set(moves[0].axes))
+    return steps
+
+
+def segments_of(steps: Sequence[Step], frame: Frame) -> tuple[Segment, ...]:
+    """The moves as geometry, their corners taken off; a rapid among them is a line.  Errors: CYC002."""
+    return tuple(one for several in pieces_of(steps, frame) for one in several if one.length_mm > _SAME_MM)
+
+
+def pieces_of(steps: Sequence[Step], frame: Frame) -> list[list[Segment]]:
+    """What stands for each move: itself, and the corner behind it.  Errors: CYC002."""
+    return cornered([segment_of(step.move, frame) for step in steps], [step.corner for step in steps])
 
 
 def _frame(moves: list[Move], along: str) -> Frame:
@@ -113,10 +166,11 @@ def _frame(moves: list[Move], along: str) -> Frame:
     return Frame(along, 1 if z_mm > 0.0 else -1, 1 if x_mm > 0.0 else -1)
 
 
-def _segment(move: Move, frame: Frame) -> Segment:
+def segment_of(move: Move, frame: Frame) -> Segment:
+    """A move in the axes of the passes."""
     start = frame.inside(move.start.z, move.start.x)
     end = frame.inside(move.end.z, move.end.x)
-    if move.kind == "line":
+    if move.kind in ("line", "rapid"):
         return Segment(start, end)
     (arc,) = path_of([leg_of(move)]).arcs
     assert arc is not None

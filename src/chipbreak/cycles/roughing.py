@@ -40,8 +40,9 @@ class Roughing(NamedTuple):
     ``depth_mm``  depth of cut of a pass;  ``retract_mm`` how far the tool goes back under 45 degrees
     ``t_allowance_mm``, ``h_allowance_mm``  what stays for finishing, against the direction of cutting and
                   towards the stock
+    ``t_first_mm``, ``h_first_mm``  what the levels leave beyond that, for a pass of its own along the contour
     ``feeds_in``  the tool is fed, and does not rush, from one level to the next
-    ``follows``   the last pass runs along the contour; without it steps stay
+    ``narrow_mm`` a pass shorter than this is not made: the one along the contour takes the rest
     """
 
     start: Point
@@ -51,7 +52,9 @@ class Roughing(NamedTuple):
     t_allowance_mm: float = 0.0
     h_allowance_mm: float = 0.0
     feeds_in: bool = False
-    follows: bool = True
+    t_first_mm: float = 0.0
+    h_first_mm: float = 0.0
+    narrow_mm: float = 1e-6
 
     @property
     def rough_contour(self) -> tuple[Segment, ...]:
@@ -59,9 +62,14 @@ class Roughing(NamedTuple):
         return tuple(one.shifted(-self.t_allowance_mm, self.h_allowance_mm) for one in self.contour)
 
     @property
+    def level_contour(self) -> tuple[Segment, ...]:
+        """How far the levels reach."""
+        return tuple(one.shifted(-self.t_first_mm, self.h_first_mm) for one in self.rough_contour)
+
+    @property
     def departure(self) -> Point:
-        """Where the passes begin: the start, moved by the allowance along the direction of cutting."""
-        return Point(self.start.t - self.t_allowance_mm, self.start.h)
+        """Where the passes begin: the start, moved by what stays against the direction of cutting."""
+        return Point(self.start.t - self.t_allowance_mm - self.t_first_mm, self.start.h)
 
 
 def roughing_passes(cycle: Roughing) -> list[Pass]:
@@ -91,8 +99,8 @@ def _below(part: Segment, level_mm: float) -> tuple[float, float] | None:
     return (part.start.t, t_mm) if part.end.h > part.start.h else (t_mm, part.end.t)
 
 
-def _is_inside(span: _Span, within: _Span) -> bool:
-    is_long = span.last_mm > span.first_mm + _NOTHING_MM
+def _is_inside(span: _Span, within: _Span, narrow_mm: float) -> bool:
+    is_long = span.last_mm > span.first_mm + narrow_mm
     after = span.first_mm >= within.first_mm - _NOTHING_MM
     return is_long and after and span.last_mm <= within.last_mm + _NOTHING_MM
 
@@ -102,10 +110,10 @@ class _Cutter:
 
     def __init__(self, cycle: Roughing) -> None:
         self.cycle = cycle
-        self.parts = parts_of(cycle.rough_contour)
+        self.parts = parts_of(cycle.level_contour)
         self.top_mm = cycle.start.h
         self.first_mm = cycle.departure.t
-        self.last_mm = self.parts[-1].end.t
+        self.last_mm = self.parts[-1].end.t + cycle.t_first_mm
         self.stock = Stock(self.first_mm, max(self.last_mm, self.first_mm + _NOTHING_MM), self.top_mm)
         self.at = cycle.start
         self.moves: list[Motion] = []
@@ -115,8 +123,9 @@ class _Cutter:
         """All passes."""
         self._rapid(self.cycle.departure)
         self._clear(_Span(-math.inf, math.inf, is_open=True), 1)
-        if self.cycle.follows:
-            self._follow()
+        if self.cycle.t_first_mm > 0.0 or self.cycle.h_first_mm > 0.0:
+            self._follow(self.cycle.level_contour)
+        self._follow(self.cycle.rough_contour)
         self._go_home()
         return self.made
 
@@ -129,9 +138,7 @@ class _Cutter:
         if lowest_mm >= self.top_mm - (number - 1) * self.cycle.depth_mm - _NOTHING_MM:
             return
         if level_mm <= lowest_mm + _NOTHING_MM:
-            if self.cycle.follows:
-                return  # the pass along the contour takes the rest
-            level_mm = lowest_mm
+            return  # the pass along the contour takes the rest
         for span in self._spans(level_mm, within):
             self._cut(span, level_mm)
             self._clear(span, number + 1)
@@ -156,7 +163,7 @@ class _Cutter:
                 spans[-1] = spans[-1]._replace(last_mm=last_mm)
             else:
                 spans.append(_Span(first_mm, last_mm, is_open=is_open and not spans))
-        return [span for span in spans if _is_inside(span, within)]
+        return [span for span in spans if _is_inside(span, within, self.cycle.narrow_mm)]
 
     def _cut(self, span: _Span, level_mm: float) -> None:
         """One straight pass: there, in, along, and back under 45 degrees."""
@@ -190,9 +197,8 @@ class _Cutter:
         self._rapid(Point(span.first_mm, min(self.at.h, floor_mm + self.cycle.retract_mm)))
         self._feed(Point(span.first_mm, level_mm))
 
-    def _follow(self) -> None:
-        """Along the contour with its allowances, from its first point to its last."""
-        contour = self.cycle.rough_contour
+    def _follow(self, contour: tuple[Segment, ...]) -> None:
+        """Along the contour with what it leaves, from its first point to its last."""
         self._over(Point(self.first_mm, self.top_mm))
         first = contour[0].start
         self._approach(Point(self.first_mm, first.h))
@@ -225,7 +231,7 @@ class _Cutter:
 
     def _rapid(self, to: Point) -> None:
         if math.dist(self.at, to) > _NOTHING_MM:
-            if not self.cycle.follows or not self._has_followed():
+            if not self._has_followed():
                 self.stock.check_rapid(self.at, to)
             self._add(Motion(False, to))
 

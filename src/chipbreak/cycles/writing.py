@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from chipbreak.cycles.contour import Frame
+from chipbreak.cycles.contour import Frame, Segment
+from chipbreak.cycles.reading import Step, pieces_of, steps_of
 from chipbreak.cycles.roughing import Motion, Pass
-from chipbreak.model.modal import State
+from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.modal import Position, State
 from chipbreak.model.words import is_diameter
 from chipbreak.settings.axis_words import CENTRES
 from chipbreak.settings.sections import Settings
+from chipbreak.syntax.nodes import Block, Word
 from chipbreak.syntax.numbers import print_number
 
 
@@ -98,3 +101,58 @@ def _arc_words(writer: BlockWriter, frame: Frame, at: Sequence[float], motion: M
     from_t, from_h = motion.centre.t - at[0], motion.centre.h - at[1]
     z_mm, radius_mm = frame.outside(type(motion.centre)(from_t, from_h))
     yield writer.centre(z_mm, radius_mm)
+
+
+_LATHE = Frame("Z", 1, 1)
+_GEOMETRY = frozenset("XZUWRIKCA") | {",R", ",C", ",A"}
+
+
+def plain_contour(
+    effects: Sequence[BlockEffect], state: State, settings: Settings
+) -> tuple[list[str], list[Position]]:
+    """The blocks of a contour with its corners and angles drawn, and where each ends; other words stay.
+
+    Errors: CYC002 for a contour that cannot be used.
+    """
+    writer = BlockWriter(state, settings)
+    steps = steps_of(effects, settings)
+    drawn = iter(zip(steps, pieces_of(steps, _LATHE), strict=True))
+    blocks: list[str] = []
+    ends: list[Position] = []
+    for effect in effects:
+        if effect.move is None:
+            blocks += [without_number(effect.block)] if effect.block.words else []
+            continue
+        said = " ".join(effect.block.text_of(word) for word in _other_words(effect.block))
+        step, pieces = next(drawn)
+        for text, end in _drawn(writer, step, pieces):
+            blocks.append(f"{said} {text}".strip())
+            ends.append(end)
+            said = ""
+        blocks += [said] if said else []
+    return blocks, ends
+
+
+def _drawn(writer: BlockWriter, step: Step, pieces: Sequence[Segment]) -> Iterator[tuple[str, Position]]:
+    """The blocks of a move and its corner, and where each ends; a piece without length is left out."""
+    for piece in pieces:
+        motion = Motion(step.move.kind != "rapid", piece.end, piece.centre, piece.turn)
+        text = _block(writer, _LATHE, piece.start, motion, "")
+        if text:
+            yield text, step.move.end._replace(z=piece.end.t, x=piece.end.h)
+
+
+def without_number(block: Block) -> str:
+    """The text of a block without its N word: the number names the block of the contour alone."""
+    number = block.sequence
+    text = block.text if number is None else block.text[: number.start] + block.text[number.end :]
+    return text.strip()
+
+
+def _other_words(block: Block) -> list[Word]:
+    """The words of a block that are no part of its geometry: G41, F, S, M."""
+    return [
+        word
+        for word in block.words
+        if word.address not in _GEOMETRY and not (word.address == "G" and (word.number or 0.0) < 4.0)
+    ]

@@ -262,12 +262,14 @@ class Cycles(ValueRecord):
 
     ``unroll``: those whose cuts are asked to vibrate, all, or none.  ``depth_unit`` is what D without a
     decimal point counts in a block that says the whole cycle.  ``retract_mm`` is how far the tool goes back
-    where the cycle does not say it.
+    where the cycle does not say it.  ``plain_corners``: C, R, I, K and A without a comma in a straight move
+    of a contour are a chamfer, a radius and an angle.
     """
 
     unroll: str = _one_of("asked", "always", "never")
     depth_unit: str = _one_of("increment", "program")
     retract_mm: float = _at_least(0.5)
+    plain_corners: bool = True
 
 
 class Passes(ValueRecord):

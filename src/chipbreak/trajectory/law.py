@@ -102,16 +102,8 @@ class ControlLaw(ABC):
 
     @property
     def late_s(self) -> float:
-        """How much longer than its block the control goes on before a dwell."""
+        """How much longer than its block a move goes on before a dwell."""
         return 0.0
-
-    def late_behind_s(self, feed_mm_s: float) -> float:
-        """How much longer than its block, at this feed, the tool goes on before a dwell."""
-        return self.late_s + self.axes_late_s(feed_mm_s)
-
-    def axes_late_s(self, feed_mm_s: float) -> float:
-        """How much longer than the command the axes go on."""
-        return max((axis.filter.late_s(feed_mm_s) for axis in self.axes), default=0.0)
 
     def rounded(self, time_s: float) -> float:
         """The nearest time that a block can take."""

@@ -77,7 +77,7 @@ class DwellExpander(Expander):
         feed_mm_s = min(wave.feed_speed_mm_s, law.velocity_mm_s)
         moves_s = float(law.block_times([wave.speed_mm_s * wave.period_s], [feed_mm_s])[0])
         dwell_s = float(round(wave.period_s - moves_s, DWELL_DECIMALS))
-        still_s = dwell_s - law.late_behind_s(feed_mm_s)
+        still_s = dwell_s - law.late_s
         revolution_s = S_PER_MIN / wave.speed_rpm
         if still_s < revolution_s / edges - _SOON_S:
             more = ((1.0 - wave.alpha_share) * wave.period_s - still_s) / revolution_s

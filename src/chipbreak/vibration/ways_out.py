@@ -74,8 +74,7 @@ def _breaks(
         report = _tried(interpreted, other)
     except (RefusalError, SelfCheckError):
         return None
-    is_too_fast = report.following is not None and report.acceleration_mm_s2 > report.allowed_mm_s2
-    return report.plan if report.verdict.breaks and not (report.misses_plan or is_too_fast) else None
+    return report.plan if report.verdict.breaks and not report.misses_plan else None
 
 
 def _tried(interpreted: InterpretedProgram, chain: Chain) -> CutReport:

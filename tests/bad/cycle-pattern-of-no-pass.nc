@@ -1,8 +1,8 @@
-(EXPECT CYC007 6:1 -p fanuc-lathe)
+(EXPECT CYC004 6:1 -p fanuc-lathe)
 (VIB N1.5)
 G97 S1200 M3
 G0 X52. Z2.
-G73 U4. W1. R3
+G73 U4. W1. R0
 G73 P10 Q20 U0.4 F0.3
 N10 G0 X16.
 G1 Z-15.

@@ -1,0 +1,145 @@
+"""Corners and angles of a contour that are said instead of drawn: ``,C1.`` ``,R2.`` ``,A30.``.
+
+Many controls take C, R and A without a comma too, and I and K of a straight move as its chamfer.
+
+A chamfer begins and ends at its size before and behind the corner, a radius touches both lines.  An angle
+counts from +Z towards +X, and gives the axis that its block does not name.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from chipbreak.cycles.contour import Point, Segment
+from chipbreak.model.block_effect import BlockEffect, Move
+from chipbreak.model.words import length_mm, plain_value
+from chipbreak.settings.sections import Settings
+from chipbreak.syntax.nodes import Block, Word
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
+
+BAD_CONTOUR = "CYC002"
+_CHAMFERS = (",C", "C", "I", "K")
+_RADII = (",R", "R")
+_WITH_COMMA = frozenset({",C", ",R", ",A"})
+_PLAIN = frozenset("CRIKA")
+ANGLES = (",A", "A")
+_NOTHING_MM = 1e-9
+
+
+class Corner(NamedTuple):
+    """How the corner behind a move is taken off: a chamfer, or a radius, of a size [mm]."""
+
+    is_radius: bool
+    size_mm: float
+
+
+def words_of_corner(effect: BlockEffect, settings: Settings) -> tuple[Word, ...]:
+    """The words of a straight move that say its corner or its angle."""
+    if effect.move is None and not effect.block.has_any(ANGLES):
+        return ()
+    if effect.after.modes.motion not in ("line", "rapid"):
+        return ()
+    known = _WITH_COMMA | _PLAIN if settings.cycles.plain_corners else _WITH_COMMA
+    return effect.block.words_of(known)
+
+
+def corner_of(effect: BlockEffect, settings: Settings) -> Corner | None:
+    """The corner that a block says; None without one.  Errors: CYC002 for two, or a size that cannot be."""
+    words = [word for word in words_of_corner(effect, settings) if word.address not in ANGLES]
+    if not words:
+        return None
+    if len(words) > 1:
+        raise _refused(effect.block, "says two corners", "a block has one of C and R")
+    size_mm = abs(length_mm(words[0], effect.after, settings))
+    if math.isnan(size_mm):
+        raise _refused(effect.block, "has a corner of unknown size", "write its size with a decimal point")
+    return Corner(words[0].address in _RADII, size_mm)
+
+
+def with_angle(effect: BlockEffect, settings: Settings) -> BlockEffect:
+    """A block whose angle says the axis that it does not name, with the end that this gives.
+
+    Errors: CYC002 for an angle that gives none.
+    """
+    words = [word for word in words_of_corner(effect, settings) if word.address in ANGLES]
+    if not words:
+        return effect
+    move = effect.move
+    if len(words) > 1 or move is None or move.axes not in ("X", "Z"):
+        why = "has an angle beside both axes or none"
+        raise _refused(effect.block, why, "name one axis beside the angle")
+    end = move.end._replace(**_end_by_angle(move, words[0], settings))
+    if math.isnan(end.x + end.z):
+        raise _refused(effect.block, "has an angle that never gets there", "write X and Z of its end")
+    return effect._replace(move=move._replace(end=end), after=effect.after._replace(position=end))
+
+
+def _end_by_angle(move: Move, word: Word, settings: Settings) -> dict[str, float]:
+    is_known = word.has_point or word.number == 0.0 or settings.number_rule.reads_whole
+    angle = math.radians(plain_value(word)) if is_known else math.nan
+    signs = settings.axis_words.signs
+    rise = math.sin(angle) * signs["X"]
+    run = math.cos(angle) * signs["Z"]
+    if move.axes == "Z":
+        way_mm = move.end.z - move.start.z
+        return {"x": move.start.x + way_mm * rise / run if abs(run) > _NOTHING_MM else math.nan}
+    way_mm = move.end.x - move.start.x
+    return {"z": move.start.z + way_mm * run / rise if abs(rise) > _NOTHING_MM else math.nan}
+
+
+def _refused(block: Block, why: str, help_text: str) -> RefusalError:
+    return RefusalError(BAD_CONTOUR, f"the contour block {block.text.strip()[:40]} {why}", help_text)
+
+
+def cornered(segments: Sequence[Segment], corners: Sequence[Corner | None]) -> list[list[Segment]]:
+    """The segments with their corners taken off; what stands for each is a list, its corner the last.
+
+    Errors: CYC002 for a corner beside an arc, without a move behind it, or larger than its moves.
+    """
+    made = [[one] for one in segments]
+    for index, corner in enumerate(corners):
+        if corner is None or corner.size_mm <= _NOTHING_MM:
+            continue
+        if index + 1 >= len(segments):
+            raise _bad("the last block of the contour says a corner, and no move follows it")
+        before = made[index][-1]
+        after = made[index + 1][0]
+        if before.centre is not None or after.centre is not None:
+            raise _bad("a corner stands beside an arc")
+        made[index], made[index + 1] = _taken_off(before, after, corner)
+    return made
+
+
+def _bad(why: str) -> RefusalError:
+    help_text = "write the contour with G1, G2 and G3 to plain points"
+    return RefusalError(BAD_CONTOUR, why, help_text)
+
+
+def _taken_off(before: Segment, after: Segment, corner: Corner) -> tuple[list[Segment], list[Segment]]:
+    """Two lines with the corner between them."""
+    if min(before.length_mm, after.length_mm) <= _NOTHING_MM:
+        raise _bad("a corner stands beside a move without length")
+    in_t, in_h = _direction(before)
+    out_t, out_h = _direction(after)
+    cross = in_t * out_h - in_h * out_t
+    cut_mm = corner.size_mm
+    if corner.is_radius:
+        cut_mm *= math.tan(abs(math.atan2(cross, in_t * out_t + in_h * out_h)) / 2.0)
+    if cut_mm > min(before.length_mm, after.length_mm) + 1e-6:
+        raise _bad(f"a corner of {corner.size_mm:g} mm is larger than the moves beside it")
+    tip = before.end
+    first = Point(tip.t - cut_mm * in_t, tip.h - cut_mm * in_h)
+    last = Point(tip.t + cut_mm * out_t, tip.h + cut_mm * out_h)
+    new = Segment(first, last)
+    if corner.is_radius and abs(cross) > _NOTHING_MM:
+        turn = 1 if cross > 0.0 else -1
+        centre = Point(first.t - turn * corner.size_mm * in_h, first.h + turn * corner.size_mm * in_t)
+        new = Segment(first, last, centre, turn)
+    return [before._replace(end=first), new], [after._replace(start=last)]
+
+
+def _direction(line: Segment) -> tuple[float, float]:
+    long_mm = line.length_mm
+    return (line.end.t - line.start.t) / long_mm, (line.end.h - line.start.h) / long_mm
