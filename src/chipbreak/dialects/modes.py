@@ -9,7 +9,7 @@ into them.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, Literal, get_args, get_type_hints
+from typing import Any, Literal, get_args
 
 from chipbreak.text.named_tuple import NamedTuple
 
@@ -145,8 +145,9 @@ class Modes(NamedTuple):
 
 
 def _values() -> dict[str, frozenset[str]]:
-    hints = get_type_hints(Modes)
-    return {group: frozenset(get_args(hints[group])) for group in Modes._fields if group != "others"}
+    """The values that the annotations of ``Modes`` name: each is an alias of this module, or ``str``."""
+    kinds = {group: globals().get(kind) for group, kind in Modes.__annotations__.items() if group != "others"}
+    return {group: frozenset(get_args(kind)) for group, kind in kinds.items()}
 
 
 # Group -> the values it may have; a group of none is open (an offset's code with its words).

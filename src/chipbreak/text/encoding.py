@@ -12,10 +12,11 @@ import unicodedata
 LATIN_1, UTF_8, SHIFT_JIS = "latin-1", "utf-8", "cp932"
 # So much of the lines that are not ASCII is looked at.
 _MOST_BYTES = 1 << 16
-_NOT_ASCII = re.compile(rb"[^\r\n]*[\x80-\xff][^\r\n]*")
+# Expressions are compiled where they are used: most programs are ASCII.
+_NOT_ASCII = rb"[^\r\n]*[\x80-\xff][^\r\n]*"
 # Two characters of two bytes in a row whose first byte no European text has side by side.
-_JAPANESE = re.compile(r"[\u3000-\u30ff\u4e00-\u9fff\uff01-\uff5e]{2}")
-_FOREIGN_TO_JAPANESE = re.compile(r"[\ue000-\uf8ff]")
+_JAPANESE = r"[\u3000-\u30ff\u4e00-\u9fff\uff01-\uff5e]{2}"
+_FOREIGN_TO_JAPANESE = r"[\ue000-\uf8ff]"
 _WIDE = ("W", "F")
 _AS_IT_IS = "chipbreak-as-latin-1"
 
@@ -36,14 +37,14 @@ def encoding_of(data: bytes) -> str:
     if data.isascii():
         return LATIN_1
     sample = bytearray()
-    for match in _NOT_ASCII.finditer(data):
+    for match in re.finditer(_NOT_ASCII, data):
         sample += match[0] + b"\n"
         if len(sample) > _MOST_BYTES:
             break
     if _reads(sample, UTF_8) is not None:
         return UTF_8
     japanese = _reads(sample, SHIFT_JIS) or ""
-    is_japanese = _JAPANESE.search(japanese) and not _FOREIGN_TO_JAPANESE.search(japanese)
+    is_japanese = re.search(_JAPANESE, japanese) and not re.search(_FOREIGN_TO_JAPANESE, japanese)
     return SHIFT_JIS if is_japanese else LATIN_1
 
 
