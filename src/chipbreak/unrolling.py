@@ -126,8 +126,7 @@ def _asked(interpreted: InterpretedProgram, operations: Sequence[Operation]) -> 
     """The lines of the cycles that are to be written out, with who asked; None where all are written out."""
     settings = interpreted.settings
     unroll_all = settings.cycles.unroll == "always"
-    may_wish = profile_directive(settings).on or b"VIB" in interpreted.program.source.data.upper()
-    if settings.cycles.unroll == "never" or not (unroll_all or may_wish):
+    if settings.cycles.unroll == "never" or not (unroll_all or _may_wish(interpreted)):
         return {}
     from chipbreak.cycles.plan import cycle_lines
 
@@ -143,6 +142,14 @@ def _asked(interpreted: InterpretedProgram, operations: Sequence[Operation]) -> 
         if line in kinds and (asked_by != "profile" or _is_meant(line, kinds[line], scope)):
             asked[line] = asked_by
     return asked
+
+
+def _may_wish(interpreted: InterpretedProgram) -> bool:
+    """False where neither the profile nor a comment can ask for vibration."""
+    blocks = interpreted.program.event_blocks()
+    return profile_directive(interpreted.settings).on or any(
+        "VIB" in comment.text.upper() for block in blocks for comment in block.comments
+    )
 
 
 def _is_meant(line: int, kind: Kind | None, scope: Scope) -> bool:

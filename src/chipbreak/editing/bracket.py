@@ -44,6 +44,7 @@ LINE = re.compile(
     rb"[ \t]*(?:[Nn][-+]?[0-9.]+[ \t]*)?(?:(?P<parenthesis>\()|; ?)"
     rb"CHIPBREAK (?P<kind>BEGIN|WAS|HEX|END|UNROLLED|ROLLED) ?(?P<text>[^()]*)(?(parenthesis)\))[ \t]*"
 )
+_NAME = b"CHIPBREAK "
 _HEX_BYTES_PER_LINE = 30
 # What every control takes inside a comment; LinuxCNC also takes lower case and more signs.
 _SAFE = re.compile(rb"[A-Z0-9 .,=_+/-]*")
@@ -55,9 +56,14 @@ def comment(kind: str, text: str, marks: CommentMarks) -> str:
     return f"{marks.before}CHIPBREAK {kind} {text}{marks.behind}".rstrip()
 
 
+def has_any(data: bytes) -> bool:
+    """False where no bracket line of any kind stands."""
+    return _NAME in data
+
+
 def find(data: bytes, kind: str, start: int = 0, stop: int | None = None) -> int:
     """Where the next bracket line of a kind may be, -1 where there is none; :data:`LINE` knows for sure."""
-    name = f"CHIPBREAK {kind}".encode("ascii")
+    name = _NAME + kind.encode("ascii")
     at = data.find(name, start, stop)
     while at >= 0 and not data[max(at - 2, 0) : at].rstrip(b" ").endswith((b"(", b";")):
         at = data.find(name, at + 1, stop)

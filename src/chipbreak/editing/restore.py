@@ -136,6 +136,8 @@ def restore(source: Source) -> Source:
 
     Raises ProgramRejectedError as :func:`regions` does.
     """
+    if not bracket.has_any(source.data):
+        return source
     for layer in (bracket.CHANGES, bracket.UNROLLED_CYCLES):
         source = _without(source, regions(source, layer))
     return source

@@ -24,7 +24,7 @@ def _utf_16_of(data: bytes) -> str:
     """Its name for iconv, empty for anything else: every second byte of letters and digits is NUL."""
     if data[:2] in _MARKS:
         return _MARKS[data[:2]]
-    if len(data) < 4:
+    if len(data) < 4 or 0 not in data:
         return ""
     first, second = (half.count(0) > _MOSTLY * len(half) for half in (data[0::2], data[1::2]))
     if first == second:
