@@ -70,7 +70,7 @@ def verify_unrolled(
     Raises SelfCheckError.
     """
     original = interpreted.program.source
-    source = read(output, original.name)
+    source = read(output, original.name, encoding=original.encoding)
     found = regions(source, UNROLLED_CYCLES)
     if not restores(source, found, original.data):
         raise SelfCheckError("putting the cycles back does not give the original bytes")

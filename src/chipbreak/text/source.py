@@ -107,10 +107,15 @@ def in_a_row(pieces: Sequence[UserLines]) -> UserLines:
     return UserLines(pieces[0].file, np.concatenate(numbers), np.concatenate(shifts))
 
 
-def read(data: bytes, name: str = "<stdin>", user_lines: UserLines | None = None) -> Source:
-    """Cut bytes into lines.  Any bytes are a program; nothing is refused here."""
+def read(
+    data: bytes, name: str = "<stdin>", user_lines: UserLines | None = None, *, encoding: str = ""
+) -> Source:
+    """Cut bytes into lines.  Any bytes are a program; nothing is refused here.
+
+    ``encoding`` is what the bytes mean where it is known; without it, it is guessed.
+    """
     starts = _line_starts(data)
-    encoding = encoding_of(data)
+    encoding = encoding or encoding_of(data)
     return Source(data, name, starts, _usual_end(data, starts), _body(data, starts), encoding, user_lines)
 
 
