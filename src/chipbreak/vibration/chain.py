@@ -323,14 +323,16 @@ def _without_point(interpreted: InterpretedProgram, effect: BlockEffect, axis: s
 
 def legs_of(chain: Chain) -> list[Leg]:
     """The chain's moves as pure geometry; axes that it does not move count as 0."""
+    return [leg_of(move) for move in chain.moves]
+
+
+def leg_of(move: Move) -> Leg:
+    """A feed move as pure geometry; axes whose place is not known count as 0."""
     turns = {"line": 0, "cw": -1, "ccw": 1}
-    legs = []
-    for move in chain.moves:
-        start = _numbers(move.start)
-        end = _numbers(move.end)
-        offsets = move.offsets or NOWHERE
-        legs.append(Leg(start, end, turns[move.kind], move.plane, offsets, move.radius_mm))
-    return legs
+    start = _numbers(move.start)
+    end = _numbers(move.end)
+    offsets = move.offsets or NOWHERE
+    return Leg(start, end, turns[move.kind], move.plane, offsets, move.radius_mm)
 
 
 def _numbers(values: Sequence[float]) -> tuple[float, float, float]:

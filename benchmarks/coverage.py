@@ -1,0 +1,142 @@
+"""How much of real lathe programs vibrates, and what keeps the rest from it.
+
+    python benchmarks/coverage.py FOLDER...              every file below, N chosen by the machine
+    python benchmarks/coverage.py FOLDER --set vibration.n=1.5 --files
+
+The machine is ``fanuc-lathe`` with the trapezoid law and 5 m/s² in X and Z, unless ``--profile`` and ``--set``
+say otherwise.  A program counts as *out* when the filter gives output.  Length is that of the feed moves of
+G1 to G3, cycles written out; passes on the way back through air, and moves with the spindle stopped, are no
+cuts.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from chipbreak import ChipbreakError, ProgramRejectedError, load, rewrite
+from chipbreak.kinematics.toolpath import path_of
+from chipbreak.model.block_effect import Move
+from chipbreak.model.interpreted_program import interpret
+from chipbreak.pipeline import Result
+from chipbreak.settings import Settings
+from chipbreak.syntax.parse import parse
+from chipbreak.text.diagnostics import RefusalError, Severity
+from chipbreak.text.source import read
+from chipbreak.vibration.chain import leg_of
+
+MACHINE = (
+    'planner.model="trapezoid"',
+    "axes.X.max_acceleration_mm_s2=5000",
+    "axes.Z.max_acceleration_mm_s2=5000",
+)
+AUTO = 'vibration.n="auto"'
+
+
+@dataclass
+class Coverage:
+    """What became of one program: lengths in mm, and the reasons with the length that each one costs."""
+
+    name: str
+    is_out: bool = False
+    cuts: int = 0
+    vibrated_mm: float = 0.0
+    total_mm: float = 0.0
+    seconds: float = 0.0
+    reasons: Counter[str] = field(default_factory=Counter)
+
+
+def length_mm(move: Move) -> float:
+    """How long a feed move is; 0 where a place is not known."""
+    try:
+        found = path_of([leg_of(move)]).length_mm
+    except (RefusalError, ValueError):
+        return 0.0
+    return found if found == found else 0.0
+
+
+def total_mm(data: bytes, settings: Settings) -> float:
+    """The length of all cuts of a program as it is written."""
+    interpreted = interpret(parse(read(data), settings.dialect), settings)
+    body = interpreted.program.source.body
+    moves = (e.move for e in interpreted.effects_of(body.start, body.stop) if not e.in_contour)
+    return sum(length_mm(move) for move in moves if move is not None and move.is_cut)
+
+
+def measure(path: Path, settings: Settings, plain: Settings) -> Coverage:
+    """Run one program."""
+    found = Coverage(path.name)
+    data = path.read_bytes()
+    began = time.perf_counter()
+    try:
+        result = rewrite(data, settings, str(path))
+    except ProgramRejectedError as error:
+        worst = next(one for one in error.diagnostics if one.severity is Severity.ERROR)
+        found.reasons[f"rejected {worst.code}: {worst.message[:70]}"] += 1
+    except ChipbreakError as error:
+        found.reasons[f"rejected {type(error).__name__}: {str(error)[:70]}"] += 1
+    else:
+        found.is_out = True
+        take(found, result)
+    found.seconds = time.perf_counter() - began
+    try:
+        found.total_mm = total_mm(rewrite(data, plain, str(path)).source.data, settings)
+    except ChipbreakError:
+        found.total_mm = total_mm(data, settings)
+    return found
+
+
+def take(found: Coverage, result: Result) -> None:
+    """What vibrates, and the length that each reason leaves."""
+    found.cuts = len(result.cuts)
+    found.vibrated_mm = sum(cut.plan.path.length_mm for cut in result.cuts)
+    for left in result.left:
+        if left.is_cut or not left.said.code:
+            found.reasons[f"{left.said.code or 'air'}: {left.said.message[:70]}"] += 1
+
+
+def main() -> int:
+    """Print a line a file where asked, the shares, and the reasons, the most frequent first."""
+    summary, usage = (__doc__ or "").split("\n", 1)
+    parser = argparse.ArgumentParser(
+        description=summary, epilog=usage, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("folders", nargs="+", type=Path)
+    parser.add_argument("--profile", default="fanuc-lathe")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="sets")
+    parser.add_argument("--files", action="store_true", help="a line a file")
+    options = parser.parse_args()
+    asked = [*MACHINE, *(options.sets if any("vibration" in s for s in options.sets) else [AUTO, *options.sets])]
+    settings = load(options.profile, asked)
+    plain = load(options.profile, [*MACHINE, 'cycles.unroll="always"'])
+    paths = [p for f in options.folders for p in (sorted(f.rglob("*")) if f.is_dir() else [f]) if p.is_file()]
+    all_of = [measure(path, settings, plain) for path in paths]
+    if options.files:
+        for one in all_of:
+            share = one.vibrated_mm / one.total_mm if one.total_mm else 0.0
+            state = "out" if one.is_out else "---"
+            print(f"{state} {one.cuts:4} cuts {share:4.0%} of {one.total_mm:8.0f} mm {one.seconds:5.1f} s {one.name}")
+            for reason, count in one.reasons.most_common(3):
+                print(f"        {count:4} x {reason}")
+    count = len(all_of)
+    out = sum(one.is_out for one in all_of)
+    cutting = sum(one.cuts > 0 for one in all_of)
+    vibrated = sum(one.vibrated_mm for one in all_of)
+    total = sum(one.total_mm for one in all_of)
+    print(f"{out} of {count} programs come out, {cutting} with a vibrated cut")
+    print(f"{vibrated:.0f} of {total:.0f} mm vibrate ({vibrated / total if total else 0.0:.0%})")
+    print(f"{sum(one.seconds for one in all_of):.1f} s in all, at most {max(one.seconds for one in all_of):.1f} s")
+    reasons: Counter[str] = Counter()
+    for one in all_of:
+        reasons.update(one.reasons)
+    for reason, times in reasons.most_common(25):
+        print(f"{times:6} x {reason}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
