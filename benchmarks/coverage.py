@@ -3,15 +3,16 @@
     python benchmarks/coverage.py FOLDER...              every file below, N chosen by the machine
     python benchmarks/coverage.py FOLDER --set vibration.n=1.5 --files
 
-The machine is ``fanuc-lathe`` with the trapezoid law and 5 m/s² in X and Z, unless ``--profile`` and ``--set``
-say otherwise.  A program counts as *out* when the filter gives output.  Length is that of the feed moves of
-G1 to G3, cycles written out; passes on the way back through air, and moves with the spindle stopped, are no
+The machine is ``fanuc-lathe`` with the trapezoid law and 5 m/s² in X and Z, unless ``--profile`` and
+``--set`` say otherwise.  A program counts as *out* when the filter gives output.  Length is that of the feed
+moves of G1 to G3, cycles written out; passes on the way back through air, and moves with the spindle stopped, are no
 cuts.
 """
 
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 import time
 from collections import Counter
@@ -56,7 +57,7 @@ def length_mm(move: Move) -> float:
         found = path_of([leg_of(move)]).length_mm
     except (RefusalError, ValueError):
         return 0.0
-    return found if found == found else 0.0
+    return 0.0 if math.isnan(found) else found
 
 
 def total_mm(data: bytes, settings: Settings) -> float:
@@ -110,7 +111,11 @@ def main() -> int:
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="sets")
     parser.add_argument("--files", action="store_true", help="a line a file")
     options = parser.parse_args()
-    asked = [*MACHINE, *(options.sets if any("vibration" in s for s in options.sets) else [AUTO, *options.sets])]
+    asked = [
+        *MACHINE,
+        *([] if any("vibration.n" in one for one in options.sets) else [AUTO]),
+        *options.sets,
+    ]
     settings = load(options.profile, asked)
     plain = load(options.profile, [*MACHINE, 'cycles.unroll="always"'])
     paths = [p for f in options.folders for p in (sorted(f.rglob("*")) if f.is_dir() else [f]) if p.is_file()]
@@ -119,7 +124,8 @@ def main() -> int:
         for one in all_of:
             share = one.vibrated_mm / one.total_mm if one.total_mm else 0.0
             state = "out" if one.is_out else "---"
-            print(f"{state} {one.cuts:4} cuts {share:4.0%} of {one.total_mm:8.0f} mm {one.seconds:5.1f} s {one.name}")
+            cuts = f"{one.cuts:4} cuts {share:4.0%} of {one.total_mm:8.0f} mm"
+            print(f"{state} {cuts} {one.seconds:5.1f} s {one.name}")
             for reason, count in one.reasons.most_common(3):
                 print(f"        {count:4} x {reason}")
     count = len(all_of)
@@ -129,7 +135,8 @@ def main() -> int:
     total = sum(one.total_mm for one in all_of)
     print(f"{out} of {count} programs come out, {cutting} with a vibrated cut")
     print(f"{vibrated:.0f} of {total:.0f} mm vibrate ({vibrated / total if total else 0.0:.0%})")
-    print(f"{sum(one.seconds for one in all_of):.1f} s in all, at most {max(one.seconds for one in all_of):.1f} s")
+    seconds = [one.seconds for one in all_of]
+    print(f"{sum(seconds):.1f} s in all, at most {max(seconds, default=0.0):.1f} s")
     reasons: Counter[str] = Counter()
     for one in all_of:
         reasons.update(one.reasons)

@@ -76,11 +76,26 @@ class CommandGroup:
         """
         return self.around(frequency_hz, 1)[0]
 
+    def between(self, low_hz: float, high_hz: float) -> tuple[Period, ...]:
+        """All periods with a frequency within these bounds, the fastest first."""
+        if self.periods_s is not None or self.multiples is not None:
+            count = len(self.periods_s or self.multiples or ())
+            every = self.around(high_hz, count)
+            return tuple(sorted((p for p in every if low_hz <= p.frequency_hz <= high_hz), key=_length))
+        fewest = max(self.min_multiple, math.ceil(1.0 / (high_hz * self.base_period_s) - _FUZZ))
+        most = min(self.max_multiple or MOST_TICKS, math.floor(1.0 / (low_hz * self.base_period_s) + _FUZZ))
+        periods = ((n, n * self.base_period_s) for n in range(fewest, most + 1))
+        return tuple(Period(1.0 / period_s, period_s, n) for n, period_s in periods)
+
     def contains_near(self, frequency_hz: float) -> bool:
         """False when the frequency lies over a quarter beyond the fastest or the slowest of the group."""
         slowest_hz = self.nearest(1e-6).frequency_hz
         fastest_hz = self.nearest(1e6).frequency_hz
         return slowest_hz / FAR_RATIO <= frequency_hz <= fastest_hz * FAR_RATIO
+
+
+def _length(period: Period) -> float:
+    return period.period_s
 
 
 @dataclass(frozen=True)

@@ -65,17 +65,19 @@ OPERATION_KINDS = ("rough", "semi-finish", "finish", "drill", "thread", "probe",
 class Vibration(ValueRecord):
     """Defaults for what a program does not say about its vibrated cuts.
 
+    ``n`` ``auto``: the machine chooses N, f and S for each cut, and leaves ``reserve`` of its acceleration.
     ``only`` names the operations for whose cuts the profile asks, kinds or tools (``T3``).  ``refused`` says
     what becomes of a cut that cannot vibrate: ``auto`` leaves those that only the profile asks for.  ``air``
     is what becomes of a feed back through what was just cut.
     """
 
-    n: float | None = _above(None)
+    n: float | str | None = field(default=None, metadata={"choices": ("auto",), "above": 0.0})
     e: float | None = _above(None)
     f_hz: float | None = _above(None)
     q: float | None = _above(None)
     a_mm: float | None = _above(None)
     margin: float = _at_least(1.2, 1.0)
+    reserve: float = _between(0.1, 0.0, 1.0)
     waveform: str = _one_of(*WAVE_NAMES)
     alpha: float = field(default=0.5, metadata={"above": 0.0, "below": 1.0})
     phase: float | str = field(default="auto", metadata={"choices": ("auto",), "above": 0.0, "below": 1.0})
@@ -172,10 +174,15 @@ class Planner(ValueRecord):
 
 
 class Spindle(ValueRecord):
-    """What the spindle can do."""
+    """What the spindle can do, and how far from the programmed speed the machine may choose.
+
+    ``speed_tolerance`` and ``surface_tolerance`` are shares of the programmed S, in rpm and under G96.
+    """
 
     min_rpm: float = _at_least(0.0)
     max_rpm: float | None = _at_least(None, 1.0)
+    speed_tolerance: float = _between(0.2, 0.0, 1.0)
+    surface_tolerance: float = field(default=0.2, metadata={"above": 0.0, "below": 1.0})
     resolution_rpm: float = field(default=1.0, metadata={"at_least": 0.001, "below": 1000.0})
     settle_s: float = field(default=0.0, metadata={"at_least": 0.0, "below": 600.0})
 

@@ -29,6 +29,7 @@ from chipbreak.vibration.loop import Loop, among_kept, same_feeds
 from chipbreak.vibration.loop_names import LoopNames
 from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.plan import CutPlan
+from chipbreak.vibration.readback import ReadBack
 from chipbreak.vibration.tolerances import PLANNED_TIME_SHARE
 
 _SAME_MM = 1e-6
@@ -43,7 +44,8 @@ class Expansion:
     ``distance_mm`` is where on the path each block ends, ``time_s`` when it should, both of shape (blocks,);
     a block of a loop counts in every pass.  ``loops`` are those of ``content``, None where none were asked.
     ``dwell_s`` is how long the tool dwells behind each block, which belongs to its time but at the end; empty
-    where it never does.
+    where it never does.  ``printed`` are the moves as the blocks will say them, None where nobody asks any
+    more.
     """
 
     content: tuple[str | MoveTable, ...]
@@ -51,6 +53,7 @@ class Expansion:
     time_s: Floats
     dwell_s: Floats
     loops: Sequence[Loop] | None = None
+    printed: ReadBack | None = None
 
     def __repr__(self) -> str:
         return f"<Expansion: {len(self.distance_mm)} moves>"
@@ -72,7 +75,23 @@ def moves_of(cut: CutPlan, settings: Settings, names: LoopNames | None = None) -
     distance_mm = ends.distance_mm[1:].copy()
     distance_mm[-1] = cut.path.length_mm
     text = block_text(columns, cut.chain, settings, plain_end=_tail_is_programmed(cut, settings))
-    return Expansion(text, distance_mm, ends.time_s[1:], dwell_s, form.told(ends.words.loops))
+    printed = _printed(cut, columns, settings)
+    return Expansion(text, distance_mm, ends.time_s[1:], dwell_s, form.told(ends.words.loops), printed)
+
+
+def _printed(cut: CutPlan, columns: Columns, settings: Settings) -> ReadBack:
+    """The moves with the numbers that will be printed of them."""
+    points_mm = columns.words.points_mm
+    moved = np.diff(points_mm, axis=0)
+    lengths_mm = np.sqrt(np.einsum("ij,ij->i", moved, moved))
+    if columns.feeds is None:
+        feeds_mm_s = np.full(len(lengths_mm), cut.wave.feed_speed_mm_s)
+    else:
+        feeds = np.round(columns.feeds, columns.feed_decimals)
+        if _tail_is_programmed(cut, settings):
+            feeds[-1] = columns.feeds[-1]
+        feeds_mm_s = _feeds_mm_s(cut, feeds, lengths_mm, settings)
+    return ReadBack(points_mm[1:], lengths_mm, feeds_mm_s, columns.dwell_s)
 
 
 class _Ends(NamedTuple):
@@ -269,6 +288,15 @@ def _typed_feeds(cut: CutPlan, feeds_mm_s: Floats, lengths_mm: Floats, settings:
         return feeds_mm_s / np.abs(lengths_mm) * S_PER_MIN
     per_minute = feeds_mm_s / cut.chain.before.mm_per_unit * S_PER_MIN
     return per_minute if mode == "minute" else per_minute / cut.solution.speed_rpm
+
+
+def _feeds_mm_s(cut: CutPlan, feeds: Floats, lengths_mm: Floats, settings: Settings) -> Floats:
+    """What the numbers of F words are in mm/s: :func:`_typed_feeds` the other way round."""
+    mode = settings.output.feed_mode
+    if mode == "inverse":
+        return feeds * np.abs(lengths_mm) / S_PER_MIN
+    per_minute = feeds if mode == "minute" else feeds * cut.solution.speed_rpm
+    return per_minute * cut.chain.before.mm_per_unit / S_PER_MIN
 
 
 def _feed_decimals(cut: CutPlan, settings: Settings) -> int:

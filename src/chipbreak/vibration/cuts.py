@@ -21,6 +21,7 @@ from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.vibration.advice import with_advice
 from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.chain import Chain, chains_of, legs_of
+from chipbreak.vibration.choice import Chooser, is_open
 from chipbreak.vibration.cut_edit import cut_edit, settling
 from chipbreak.vibration.left_cut import LeftCut
 from chipbreak.vibration.loop_names import LoopNames, free_names
@@ -90,7 +91,8 @@ def _tried(
         names = free_names(interpreted.program, interpreted.settings) if chains else None
     except RefusalError as error:
         return _without_loops(interpreted, chains, left, refused, error)
-    made = _made(interpreted, chains, names, len(refused), allow_unbroken=around.allow_unbroken)
+    advised = _MOST_ADVISED - len(refused)
+    made = _made(_Maker(interpreted, Chooser(interpreted.settings), given_up, advised), chains, names, around)
     refused += made.refused
     left += made.left
     if refused:
@@ -159,38 +161,52 @@ class _Made:
             self.refused.append(found)
 
 
-def _made(
-    interpreted: InterpretedProgram,
-    chains: Sequence[Chain],
-    names: LoopNames | None,
-    refused_before: int,
-    *,
-    allow_unbroken: bool,
-) -> _Made:
+def _made(maker: _Maker, chains: Sequence[Chain], names: LoopNames | None, around: _Around) -> _Made:
     """Plan every chain and make its blocks."""
     made = _Made()
-    key = interpreted.settings.vibration.refused
-    for chain in chains:
-        advise = refused_before + len(made.refused) + len(made.left) < _MOST_ADVISED
+    key = maker.interpreted.settings.vibration.refused
+    waiting = list(reversed(chains))
+    while waiting:
+        chain = waiting.pop()
+        advise = len(made.refused) + len(made.left) < maker.advised
         try:
-            plan, expansion = _cut(interpreted, chain, names, advise=advise)
+            plan, expansion = maker.cut(chain, names, advise=advise)
         except RefusalError as error:
-            made.give_up(chain, _at_chain(interpreted, chain, error), key, may_warn=allow_unbroken)
+            if is_open(chain) and len(chain.requests) > 1:
+                # What is too much round a corner may do from block to block.
+                waiting += [Chain((request,)) for request in reversed(chain.requests)]
+                continue
+            said = maker.given_up.get(chain.first) or _at_chain(maker.interpreted, chain, error)
+            made.give_up(chain, said, key, may_warn=around.allow_unbroken)
             continue
         made.cuts.append((plan, expansion))
         names = names.behind(len(expansion.loops or ())) if names is not None else None
     return made
 
 
-def _cut(
-    interpreted: InterpretedProgram, chain: Chain, names: LoopNames | None, *, advise: bool
-) -> tuple[CutPlan, Expansion]:
-    settings = interpreted.settings
-    plan = plan_cut(chain, settings)
-    _check_motion_mode(interpreted, chain)
-    expansion = _expand(plan, settings, names, advise=advise)
-    # Its blocks are made: the knots have served, and a long program has many.
-    return replace(plan, time_s=_NO_KNOTS, distance_mm=_NO_KNOTS), expansion
+class _Maker(NamedTuple):
+    """Makes the cuts of one run; what works instead is tried for the first ``advised`` that cannot be."""
+
+    interpreted: InterpretedProgram
+    chooser: Chooser
+    given_up: Mapping[int, Diagnostic]
+    advised: int
+
+    def cut(self, chain: Chain, names: LoopNames | None, *, advise: bool) -> tuple[CutPlan, Expansion]:
+        """The plan of a chain, and its blocks.  Errors: RefusalError."""
+        if chain.first in self.given_up:
+            said = self.given_up[chain.first]
+            raise RefusalError(said.code, said.message, said.help)
+
+        def make(one: Chain) -> tuple[CutPlan, Expansion]:
+            plan = plan_cut(one, self.interpreted.settings)
+            _check_motion_mode(self.interpreted, one)
+            return plan, _expand(plan, self.interpreted.settings, names, advise=advise and one is chain)
+
+        plan, expansion = self.chooser.cut(chain, make) if is_open(chain) else make(chain)
+        # Its blocks are made: the knots have served, and a long program has many.
+        plan = replace(plan, time_s=_NO_KNOTS, distance_mm=_NO_KNOTS)
+        return plan, replace(expansion, printed=None)
 
 
 def _expand(plan: CutPlan, settings: Settings, names: LoopNames | None, *, advise: bool) -> Expansion:

@@ -28,23 +28,28 @@ KEYS = {
     "EDGES": "cutting edges",
     "WAVE": f"{', '.join(WAVE_WORDS[:-1])} or {WAVE_WORDS[-1]}",
 }
+# What AUTO chooses.
+_CHOSEN = "SNEF"
+_AUTO = LazyPattern(r"AUTO(?![A-Z])[\s,]*")
 _DIRECTIVE = LazyPattern(r"\s*VIB(?:[\s,]+(.*?))?\s*$", re.IGNORECASE | re.DOTALL)
 _VALUE = rf"{'|'.join(WAVE_WORDS)}|[-+]?(?:\d+\.?\d*|\.\d+)"
 _ITEM = LazyPattern(rf"\s*([A-Z]+?)\s*(?:=\s*)?({_VALUE})(?=[\s,A-Z]|$)[\s,]*")
 
 
 class Directive(NamedTuple):
-    """What one directive says; ``on`` is False for ``(VIB OFF)``."""
+    """What one directive says; ``on`` is False for ``(VIB OFF)``, ``auto`` True for ``(VIB AUTO)``."""
 
     on: bool
     values: Mapping[str, SourcedValue] = FrozenTable({})
     waveform: str = ""
+    auto: bool = False
 
 
 def read_directive(text: str, line_number: int) -> Directive | None:
     """Read a comment's text; None when it is no directive.
 
-    ``(VIB)`` and ``(VIB ON)`` ask for vibration with the profile's values.  Errors: VIB014 for a key or a
+    ``(VIB)`` and ``(VIB ON)`` ask for vibration with the profile's values, ``(VIB AUTO)`` for N, f and S that
+    the machine chooses.  Errors: VIB014 for a key or a
     value that cannot be read.
     """
     match = _DIRECTIVE.match(text)
@@ -55,14 +60,20 @@ def read_directive(text: str, line_number: int) -> Directive | None:
         return Directive(True)
     if rest == "OFF":
         return Directive(False)
+    is_auto = _AUTO.match(rest)
+    rest = rest[is_auto.end() :] if is_auto else rest
     said: dict[str, str] = {}
     for key, value in _items(rest):
         if key in said:
             raise RefusalError("VIB014", f"the directive gives {key} twice", "give each key once")
+        if is_auto and key in _CHOSEN:
+            message = f"AUTO lets the machine choose N, f and S, and the directive gives {key} too"
+            raise RefusalError("VIB014", message, f"take {key} out, or AUTO")
         said[key] = value
     waveform = said.pop("WAVE", "").lower()
     origin = f"directive, line {line_number}"
-    return Directive(True, {key: SourcedValue(float(value), origin) for key, value in said.items()}, waveform)
+    values = {key: SourcedValue(float(value), origin) for key, value in said.items()}
+    return Directive(True, values, waveform, auto=bool(is_auto))
 
 
 def _items(text: str) -> Iterator[tuple[str, str]]:
@@ -86,4 +97,4 @@ def _unreadable(found: str, key: str) -> RefusalError:
     hint = f"did you mean {near}? " if near and near != key else ""
     known = "; ".join(f"{name} {meaning}" for name, meaning in KEYS.items())
     message = f"the directive says {found!r}, which cannot be read"
-    return RefusalError("VIB014", message, f"{hint}keys: {known}; or (VIB OFF)")
+    return RefusalError("VIB014", message, f"{hint}keys: {known}; or (VIB AUTO), (VIB OFF)")

@@ -13,6 +13,7 @@ from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.machine_demand import flank_clearance_deg, least_acceleration_mm_s2
 from chipbreak.kinematics.waveform import WaveformParameters, full_window
 from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import SelfCheckError
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.junctions import Blocks
@@ -118,16 +119,21 @@ def measured_motion(
 
 
 def _timed(result: InterpretedProgram, region: Region, plan: CutPlan, expansion: Expansion) -> _Timed:
-    moves = _reached(read_moves(result, region.body, region.last), result, plan)
+    moves = read_moves(result, region.body, region.last)
+    _check_speed(result, region, plan)
+    return _in_time(moves, result.settings, plan, expansion)
+
+
+def _in_time(moves: ReadBack, settings: Settings, plan: CutPlan, expansion: Expansion) -> _Timed:
+    moves = _reached(moves, settings, plan)
     count = len(moves.feed_mm_s)
     if count != len(expansion.distance_mm):
         raise SelfCheckError(f"{len(expansion.distance_mm)} moves were planned, {count} stand in the output")
     if moves.strangers:
         raise SelfCheckError("a move that is no cut stands in a vibrated cut")
-    _check_speed(result, region, plan)
-    distance_mm = _check_path(result, moves, plan, expansion)
+    distance_mm = _check_path(settings, moves, plan, expansion)
     moved = np.diff(np.vstack((plan.path.legs[0].start, moves.points_mm)), axis=0)
-    law = control_along(result.settings, plan.path, plan.chain.before)
+    law = control_along(settings, plan.path, plan.chain.before)
     blocks = law.blocks(moved, np.diff(distance_mm))
     motion = law.motion(distance_mm, blocks, moves.feed_mm_s, moves.dwell_s)
     if not np.all(motion.spans_s > 0.0):
@@ -137,7 +143,20 @@ def _timed(result: InterpretedProgram, region: Region, plan: CutPlan, expansion:
 
 def measure_cut(result: InterpretedProgram, region: Region, plan: CutPlan, expansion: Expansion) -> CutReport:
     """Read a cut back from the output.  Raises SelfCheckError when it is not what was planned."""
-    moves, law, blocks, motion = _timed(result, region, plan, expansion)
+    return _report(_timed(result, region, plan, expansion), result.settings, plan, expansion)
+
+
+def measure_planned(settings: Settings, plan: CutPlan, expansion: Expansion) -> CutReport:
+    """What :func:`measure_cut` will find of a cut that is not yet written, from the numbers of its blocks.
+
+    Raises SelfCheckError.
+    """
+    assert expansion.printed is not None
+    return _report(_in_time(expansion.printed, settings, plan, expansion), settings, plan, expansion)
+
+
+def _report(timed: _Timed, settings: Settings, plan: CutPlan, expansion: Expansion) -> CutReport:
+    moves, law, blocks, motion = timed
     _check_dwells(moves.dwell_s, expansion.dwell_s)
     spans_s = motion.spans_s + moves.dwell_s if len(moves.dwell_s) else motion.spans_s
     time_s = np.concatenate(([0.0], np.cumsum(spans_s)))
@@ -184,9 +203,9 @@ def measure_cut(result: InterpretedProgram, region: Region, plan: CutPlan, expan
     )
 
 
-def _reached(moves: ReadBack, result: InterpretedProgram, plan: CutPlan) -> ReadBack:
+def _reached(moves: ReadBack, settings: Settings, plan: CutPlan) -> ReadBack:
     """The moves with the points that the axes reach in their steps."""
-    steps_mm = axis_steps_mm(result.settings, plan.chain.before)
+    steps_mm = axis_steps_mm(settings, plan.chain.before)
     if not steps_mm.any():
         return moves
     is_incremental = all(move.incremental for move in plan.chain.moves)
@@ -238,16 +257,16 @@ def _check_speed(result: InterpretedProgram, region: Region, plan: CutPlan) -> N
         raise SelfCheckError(f"the cut needs {wanted:g} rpm, the output commands {speed:g}")
 
 
-def _check_path(result: InterpretedProgram, moves: ReadBack, plan: CutPlan, expansion: Expansion) -> Floats:
+def _check_path(settings: Settings, moves: ReadBack, plan: CutPlan, expansion: Expansion) -> Floats:
     """Distance along the path at every knot; never off it, before its start or past its end."""
     state = plan.chain.before
-    step_mm = result.settings.output.step_mm(is_inch=state.is_inch)
-    step_mm = max(step_mm, float(axis_steps_mm(result.settings, state).max()))
+    step_mm = settings.output.step_mm(is_inch=state.is_inch)
+    step_mm = max(step_mm, float(axis_steps_mm(settings, state).max()))
     along, away = moves.along(plan.path, expansion.distance_mm)
     # Half an increment in each of up to three axes, and in a loop half of what its passes add up to.
     drift = max((loop.drift_steps for loop in expansion.loops or ()), default=0.0)
     tolerance = math.sqrt(3.0) * 0.5 * (1.0 + drift) * step_mm + 1e-6
-    if away.max() > tolerance + result.settings.vibration.chord_mm:
+    if away.max() > tolerance + settings.vibration.chord_mm:
         raise SelfCheckError(f"a point lies {away.max():z.4f} mm off the path")
     astray = float(np.abs(along - expansion.distance_mm).max())
     if astray > tolerance:

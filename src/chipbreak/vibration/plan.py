@@ -66,7 +66,7 @@ class CutPlan:
         return expander_named(self.wave.waveform)
 
 
-class _Asked(NamedTuple):
+class SpeedsAsked(NamedTuple):
     """S, N and f as asked for, two of them."""
 
     speed: SourcedValue | None
@@ -102,7 +102,7 @@ def plan_cut(chain: Chain, settings: Settings) -> CutPlan:
     state = chain.before
     expander = expander_named(request.waveform)
     reasons: list[str] = []
-    asked = _asked(chain, settings, reasons)
+    asked = asked_of(chain, settings, reasons)
     expander.refuse_share(request.values["ALPHA"])
     path = path_of(legs_of(chain))
     solution = _solved(asked, chain, expander, settings)
@@ -161,20 +161,24 @@ def _dwells_at_end(settings: Settings) -> bool:
     return settings.vibration.end == "dwell"
 
 
-def _asked(chain: Chain, settings: Settings, reasons: list[str]) -> _Asked:
-    asked = _Asked(*solver_inputs(chain.requests[0], chain.before))
+def asked_of(chain: Chain, settings: Settings, reasons: list[str]) -> SpeedsAsked:
+    """S, N and f as a chain asks for them; under constant surface speed S is that of its start.
+
+    Errors: VIB053 and VIB054 for a speed that cannot be known.
+    """
+    asked = SpeedsAsked(*solver_inputs(chain.requests[0], chain.before))
     if "S" in chain.requests[0].values or asked.speed is None:
         return asked
     return asked._replace(speed=_active_speed(chain, chain.before, asked.speed, settings, reasons))
 
 
-def _solved(asked: _Asked, chain: Chain, expander: Expander, settings: Settings) -> Solution:
+def _solved(asked: SpeedsAsked, chain: Chain, expander: Expander, settings: Settings) -> Solution:
     """S, N and f; a refusal with the way out that this cut has."""
     values = chain.requests[0].values
     state = chain.before
     edges = int(values["EDGES"].value)
     alpha = values["ALPHA"].value
-    rules = _rules(settings, state, alpha, edges)
+    rules = rules_of(settings, state, alpha, edges)
     try:
         return solve(**asked._asdict(), group=command_group(settings), rules=rules)
     except RefusalError as error:
@@ -199,7 +203,7 @@ def _wave_of(
     """The wave of a chain: its stroke, its ramp, and the form of its moves."""
     values = chain.requests[0].values
     wave = expander.wave
-    feed_mm_rev = _feed_mm_rev(chain.before, solution.speed_rpm)
+    feed_mm_rev = feed_per_rev_mm(chain.before, solution.speed_rpm)
     ticks = solution.period.ticks
     forward = forward_ticks(ticks, values["ALPHA"].value, rounds_down=wave.rounds_down)
     asked = StrokeAsked(
@@ -290,7 +294,8 @@ def _limit_rpm(state: State, settings: Settings) -> float | None:
     return min(known) if known else None
 
 
-def _rules(settings: Settings, state: State, alpha: float, edges: int) -> SolverRules:
+def rules_of(settings: Settings, state: State, alpha: float, edges: int) -> SolverRules:
+    """How the solver may correct S, N and f of a cut."""
     vibration = settings.vibration
     phase = 1.0 - alpha if isinstance(vibration.phase, str) else vibration.phase
     return SolverRules(
@@ -306,7 +311,8 @@ def _rules(settings: Settings, state: State, alpha: float, edges: int) -> Solver
     )
 
 
-def _feed_mm_rev(state: State, speed_rpm: float) -> float:
+def feed_per_rev_mm(state: State, speed_rpm: float) -> float:
+    """The feed per revolution of a state at a spindle speed."""
     assert state.feed is not None
     feed_mm = state.feed.value
     return feed_mm if state.modes.feed_mode == "rev" else feed_mm / speed_rpm

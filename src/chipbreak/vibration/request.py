@@ -22,6 +22,7 @@ from chipbreak.vibration.near_miss import NEAR_MISS, counts_as_block_numbers, me
 from chipbreak.vibration.scope import Scope
 from chipbreak.vibration.wish import AskedBy, Wish, said_of
 
+AUTO = "auto"  # vibration.n: the machine chooses
 OUT_OF_RANGE = "VIB017"
 UNREADABLE = "VIB018"
 _FROM_PROFILE = {
@@ -81,6 +82,7 @@ class Request(NamedTuple):
     ``values`` holds what was said, by the keys of directives; ``speed`` is an S of the block or directive.
     ``asked_by`` is ``word`` when the block's own words ask, else ``directive`` or ``profile``.
     ``speed_line`` is where the active S stands in the user's file, 0 without one.
+    ``chosen_by`` says who lets the machine choose N and f, empty where they are given.
     """
 
     effect: BlockEffect
@@ -88,6 +90,7 @@ class Request(NamedTuple):
     waveform: str
     asked_by: AskedBy
     speed_line: int
+    chosen_by: str = ""
 
     @property
     def by_word(self) -> bool:
@@ -101,7 +104,8 @@ class Request(NamedTuple):
     def same_wish(self, other: Request) -> bool:
         """True when both ask for the same vibration, so that they can be one chain."""
         mine = {k: v.value for k, v in self.values.items()}
-        return self.waveform == other.waveform and mine == {k: v.value for k, v in other.values.items()}
+        is_same = self.waveform == other.waveform and bool(self.chosen_by) == bool(other.chosen_by)
+        return is_same and mine == {k: v.value for k, v in other.values.items()}
 
 
 class Requests(NamedTuple):
@@ -314,11 +318,23 @@ class RequestReader:
             for key, given in source.items():
                 if key not in merged and _INSTEAD.get(key) not in merged:
                     merged[key] = given
-        merged = _fill_from_profile(merged, self.settings)
+        chosen_by = "" if merged.keys() & set("NEF") else self._chosen_by(said)
+        if not chosen_by:
+            merged = _fill_from_profile(merged, self.settings)
+        else:
+            merged = _fill_from_profile(merged, self.settings, without="NEF")
         waveform = said.waveform or self.settings.vibration.waveform
         speed = effect.after.speed
         speed_line = self.program.source.place(speed.line).line if speed is not None else 0
-        return Request(effect, merged, waveform, asked_by, speed_line)
+        return Request(effect, merged, waveform, asked_by, speed_line, chosen_by)
+
+    def _chosen_by(self, said: Directive) -> str:
+        """Who lets the machine choose; nobody where the directive or the profile fixes N, E or f."""
+        if said.auto:
+            return f"AUTO, line {self.program.source.place(self.wish.line).line}"
+        if self.settings.vibration.n == AUTO:
+            return f"profile vibration.n, {self.settings.origin('vibration.n')}"
+        return ""
 
     def _check_values(self, line: int, values: Mapping[str, SourcedValue], at: tuple[int, int]) -> bool:
         for key, given in values.items():
@@ -374,12 +390,14 @@ def profile_directive(settings: Settings) -> Directive:
     return Directive(any(v is not None for v in (vibration.n, vibration.e, vibration.f_hz)))
 
 
-def _fill_from_profile(values: dict[str, SourcedValue], settings: Settings) -> dict[str, SourcedValue]:
-    """Add what was not said.  Of S, N and f the profile adds no third."""
+def _fill_from_profile(
+    values: dict[str, SourcedValue], settings: Settings, *, without: str = ""
+) -> dict[str, SourcedValue]:
+    """Add what was not said, but for some keys.  Of S, N and f the profile adds no third."""
     filled = dict(values)
     for key, name in _FROM_PROFILE.items():
         value = getattr(settings.vibration, name)
-        if value is None or key in filled or _INSTEAD.get(key) in filled:
+        if value in (None, AUTO) or key in filled or key in without or _INSTEAD.get(key) in filled:
             continue
         if key in "NEF" and sum(k in filled for k in "SNEF") >= 2:
             continue

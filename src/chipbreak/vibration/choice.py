@@ -1,0 +1,312 @@
+"""The machine chooses N, f and S of a cut near its programmed speed: ``n = "auto"``, ``(VIB AUTO)``.
+
+Closed forms sort all that the control can command, the law of the control says which of these strokes it can
+run, and what is left is planned, and judged by the numbers of its blocks, until one breaks the chips.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+
+from chipbreak.kinematics.conditions import (
+    LEAST_PER_REV,
+    MOST_PER_REV,
+    Conditions,
+    Limits,
+    Wanted,
+    best_first,
+    least_demand,
+)
+from chipbreak.kinematics.sourced_value import SourcedValue, shown
+from chipbreak.kinematics.speed_solver import TOO_FEW, CommandGroup, Period, SolverRules
+from chipbreak.kinematics.toolpath import path_of
+from chipbreak.kinematics.waveform import TOO_SHORT
+from chipbreak.settings.sections import Settings
+from chipbreak.text.diagnostics import RefusalError, SelfCheckError
+from chipbreak.text.named_tuple import NamedTuple
+from chipbreak.trajectory.law import ControlLaw
+from chipbreak.units import MS_PER_S, S_PER_MIN
+from chipbreak.vibration.blocks import Expansion
+from chipbreak.vibration.chain import Chain, legs_of
+from chipbreak.vibration.expanders import expander_named
+from chipbreak.vibration.machine import control_along
+from chipbreak.vibration.measure import measure_planned
+from chipbreak.vibration.plan import CutPlan, asked_of, command_group, feed_per_rev_mm, rules_of
+
+NOTHING_FITS = "VIB036"
+_USUAL_MM_S2 = 10_000.0  # of axes whose acceleration the profile does not say, no more is asked
+_MOST_TRIED = 10  # of what closed forms find, to say that there is something
+_LEAST_HZ = 0.1
+_SLOWER = 0.85  # of a frequency that did not work, the next that is tried at most
+_STEP = 0.95  # from one speed or feed that is tried for a way out to the next
+_FEED_STEP_MM = 0.001
+_PLENTY = 0.5  # of the asked margin beyond 1 must be left for a choice to be taken at once
+
+MakeCut = Callable[[Chain], tuple[CutPlan, Expansion]]
+
+
+class _Cut(NamedTuple):
+    """A chain for which conditions are chosen, with what they depend on."""
+
+    chain: Chain
+    wanted: Wanted
+    rules: SolverRules
+    law: ControlLaw
+    limits: Limits
+    length_mm: float
+
+
+class _Tried(NamedTuple):
+    """A choice with the margin that its blocks have."""
+
+    margin: float
+    conditions: Conditions
+    made: tuple[CutPlan, Expansion]
+
+
+def is_open(chain: Chain) -> bool:
+    """True where the machine chooses N and f."""
+    return bool(chain.requests[0].chosen_by)
+
+
+class Chooser:
+    """Chooses for the cuts of one run; what worked for a straight cut is taken for others like it."""
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+        self.worked: dict[tuple[object, ...], Conditions] = {}
+
+    def cut(self, chain: Chain, make: MakeCut) -> tuple[CutPlan, Expansion]:
+        """The plan and the blocks of a chain with the best conditions that break its chips.
+
+        ``make`` plans a chain with conditions and makes its blocks.  Errors: VIB036 where nothing does it
+        within the limits of the machine, VIB013 where the cut is too short, and those of a chain that cannot
+        be planned at all.
+        """
+        cut = _cut_of(chain, self.settings)
+        kind = _kind(cut)
+        known = self.worked.get(kind)
+        if known is not None and _fits(known, cut, self.settings):
+            return make(_with(cut, known, self.settings))
+        found = self._tried(cut, make)
+        if kind:
+            self.worked[kind] = found.conditions
+        return found.made
+
+    def _tried(self, cut: _Cut, make: MakeCut) -> _Tried:
+        """The first choice with margin to spare, else that with the most."""
+        enough = 1.0 + _PLENTY * (cut.wanted.margin - 1.0)
+        tried: list[_Tried] = []
+        why: RefusalError | None = None
+        below_hz = math.inf
+        for conditions in self._candidates(cut):
+            frequency_hz = conditions.period.frequency_hz
+            if frequency_hz > below_hz:
+                continue
+            below_hz = _SLOWER * frequency_hz
+            try:
+                tried.append(self._try(cut, conditions, make))
+            except RefusalError as error:
+                why = why or error
+            if (tried and tried[-1].margin >= enough) or frequency_hz < _LEAST_HZ:
+                break
+        best = max(tried, key=lambda one: one.margin, default=None)
+        if best is None or best.margin < 1.0:
+            raise why or _nothing_fits(cut, self.settings)
+        return best
+
+    def _try(self, cut: _Cut, conditions: Conditions, make: MakeCut) -> _Tried:
+        """One choice, made and judged; margin 0 where the control would not keep to it."""
+        made = make(_with(cut, conditions, self.settings))
+        try:
+            report = measure_planned(self.settings, *made)
+        except SelfCheckError:
+            return _Tried(0.0, conditions, made)
+        does = report.verdict.breaks and not report.misses_plan
+        return _Tried(report.verdict.margin if does else 0.0, conditions, made)
+
+    def _candidates(self, cut: _Cut) -> Iterator[Conditions]:
+        """What the machine can run, the best first.  Errors: VIB036, and VIB013 for what is too short."""
+        found = _best(cut.wanted, command_group(self.settings), cut.rules, cut.limits)
+        if not found:
+            raise _nothing_fits(cut, self.settings)
+        long_enough = [one for one in found if _fits(one, cut, self.settings)]
+        if not long_enough:
+            raise _too_short(cut, found[0])
+        return (one for one in long_enough if _runs(one, cut))
+
+
+def _cut_of(chain: Chain, settings: Settings) -> _Cut:
+    """Errors: VIB001 where no speed is given, and those of the speed, the path and the control."""
+    values = chain.requests[0].values
+    speed = asked_of(chain, settings, []).speed
+    if speed is None:
+        message = f"the machine chooses N and f ({chain.requests[0].chosen_by}) near S, which is not given"
+        raise RefusalError(TOO_FEW, message, "give S before the cut")
+    path = path_of(legs_of(chain))
+    state = chain.before
+    feed_mm_rev = feed_per_rev_mm(state, speed.value)
+    alpha = values["ALPHA"]
+    is_even = expander_named(chain.requests[0].waveform).wave.is_even
+    edges = int(values["EDGES"].value)
+    wanted = Wanted(
+        feed_mm_rev,
+        speed.value,
+        edges,
+        settings.vibration.margin,
+        settings.spindle.speed_tolerance,
+        alpha.value if is_even or not alpha.origin.endswith("default") else None,
+        values["A"].value if "A" in values else _times(values.get("Q"), feed_mm_rev),
+    )
+    law = control_along(settings, path, state)
+    share = 1.0 - settings.vibration.reserve
+    most_mm_s2 = law.acceleration_mm_s2 if math.isfinite(law.acceleration_mm_s2) else _USUAL_MM_S2
+    limits = Limits(
+        share * most_mm_s2, share * law.velocity_mm_s, settings.planner.reversal_stop_ms / MS_PER_S
+    )
+    return _Cut(chain, wanted, rules_of(settings, state, alpha.value, edges), law, limits, path.length_mm)
+
+
+def _times(ratio: SourcedValue | None, feed_mm: float) -> float | None:
+    return None if ratio is None else ratio.value * feed_mm
+
+
+@lru_cache(maxsize=256)
+def _best(wanted: Wanted, group: CommandGroup, rules: SolverRules, limits: Limits) -> list[Conditions]:
+    return best_first(wanted, _periods(wanted, group), rules, limits)
+
+
+def _periods(wanted: Wanted, group: CommandGroup) -> tuple[Period, ...]:
+    turns_hz = wanted.speed_rpm * wanted.edges / S_PER_MIN
+    low_hz = LEAST_PER_REV * turns_hz * (1.0 - wanted.tolerance)
+    return group.between(low_hz, MOST_PER_REV * turns_hz * (1.0 + wanted.tolerance))
+
+
+def _kind(cut: _Cut) -> tuple[object, ...]:
+    """What cuts have in common that run alike; empty for a path that bends."""
+    requests = cut.chain.requests
+    move = requests[0].effect.move
+    if len(requests) > 1 or move is None or move.kind != "line":
+        return ()
+    return (cut.wanted, cut.rules, cut.law, cut.chain.axes)
+
+
+def _fits(conditions: Conditions, cut: _Cut, settings: Settings) -> bool:
+    """True where the cut is long enough for one vibration of full stroke, and a ramp of half of one."""
+    return _vibrations(conditions, cut, settings) >= (2.0 if _may_shorten(cut.chain) else 1.0)
+
+
+def _vibrations(conditions: Conditions, cut: _Cut, settings: Settings) -> int:
+    """Whole vibrations that the length has room for before the plain end."""
+    dwells = settings.vibration.end == "dwell"
+    turns = cut.length_mm / cut.wanted.feed_mm_rev - (0.0 if dwells else settings.vibration.end_revolutions)
+    return math.floor(turns * conditions.per_rev + 1e-9)
+
+
+def _may_shorten(chain: Chain) -> bool:
+    """True where nobody asked for the length of the ramp."""
+    ramp = chain.requests[0].values.get("RAMP")
+    return ramp is not None and ramp.origin.endswith("default")
+
+
+def _runs(conditions: Conditions, cut: _Cut) -> bool:
+    """True where the law of the control can run both strokes."""
+    period_s = conditions.period.period_s
+    advance_mm = cut.wanted.feed_mm_rev / conditions.per_rev
+    back = 1.0 - conditions.alpha
+    try:
+        cut.law.feed_for_time(
+            conditions.stroke_mm + conditions.alpha * advance_mm, conditions.alpha * period_s
+        )
+        cut.law.feed_for_time(conditions.stroke_mm - back * advance_mm, back * period_s)
+    except RefusalError:
+        return False
+    return True
+
+
+def _with(cut: _Cut, conditions: Conditions, settings: Settings) -> Chain:
+    """The chain with its conditions given."""
+    by = cut.chain.requests[0].chosen_by
+    origin = f"chosen near S {shown(cut.wanted.speed_rpm)} ({by})"
+    chosen = {
+        "N": SourcedValue(conditions.per_rev, origin),
+        "F": SourcedValue(conditions.period.frequency_hz, origin),
+        "ALPHA": SourcedValue(conditions.alpha, origin),
+    }
+    if _may_shorten(cut.chain):
+        ramp = cut.chain.requests[0].values["RAMP"]
+        room = (_vibrations(conditions, cut, settings) - 1.0) / 2.0
+        if room < ramp.value:
+            chosen["RAMP"] = SourcedValue(max(0.0, room), "as long as the cut allows")
+    requests = []
+    for request in cut.chain.requests:
+        values = {key: given for key, given in request.values.items() if key != "S"}
+        requests.append(request._replace(values=values | chosen, chosen_by=""))
+    return Chain(tuple(requests))
+
+
+def _nothing_fits(cut: _Cut, settings: Settings) -> RefusalError:
+    """What the least demanding choice would need, and the speed or the feed that the machine can run."""
+    near = f"near S {shown(cut.wanted.speed_rpm)}"
+    group = command_group(settings)
+    least = least_demand(cut.wanted, _periods(cut.wanted, group), cut.rules, cut.limits)
+    if least is None:
+        message = f"no N and f that the control can command {near} break these chips"
+        return RefusalError(NOTHING_FITS, message, _ways_out(cut, group, 1.0))
+    has = cut.limits.acceleration_mm_s2
+    needs = (
+        f"N {shown(round(least.per_rev, 4))} at f {shown(least.period.frequency_hz)} Hz needs"
+        f" {least.acceleration_mm_s2 / 1000.0:z.2f} m/s2, {cut.law.limiting} {has / 1000.0:z.2f} to give"
+    )
+    message = f"no N and f {near} break these chips on this machine: {needs}"
+    return RefusalError(
+        NOTHING_FITS, message, _ways_out(cut, group, min(1.0, has / least.acceleration_mm_s2))
+    )
+
+
+def _ways_out(cut: _Cut, group: CommandGroup, share: float) -> str:
+    """A lower speed, and a lower feed, for which the closed forms and the law find conditions.
+
+    Load goes with the feed, and with the square of the speed: ``share`` is what the limits are of it.
+    """
+    ways = []
+    speed_rpm = _lowered(cut.wanted.speed_rpm, math.sqrt(share), 1.0)
+    while speed_rpm > cut.rules.min_rpm and not _finds(cut, group, cut.wanted._replace(speed_rpm=speed_rpm)):
+        speed_rpm = _lowered(speed_rpm, _STEP, 1.0)
+    if speed_rpm > cut.rules.min_rpm:
+        ways.append(f"S {shown(speed_rpm)} with this feed")
+    feed_mm_rev = _lowered(cut.wanted.feed_mm_rev, share, _FEED_STEP_MM)
+    while feed_mm_rev > 0.0 and not _finds(cut, group, _with_feed(cut.wanted, feed_mm_rev)):
+        feed_mm_rev = _lowered(feed_mm_rev, _STEP, _FEED_STEP_MM)
+    if feed_mm_rev > 0.0:
+        ways.append(f"a feed of {shown(feed_mm_rev)} mm/rev")
+    return f"give {', or '.join(ways)}" if ways else "cut this block without vibration"
+
+
+def _lowered(value: float, share: float, step: float) -> float:
+    """The value times a share, in whole steps downwards."""
+    return max(0.0, round(math.floor(min(value * share, value - step) / step + 1e-9) * step, 9))
+
+
+def _with_feed(wanted: Wanted, feed_mm_rev: float) -> Wanted:
+    """The same cut with another feed; a stroke that was asked for goes with it."""
+    share = feed_mm_rev / wanted.feed_mm_rev
+    stroke_mm = None if wanted.stroke_mm is None else wanted.stroke_mm * share
+    return wanted._replace(feed_mm_rev=feed_mm_rev, stroke_mm=stroke_mm)
+
+
+def _finds(cut: _Cut, group: CommandGroup, wanted: Wanted) -> bool:
+    """True where the machine would find conditions for the cut with another speed or feed."""
+    other = cut._replace(wanted=wanted)
+    return any(_runs(one, other) for one in _best(wanted, group, cut.rules, cut.limits)[:_MOST_TRIED])
+
+
+def _too_short(cut: _Cut, best: Conditions) -> RefusalError:
+    turns = cut.length_mm / cut.wanted.feed_mm_rev
+    message = (
+        f"too short to vibrate: {shown(round(cut.length_mm, 4))} mm is {turns:z.2f} revolutions, and two"
+        f" vibrations of N {shown(round(best.per_rev, 4))} take {2.0 / best.per_rev:z.2f} and the plain end"
+    )
+    return RefusalError(TOO_SHORT, message, "cut this block without vibration: its chips are short")
