@@ -5,8 +5,8 @@
 
 The machine is ``fanuc-lathe`` with the trapezoid law and 5 m/s² in X and Z, unless ``--profile`` and
 ``--set`` say otherwise.  A program counts as *out* when the filter gives output.  Length is that of the feed
-moves of G1 to G3, cycles written out; passes on the way back through air, and moves with the spindle stopped, are no
-cuts.
+moves of G1 to G3, cycles written out; passes on the way back through air, and moves with the spindle stopped,
+are no cuts.
 """
 
 from __future__ import annotations

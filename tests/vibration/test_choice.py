@@ -157,6 +157,6 @@ def test_many_cuts_of_a_kind_are_chosen_once(monkeypatch: pytest.MonkeyPatch) ->
     real = choice.measure_planned
     monkeypatch.setattr(choice, "measure_planned", lambda *a: judged.append(1) or real(*a))
     cuts = "".join(f"G0 X{50 - n}.\nG1 Z-30. F0.2\nG0 Z2.\n" for n in range(20))
-    result = filtered(f"G21 G99\nG97 S1500 M3\n{cuts}M30\n")
+    result = filtered(f"G21 G99\nG97 S1500 M3\nG0 Z2.\n{cuts}M30\n")
     assert len(result.cuts) == 20
     assert len(judged) < 3
