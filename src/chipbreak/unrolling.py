@@ -28,7 +28,7 @@ from chipbreak.vibration.scope import Scope
 from chipbreak.vibration.wish import AskedBy
 
 if TYPE_CHECKING:
-    from chipbreak.cycles.plan import Refused
+    from chipbreak.cycles.plan import Refused, UnrollPlan
 
 _UNKNOWN_REASON = "none of its passes can vibrate"
 
@@ -91,8 +91,10 @@ def unroll(
     plan = UnrollPlan(
         [one for one in plan.edits if one.group not in idle],
         [*plan.refused, *(Refused(line, error) for line, error in idle.items())],
+        plan.notes,
     )
     diagnostics, left = _said(interpreted, plan.refused, asked)
+    diagnostics += _noted(interpreted, plan)
     named = {line for one in plan.refused for line in (one.line, *one.others)}
     if not plan.edits:
         return plain._replace(diagnostics=diagnostics, left=left, named=frozenset(named))
@@ -180,6 +182,17 @@ def _said(
         if stays and asked_by is not None:
             left.append(LeftCut(line, line + 1, said, asked_by))
     return diagnostics, left
+
+
+def _noted(interpreted: InterpretedProgram, plan: UnrollPlan) -> list[Diagnostic]:
+    """What is to be known of cycles that are written out."""
+    lines = {line for one in plan.edits for line in range(one.edit.first, one.edit.last)}
+    said = [(one.line, one.error) for one in plan.notes if one.line in lines]
+    program = interpreted.program
+    return [
+        program.diagnose(line, error.code, error.message, error.help, severity=Severity.WARNING)
+        for line, error in said
+    ]
 
 
 def _places(edits: Sequence[Edit], regions: Sequence[tuple[int, int]]) -> Callable[[int], int]:

@@ -205,7 +205,6 @@ STAYS = [
     (b"F0.3", b"F0.3 M8", "CYC007"),
     (b"G71 U2. R0.5\n", b"G71 U0.002 R0.5\n", "CYC004"),
     (b"T0101", b"T0101\nG66 P9000", "CYC007"),
-    (b"M30", b"N10 G0 X60.\nG1 Z-1.\nN20 X62.\nM30", "CYC007"),
     (b"G71 U2. R0.5", b"G71 U2. R0.5 Q3", "CYC007"),
     (b"G1 Z-15.", b"(VIB OFF)\nG1 Z-15.", "CYC007"),
     (b"G0 X100.", b"G70 P10 Q#1\nG0 X100.", "CYC007"),
@@ -266,5 +265,28 @@ def test_numbers_may_repeat_where_each_contour_is_right_behind_its_cycle() -> No
     one = CYCLE.replace(b"G70 P10 Q20\n", b"")
     output = filtered(one.replace(b"M30", again + b"M30"), *ALWAYS)
     assert output.count(b"UNROLLED G71") == 2
-    both = filtered(CYCLE.replace(b"M30", again + b"M30"), *ALWAYS)
-    assert b"UNROLLED" not in both, "which contour the G70 between them means is not clear"
+
+
+def test_of_repeated_numbers_the_control_takes_the_next_and_it_is_said() -> None:
+    again = CYCLE[CYCLE.index(b"G0 X52.") : CYCLE.index(b"G70")].replace(b"Z-15.", b"Z-12.")
+    between = chipbreak.rewrite(CYCLE.replace(b"M30", again + b"M30"), load("fanuc-lathe", ALWAYS))
+    finish = between.data[between.data.index(b"UNROLLED G70") :]
+    assert b"\nG1 Z-12.\n" in finish[: finish.index(b"G0 X100.")], "the G70 stands before the second contour"
+    said = [(d.place.line, d.message) for d in between.diagnostics if d.code == "CYC008" and d.place]
+    assert said == [
+        (6, "N10 stands on 2 blocks: the next one, in line 7, is taken"),
+        (11, "N10 stands on 2 blocks: the next one, in line 16, is taken"),
+        (15, "N10 stands on 2 blocks: the next one, in line 16, is taken"),
+    ]
+    assert chipbreak.restore(between.data) == CYCLE.replace(b"M30", again + b"M30")
+
+
+def test_where_none_stands_behind_the_cycle_the_control_begins_from_the_top() -> None:
+    again = CYCLE[CYCLE.index(b"G0 X52.") : CYCLE.index(b"G0 X100.")].replace(b"Z-15.", b"Z-12.")
+    program = CYCLE.replace(b"G70 P10 Q20\n", b"").replace(b"M30", again + b"M30")
+    result = chipbreak.rewrite(program, load("fanuc-lathe", ALWAYS))
+    finish = result.data[result.data.index(b"UNROLLED G70") :]
+    assert b"\nG1 Z-15.\n" in finish
+    assert "none stands behind the cycle, so the first one, in line 7" in str(
+        [d.message for d in result.diagnostics if d.code == "CYC008"]
+    )

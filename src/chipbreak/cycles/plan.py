@@ -38,6 +38,7 @@ from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 
 BAD_ALLOWANCE = "CYC005"
+REPEATED_NUMBER = "CYC008"
 _MOST_LINES_BETWEEN = 2000
 _MOST_PASSES = 500
 _NARROW_STEPS = 8  # of the output; the digits blur what is shorter
@@ -64,10 +65,11 @@ class Refused(NamedTuple):
 
 
 class UnrollPlan(NamedTuple):
-    """What the unroll stage does with a program."""
+    """What the unroll stage does with a program; ``notes`` are said of cycles that are written out."""
 
     edits: list[UnrolledEdit]
     refused: list[Refused]
+    notes: list[Refused]
 
 
 def cycle_lines(interpreted: InterpretedProgram) -> dict[int, Kind | None]:
@@ -83,7 +85,7 @@ def cycle_lines(interpreted: InterpretedProgram) -> dict[int, Kind | None]:
 def plan_unrolling(interpreted: InterpretedProgram, asked: Iterable[int]) -> UnrollPlan:
     """The edits that write out the cycles at ``asked`` lines (from 0), and all that share their contours."""
     wanted = set(asked)
-    plan = UnrollPlan([], [])
+    plan = UnrollPlan([], [], [])
     _add_single_passes(plan, interpreted, wanted)
     _add_contours(plan, interpreted, wanted)
     return plan
@@ -102,45 +104,31 @@ def _add_contours(plan: UnrollPlan, interpreted: InterpretedProgram, wanted: set
     """Cycles that call a contour: all of a group, or none."""
     calls = contour_calls(interpreted.program, interpreted.settings.dialect)
     starts = _start_states(interpreted, calls)
-    unclear = _unclear_numbers(interpreted, calls)
     for group in _groups(calls):
         lines = [one.line for one in group if one.line in wanted]
         if not lines:
             continue
         edits, refused = _edits_of_group(interpreted, group, starts)
-        if any(_first_number(interpreted, one) in unclear for one in group):
-            refused = Refused(lines[0], _unclear())
         if refused is None:
             plan.edits.extend(edits)
+            plan.notes.extend(_repeated(interpreted, group))
             continue
         said = refused.line if refused.line in wanted else lines[0]
         plan.refused.append(refused._replace(line=said, others=tuple(lines)))
 
 
-def _unclear_numbers(interpreted: InterpretedProgram, calls: Sequence[ContourCall]) -> set[float | None]:
-    """The first numbers of contours that stand on several blocks, where the contour is not right behind."""
-    lines = sequence_lines(interpreted.program) if calls else {}
-    unclear = set[float | None]()
-    for one in calls:
-        number = _first_number(interpreted, one)
-        is_repeated = number is not None and len(lines.get(int(number), [])) > 1
-        between = range(one.line + 1, one.first or one.line)
-        is_behind = one.first is not None and one.first > one.line
-        is_next = is_behind and all(interpreted.program.block(line).is_empty for line in between)
-        if is_repeated and not is_next:
-            unclear.add(number)
-    return unclear
-
-
-def _first_number(interpreted: InterpretedProgram, one: ContourCall) -> float | None:
-    return interpreted.program.block(one.line).number("P")
-
-
-def _unclear() -> RefusalError:
-    message = (
-        "the number P of this contour stands on several blocks, and a cycle that is not before it calls it"
-    )
-    return RefusalError(UNREAD_FORM, message, "give every contour of the program numbers of its own")
+def _repeated(interpreted: InterpretedProgram, group: Sequence[ContourCall]) -> Iterator[Refused]:
+    """For cycles whose P stands on several blocks: which of them the control takes."""
+    lines = sequence_lines(interpreted.program)
+    for one in group:
+        number = interpreted.program.block(one.line).number("P")
+        found = lines.get(int(number), []) if number is not None else []
+        if len(found) > 1 and one.first is not None:
+            way = "the next one" if one.first > one.line else "none stands behind the cycle, so the first one"
+            taken = interpreted.program.source.place(one.first).line
+            message = f"N{number:g} stands on {len(found)} blocks: {way}, in line {taken}, is taken"
+            help_text = "give every contour of the program numbers of its own"
+            yield Refused(one.line, RefusalError(REPEATED_NUMBER, message, help_text))
 
 
 def _groups(calls: Sequence[ContourCall]) -> list[list[ContourCall]]:

@@ -134,9 +134,9 @@ def sequence_lines(program: Program) -> dict[int, list[int]]:
 
 
 def _shape(cycle: _Cycle, numbers: Mapping[int, Sequence[int]]) -> _LineRange | MissingNumber:
-    """The control takes the next such number behind the cycle; G70 may look back to the roughing's shape."""
+    """The control searches on from the cycle, then from the top of the program."""
     starts = numbers.get(cycle.first, ())
-    ahead = next((line for line in starts if line > cycle.line), starts[-1] if starts else None)
+    ahead = next((line for line in starts if line > cycle.line), starts[0] if starts else None)
     if ahead is None:
         return MissingNumber(cycle.line, "P", cycle.first)
     end = next((line for line in numbers.get(cycle.last, ()) if line >= ahead), None)
