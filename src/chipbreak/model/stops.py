@@ -7,7 +7,7 @@ refused as a whole.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -38,6 +38,12 @@ class _Case(NamedTuple):
     block: Block
     dialect: Dialect
     stops: Stops
+    interpreted: InterpretedProgram
+
+    @property
+    def ours(self) -> frozenset[int]:
+        """Where the words begin that ask for vibration: they never reach the control."""
+        return frozenset(word.start for word in self.interpreted.effect(self.block.line).vibration)
 
     def refuses(self, what: str, start: int, end: int, help_text: str = _TAKE_OUT) -> _Found:
         """The control refuses what stands at these characters."""
@@ -52,14 +58,9 @@ def stops(interpreted: InterpretedProgram) -> list[Diagnostic]:
     program = interpreted.program
     if program.dialect.stops_at is None:
         return []
-    return _told(program, _suspects(program, program.dialect.stops_at))
-
-
-def _told(program: Program, lines: Sequence[int]) -> list[Diagnostic]:
-    assert program.dialect.stops_at is not None
     found: list[Diagnostic] = []
-    for line in lines:
-        case = _Case(program.block(line), program.dialect, program.dialect.stops_at)
+    for line in _suspects(program, program.dialect.stops_at):
+        case = _Case(program.block(line), program.dialect, program.dialect.stops_at, interpreted)
         first = next((one for rule in RULES for one in rule(case)), None)
         if first is not None:
             found.append(program.diagnose(line, STOPS, first.message, first.help, at=first.at))
@@ -148,7 +149,8 @@ def _codes(case: _Case) -> Iterator[_Found]:
     """G and M codes, and letters, that it does not know."""
     for word in case.block.words:
         if word.address not in case.stops.letters:
-            yield case.refuses(f"the letter of {case.block.text_of(word)}", word.start, word.end)
+            if word.start not in case.ours:
+                yield case.refuses(f"the letter of {case.block.text_of(word)}", word.start, word.end)
         elif not _knows(word, case.dialect):
             yield case.refuses(case.block.text_of(word), word.start, word.end)
 

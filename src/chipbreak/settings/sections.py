@@ -144,6 +144,13 @@ class Axis(ValueRecord):
     increment_mm: float | None = _above(None)
     steps_per_mm: float | None = _above(None)
 
+    @property
+    def step_mm(self) -> float:
+        """What the axis moves by at least [mm of travel]; 0 where nobody said it."""
+        if self.increment_mm is not None:
+            return self.increment_mm
+        return 0.0 if self.steps_per_mm is None else 1.0 / self.steps_per_mm
+
 
 class Planner(ValueRecord):
     """How the control times blocks, and the path mode and smoothing it needs around a vibrated cut.
@@ -151,7 +158,7 @@ class Planner(ValueRecord):
     Corners are passed at the speed that ``junction_deviation_mm`` allows, or at that of
     ``corner_velocity_mm_s``, which is meant for a right angle.  ``min_cruise_ratio`` is the share of a short
     move that runs evenly.  The limits of the path count in every direction, beside those of the axes.
-    A dwell takes whole ``dwell_step_ms``.
+    A dwell takes whole ``dwell_step_ms``.  No move makes fewer steps than ``least_steps_per_s``.
     """
 
     model: str = _one_of(*LAW_KEYS)
@@ -167,6 +174,7 @@ class Planner(ValueRecord):
     path_velocity_mm_min: float | None = _above(None)
     path_acceleration_mm_s2: float | None = _above(None)
     look_ahead_blocks: int | None = _at_least(None, 3)
+    least_steps_per_s: float | None = _at_least(None)
     path_mode: str = ""
     usual_path_mode: str = "G64"
     smoothing_off: str = ""
@@ -326,10 +334,8 @@ class Settings(ValueRecord):
     def axis_step_mm(self, axis: str, *, is_diameter: bool) -> float:
         """What an axis moves by at least [mm of travel]; 0 where the profile does not say it."""
         one = self.axes[axis]
-        if one.increment_mm is not None:
-            return one.increment_mm
-        if one.steps_per_mm is not None:
-            return 1.0 / one.steps_per_mm
+        if one.step_mm > 0.0:
+            return one.step_mm
         if "control.increment_mm" not in self.origins:
             return 0.0
         return self.control.increment_mm / (2.0 if is_diameter else 1.0)

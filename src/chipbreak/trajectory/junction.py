@@ -45,7 +45,8 @@ class Junction(ControlLaw):
     ``junction_deviation_mm`` sets the speed at a corner, or ``corner_velocity_mm_s``, the speed round a right
     angle, where that is given.  ``min_cruise_ratio`` is the share of a short move that runs evenly.
     ``path_velocity_mm_s`` and ``path_acceleration_mm_s2`` are limits along the path, whatever its direction.
-    ``look_ahead_blocks``: how many blocks the control knows at once, None for enough.
+    ``look_ahead_blocks``: how many blocks the control knows at once, None for enough.  However slow a feed,
+    it makes ``least_steps_per_s`` (of the axis that has most to make).
     """
 
     name: ClassVar[str] = "junction"
@@ -56,6 +57,7 @@ class Junction(ControlLaw):
     path_velocity_mm_s: float = inf
     path_acceleration_mm_s2: float = inf
     look_ahead_blocks: int | None = None
+    least_steps_per_s: float = 0.0
 
     def along(self, direction: Sequence[float], axes: Sequence[AxisLimits]) -> Self:
         """See :meth:`ControlLaw.along`; the limits along the path count beside those of the axes."""
@@ -117,7 +119,7 @@ class Junction(ControlLaw):
         self.refuse_lost_strokes(blocks.lengths_mm)
         plan = self._plan_of(blocks)
         speeds = plan.speeds(feeds_mm_s)
-        spans_s = np.maximum(speeds.times_s(plan.moves), self.read_s)
+        spans_s = plan.real_s(speeds)
         return Motion(spans_s, *ramp_knots(distance_mm, plan.moves, speeds, spans_s))
 
     def peak_speed_mm_s(self, blocks: Blocks, feeds_mm_s: Floats) -> float | None:
@@ -209,7 +211,22 @@ class _Plan:
 
     def spans_s(self, feeds_mm_s: Floats) -> Floats:
         """How long each then takes, (n,)."""
-        return np.maximum(self.speeds(feeds_mm_s).times_s(self.moves), self.law.read_s)
+        return self.real_s(self.speeds(feeds_mm_s))
+
+    def real_s(self, speeds: Speeds) -> Floats:
+        """How long each takes, (n,), with the speeds of its plan: not before it is read, no slow steps."""
+        times_s = np.minimum(speeds.times_s(self.moves), self._longest_s)
+        return np.maximum(times_s, self.law.read_s)
+
+    @cached_property
+    def _longest_s(self) -> Floats | float:
+        """How long each takes at most, for its steps."""
+        axes = [(row, axis.step_mm) for row, axis in enumerate(self.law.axes) if axis.step_mm > 0.0]
+        if self.law.least_steps_per_s <= 0.0 or not axes:
+            return inf
+        ways_mm = np.abs(self.moves.ways) * self.moves.lengths_mm[:, np.newaxis]
+        steps = np.max([ways_mm[:, row] / step_mm for row, step_mm in axes], axis=0)
+        return np.where(steps > 0.0, steps / self.law.least_steps_per_s, inf)
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,12 +31,13 @@ _SOON_S = 1e-9
 
 
 class AxisLimits(NamedTuple):
-    """What one axis can do: speed [mm/s], acceleration [mm/s²], and how it follows its command."""
+    """What one axis can do: speed [mm/s], acceleration [mm/s²], how it follows its command, its step [mm]."""
 
     axis: str
     velocity_mm_s: float
     acceleration_mm_s2: float
     filter: AxisFilter = NO_FILTER
+    step_mm: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class ControlLaw(ABC):
     ``axes`` stand in the order of the coordinates of a point.  ``every_block_stops``: exact stop (G61.1, G9).
     ``merge_mm``: the control joins blocks of one feed whose points lie within this distance of one line
     (LinuxCNC G64 with Q, or with P alone).  ``blocks_per_s``: the most the control reads, None for no limit.
-    ``axis`` names the axis that limits, for messages.
+    ``axis`` names the axis that limits, for messages.  A dwell takes whole ``dwell_step_s``.
 
     A new kind of control is a subclass in its own module, a line in ``laws.LAWS`` and one in ``law_names``.
     It says what it is (the class variables) and answers the abstract methods; what the others answer is right
@@ -72,6 +73,7 @@ class ControlLaw(ABC):
     blocks_per_s: float | None = None
     axis: str = ""
     per_revolution: bool = False
+    dwell_step_s: float = 0.001
     axes: tuple[AxisLimits, ...] = ()
 
     def __post_init__(self) -> None:

@@ -20,6 +20,7 @@ LAW_KEYS: Final = {
         "path_velocity_mm_min",
         "path_acceleration_mm_s2",
         "look_ahead_blocks",
+        "least_steps_per_s",
     ),
     "linuxcnc": (),
 }

@@ -152,7 +152,7 @@ def _dwells(cut: CutPlan, counts: NDArray[np.intp], settings: Settings) -> Float
     law = control_along(settings, cut.path, cut.chain.before)
     each_s = cut.expander.dwell_s(cut.wave, law, cut.edges, cut.solution.per_rev)
     dwell_s = np.where(counts[1:] > 0, each_s, 0.0)
-    dwell_s[-1] = max(dwell_s[-1], printed_s(cut.end_dwell_s))
+    dwell_s[-1] = max(dwell_s[-1], printed_s(cut.end_dwell_s, law.dwell_step_s))
     return dwell_s
 
 

@@ -6,6 +6,7 @@ A control waits with G4, in seconds; the tool comes to rest before it and starts
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,14 +22,15 @@ from chipbreak.units import MS_PER_S, S_PER_MIN
 from chipbreak.vibration.expander import Expander, Form, StrokeAsked
 
 DWELL_DECIMALS = 3  # of the seconds in a G4 block
-_PER_S = 1000.0
+_FINE = 1000  # parts of a base period
+_TRIES = 3
 _STILL_MM = 1e-9
 _SOON_S = 1e-9
 
 
-def printed_s(dwell_s: float) -> float:
-    """A time as G4 says it, never shorter."""
-    return math.ceil(dwell_s * _PER_S - 1e-6) / _PER_S
+def printed_s(dwell_s: float, step_s: float) -> float:
+    """A time as G4 says it, never shorter, in whole steps of the control."""
+    return round(math.ceil(dwell_s / step_s - 1e-6) * step_s, 6)
 
 
 def dwell_block(dwell_s: float, dialect: Dialect) -> str:
@@ -76,7 +78,7 @@ class DwellExpander(Expander):
         """What this control leaves of a vibration behind its move."""
         feed_mm_s = min(wave.feed_speed_mm_s, law.velocity_mm_s)
         moves_s = float(law.block_times([wave.speed_mm_s * wave.period_s], [feed_mm_s])[0])
-        dwell_s = float(round(wave.period_s - moves_s, DWELL_DECIMALS))
+        dwell_s = float(round(round((wave.period_s - moves_s) / law.dwell_step_s) * law.dwell_step_s, 6))
         still_s = dwell_s - law.late_s
         revolution_s = S_PER_MIN / wave.speed_rpm
         if still_s < revolution_s / edges - _SOON_S:
@@ -89,6 +91,33 @@ class DwellExpander(Expander):
             )
             raise RefusalError("VIB086", message, f"take E {turns:g}, or a smaller ALPHA")
         return dwell_s
+
+    def in_whole_dwells(self, wave: WaveformParameters, law: ControlLaw, edges: int) -> WaveformParameters:
+        """See :meth:`Expander.in_whole_dwells`."""
+        step_s = law.dwell_step_s
+        revolution_s = S_PER_MIN / wave.speed_rpm / edges
+        wanted_s = (1.0 - wave.alpha_share) * wave.period_s
+        least = math.ceil((revolution_s + law.late_s) / step_s - _SOON_S)
+        dwell_s = max(least, round(wanted_s / step_s)) * step_s
+        feed_mm_s = min(wave.feed_speed_mm_s, law.velocity_mm_s)
+        moves_s = wave.period_s - dwell_s
+        way_mm = feed_mm_s * moves_s
+        for _ in range(_TRIES):
+            if way_mm > 0.0:
+                way_mm += feed_mm_s * (moves_s - float(law.block_times([way_mm], [feed_mm_s])[0]))
+        share = way_mm / wave.feed_speed_mm_s / wave.period_s
+        ticks = wave.ticks * _FINE
+        forward = round(share * ticks)
+        if not 0 < forward < ticks:
+            turns = math.ceil((dwell_s + wanted_s) / revolution_s / edges * 10.0) / 10.0
+            message = (
+                f"a dwell of this control takes whole {step_s * MS_PER_S:g} ms, and one of"
+                f" {dwell_s * MS_PER_S:g} ms leaves no time to feed in {wave.period_s * MS_PER_S:.4g} ms"
+            )
+            raise RefusalError("VIB086", message, f"take E {turns:g}")
+        advance_mm = wave.feed_speed_mm_s * wave.period_s
+        stroke_mm = share * (1.0 - share) * advance_mm
+        return replace(wave, ticks=ticks, forward_ticks=forward, stroke_mm=stroke_mm)
 
     def title(self, wave: WaveformParameters) -> str:
         """See :meth:`Expander.title`."""

@@ -89,6 +89,10 @@ class Expander(ABC):
         """
         return 0.0
 
+    def in_whole_dwells(self, wave: WaveformParameters, law: ControlLaw, edges: int) -> WaveformParameters:
+        """The wave with dwells that the control can make.  Errors: VIB086 where no time is left to feed."""
+        return wave
+
     def way_out_of_too_many_blocks(self, form: Form) -> str:
         """What leaves fewer blocks per second than a cut of this form."""
         return 'take output.segments = "stroke"' if form == "tick" else "ask for a lower frequency"

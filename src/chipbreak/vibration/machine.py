@@ -68,6 +68,8 @@ def _with_numbers(law: type[ControlLaw], settings: Settings) -> ControlLaw:
         "path_velocity_mm_s": _limit(planner.path_velocity_mm_min) / S_PER_MIN,
         "path_acceleration_mm_s2": _limit(planner.path_acceleration_mm_s2),
         "look_ahead_blocks": planner.look_ahead_blocks,
+        "least_steps_per_s": planner.least_steps_per_s,
+        "dwell_step_s": None if planner.dwell_step_ms is None else planner.dwell_step_ms / MS_PER_S,
     }
     own = {field.name for field in fields(law)}
     said = {name: number for name, number in numbers.items() if name in own and number is not None}
@@ -117,7 +119,7 @@ def _in_path_mode(law: ControlLaw, settings: Settings, state: State) -> ControlL
 
 def _limits(name: str, axis: Axis) -> AxisLimits:
     velocity = _limit(axis.max_velocity_mm_min) / S_PER_MIN
-    return AxisLimits(name, velocity, _limit(axis.max_acceleration_mm_s2), _filter(axis))
+    return AxisLimits(name, velocity, _limit(axis.max_acceleration_mm_s2), _filter(axis), axis.step_mm)
 
 
 def _filter(axis: Axis) -> AxisFilter:

@@ -110,12 +110,15 @@ def plan_cut(chain: Chain, settings: Settings) -> CutPlan:
     values = request.values
     edges = int(values["EDGES"].value)
     alpha = values["ALPHA"].value
+    if settings.planner.dwell_step_ms is not None:
+        wave = expander.in_whole_dwells(wave, control_along(settings, path, state), edges)
     _check_size(wave)
     _check_passes(wave, edges)
     wave = _commanded(wave, chain, path, settings, reasons)
     time_s, distance_mm = sample(wave)
     if not math.isclose(wave.alpha_share, alpha, abs_tol=1e-9):
-        whole = f"{wave.forward_ticks} of {wave.ticks} base periods"
+        whole = f"{wave.forward_ticks * solution.period.ticks / wave.ticks:.5g} of {solution.period.ticks}"
+        whole += " base periods"
         reasons.append(f"forward share {alpha:g} -> {wave.alpha_share:g}, {whole}")
     if asked.speed is None and state.speed is not None and state.speed.value != solution.speed_rpm:
         reasons.append(f"S {_typed_speed(state)} -> {solution.speed_rpm:g} rpm, which N and f fix")

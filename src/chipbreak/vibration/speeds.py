@@ -90,7 +90,8 @@ def speed_words(
     """S, and the speed mode where it is another than ``now``: mode and speed."""
     # A speed is on the resolution of the spindle, or the program's own.
     speed = f"S{print_number(wanted[1], 3, point=False)}"
-    if now is not None and now[0] == wanted[0]:
+    is_same = now is not None and now[0] == wanted[0]
+    if is_same or not settings.dialect.can("speed_mode", wanted[0]):
         return settings.dialect.with_code(state.spindle, speed)
     return f"{settings.dialect.code('speed_mode', wanted[0])} {speed}"
 
