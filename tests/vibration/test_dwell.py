@@ -231,3 +231,36 @@ def test_rests() -> None:
     assert rests.dwell_s.tolist() == [2.0, 0.5]
     assert rests.shortest_s(np.array([1])) == 2.0
     assert rests.shortest_s(np.array([], dtype=np.intp)) == 0.0
+
+
+GRBL = ("axes.X.max_acceleration_mm_s2=500", "axes.Z.max_acceleration_mm_s2=500", DWELL)
+ON_GRBL = "G21 G90 G94\nS1250 M3\nG0 X10. Z2.\nG1 Z-8. F125. E6\nG0 X30.\nM30\n"
+
+
+@pytest.mark.parametrize(("step_ms", "profile"), [(50, "grbl"), (50, "grblhal-lathe"), (20, "grbl")])
+def test_a_dwell_takes_whole_steps_of_the_control_and_the_vibration_keeps_its_time(
+    step_ms: int, profile: str
+) -> None:
+    filtered_by = result(ON_GRBL, profile, *GRBL, f"planner.dwell_step_ms={step_ms}")
+    (cut,) = filtered_by.cuts
+    dwells = {Decimal(found) for found in re.findall(r"G4 P([0-9.]+)", filtered_by.data.decode())}
+    assert dwells
+    assert all(dwell * 1000 % step_ms == 0 for dwell in dwells)
+    assert cut.verdict.breaks
+    assert cut.verdict.per_rev == pytest.approx(cut.plan.solution.per_rev, rel=0.003)
+
+
+def test_a_step_of_a_dwell_that_leaves_no_time_to_feed_is_refused() -> None:
+    with pytest.raises(chipbreak.ProgramRejectedError, match="whole 500 ms") as caught:
+        result(ON_GRBL, "grbl", *GRBL, "planner.dwell_step_ms=500")
+    assert "VIB086" in str(caught.value.diagnostics)
+
+
+def test_klipper_counts_milliseconds() -> None:
+    program = "G21\nG90\nM3 S1250\nG0 X10. Z2.\nG1 Z-8. F125. E6\nG0 X30.\n"
+    sets = (DWELL, "planner.path_acceleration_mm_s2=500")
+    filtered_by = result(program, "klipper", *sets)
+    (cut,) = filtered_by.cuts
+    text = filtered_by.data.decode()
+    (each,) = {float(found) for found in re.findall(r"G4 P([0-9.]+)", text)}
+    assert each == pytest.approx(1000.0 * cut.each_dwell_s)

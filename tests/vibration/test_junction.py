@@ -168,3 +168,17 @@ def test_a_stroke_that_no_feed_makes_is_refused_with_what_is_missing() -> None:
     with pytest.raises(RefusalError, match="mm/s") as refused:
         slow.feeds_for_spans(slow.blocks(moved, ahead), spans, len(spans))
     assert refused.value.code == "VIB031"
+
+
+def test_a_move_of_few_steps_is_no_slower_than_its_steps() -> None:
+    """A timer that cannot count longer makes the step early; the next stroke gets what is left."""
+    axes = (*AXES[:2], AxisLimits("Z", 60.0, 500.0, step_mm=0.01))
+    law = Junction(least_steps_per_s=30.5).along((0.0, 0.0, 1.0), axes)
+    lengths = np.array([0.09, -0.02, 0.09, -0.02])
+    moved = np.column_stack([np.zeros(4), np.zeros(4), lengths])
+    spans = np.array([0.1, 0.1, 0.1, 0.1])
+    blocks = law.blocks(moved, lengths)
+    feeds = law.feeds_for_spans(blocks, spans, 4)
+    motion = law.motion(np.append(0.0, np.cumsum(lengths)), blocks, feeds)
+    slow = 2.0 / 30.5
+    assert motion.spans_s == pytest.approx([0.1, slow, 0.2 - slow, slow], rel=1e-5)

@@ -91,8 +91,10 @@ class Junction(ControlLaw):
         strokes = _strokes_before(blocks, spans_s, plain_from)
         if strokes is None:
             return feeds_mm_s
-        own_mm_s = feeds_mm_s[: strokes.stop].copy()
         plan = self._plan_of(blocks)
+        strokes = strokes.at_most(plan.longest_s)
+        shares = strokes.sums(spans_s) / strokes.wanted_s
+        own_mm_s = feeds_mm_s[: strokes.stop] * strokes.spread(shares)
 
         def late_s(factors: Floats) -> Floats:
             """How much longer than wanted each stroke takes."""
@@ -215,15 +217,15 @@ class _Plan:
 
     def real_s(self, speeds: Speeds) -> Floats:
         """How long each takes, (n,), with the speeds of its plan: not before it is read, no slow steps."""
-        times_s = np.minimum(speeds.times_s(self.moves), self._longest_s)
+        times_s = np.minimum(speeds.times_s(self.moves), self.longest_s)
         return np.maximum(times_s, self.law.read_s)
 
     @cached_property
-    def _longest_s(self) -> Floats | float:
-        """How long each takes at most, for its steps."""
+    def longest_s(self) -> Floats:
+        """How long each takes at most, for its steps, (n,)."""
         axes = [(row, axis.step_mm) for row, axis in enumerate(self.law.axes) if axis.step_mm > 0.0]
         if self.law.least_steps_per_s <= 0.0 or not axes:
-            return inf
+            return np.full(len(self.moves), inf)
         ways_mm = np.abs(self.moves.ways) * self.moves.lengths_mm[:, np.newaxis]
         steps = np.max([ways_mm[:, row] / step_mm for row, step_mm in axes], axis=0)
         return np.where(steps > 0.0, steps / self.law.least_steps_per_s, inf)
@@ -240,6 +242,15 @@ class _Strokes:
     stop: int
     wanted_s: Floats
     bends: NDArray[np.bool_]
+
+    def at_most(self, longest_s: Floats) -> _Strokes:
+        """The same where no block takes longer than this, (n,): what one cannot take, the next one gets."""
+        if np.isinf(longest_s).all():
+            return self
+        most_s = np.minimum(self.sums(longest_s), self.wanted_s.sum())
+        over_s = np.cumsum(self.wanted_s - most_s)
+        left_s = over_s - np.minimum(np.minimum.accumulate(over_s), 0.0)
+        return replace(self, wanted_s=self.wanted_s - np.diff(left_s, prepend=0.0))
 
     def sums(self, values: Floats) -> Floats:
         """Sums of values of blocks, (n,) -> (s,)."""

@@ -115,8 +115,8 @@ class DwellExpander(Expander):
                 f" {dwell_s * MS_PER_S:g} ms leaves no time to feed in {wave.period_s * MS_PER_S:.4g} ms"
             )
             raise RefusalError("VIB086", message, f"take E {turns:g}")
-        advance_mm = wave.feed_speed_mm_s * wave.period_s
-        stroke_mm = share * (1.0 - share) * advance_mm
+        share = wave.shape.share(forward, ticks)
+        stroke_mm = (1.0 - share) * share * wave.feed_speed_mm_s * wave.period_s
         return replace(wave, ticks=ticks, forward_ticks=forward, stroke_mm=stroke_mm)
 
     def title(self, wave: WaveformParameters) -> str:
