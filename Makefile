@@ -40,6 +40,7 @@ FAST := tests/test_bad.py tests/test_cases.py tests/test_cli.py tests/test_diff.
 
 test: $(VENV)/.dev lint
 	@sh tests/linuxcnc/install.sh
+	@sh tests/klipper/install.sh $(VENV)/klipper
 	$(BIN)/pytest -n auto --dist worksteal --cov --cov-report= $(FAST)
 	$(BIN)/pytest -n auto --dist worksteal $(FAST:%=--ignore=%)
 
