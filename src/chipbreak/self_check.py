@@ -37,7 +37,7 @@ def verify(interpreted: InterpretedProgram, output: bytes, edits: Sequence[Edit]
 
     Raises SelfCheckError.
     """
-    source = read(output, interpreted.program.source.name)
+    source = read(output, interpreted.program.source.name, encoding=interpreted.program.source.encoding)
     found = regions(source)
     if not restores(source, found, interpreted.program.source.data):
         raise SelfCheckError("putting the output back does not give the original bytes")
