@@ -301,6 +301,30 @@ def test_columns_hold_the_numbers_of_the_blocks(
 
 
 @pytest.mark.parametrize(
+    "texts",
+    [
+        pytest.param(["X5.", "X-6.", "X17."], id="no decimals"),
+        pytest.param(["X5.0", "X6.", "X7.25"], id="other decimals in each row"),
+        pytest.param(["X5.25", "X6.5", "X7.75"], id="fewer decimals in a row between"),
+        pytest.param(["X5.25", "X6.5"], id="fewer decimals in the last row"),
+        pytest.param(["X5.", "X6.25"], id="decimals behind a row without"),
+        pytest.param(["X.5", "X-.7"], id="no digit before the point"),
+        pytest.param(["X1523478257594680.9", "X0.5"], id="more digits than a double holds"),
+        pytest.param(["X-1523478257594680.9", "X0.5"], id="the same below zero"),
+        pytest.param(["X900719925474099.1", "X900719925474099.2"], id="the last whole numbers that it holds"),
+        pytest.param(["X99999999999999999999.5", "X0.5"], id="more digits than a whole number holds"),
+        pytest.param(["X0.1234567891", "X0.1234567892"], id="ten decimals"),
+        pytest.param(["X0.123456789", "X0.123456788"], id="nine decimals"),
+    ],
+)
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_columns_hold_numbers_of_every_length(texts: list[str], end: str) -> None:
+    columns = read_columns(parse(read(end.join(texts).encode()), GENERIC_LATHE), 0, len(texts))
+    assert columns is not None
+    assert columns[1].ravel().tolist() == [float(text[1:]) for text in texts]
+
+
+@pytest.mark.parametrize(
     "text", ["X1\nY2", "X1\nX2Y2", "N1X1\nX2", "G1X1\nX2", "X1\nX2(A)", "X1\n\nX2", "X1\nX2 3"]
 )
 def test_columns_are_for_blocks_with_the_same_words_only(text: str) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -89,6 +91,22 @@ def test_acceleration_of_an_even_triangle(frequency_hz: float, stroke_mm: float)
     assert Trapezoid(1e9, least * 1.0001).shortest_time(stroke_mm) <= stroke_s
     with pytest.raises(RefusalError):
         Trapezoid(1e9, least * 0.999).feed_for_time(stroke_mm, stroke_s)
+
+
+@pytest.mark.parametrize(
+    ("forward_ticks", "needed"),
+    [
+        pytest.param(2, 4.0 * (0.1 + 0.2 * 0.04) / 0.02**2, id="forward in 20 ms of 100"),
+        pytest.param(8, 4.0 * (0.1 - 0.2 * 0.04) / 0.02**2, id="back in 20 ms of 100"),
+    ],
+)
+def test_acceleration_of_an_uneven_triangle_is_that_of_its_harder_stroke(
+    forward_ticks: int, needed: float
+) -> None:
+    """The tool speeds up over half of the quicker stroke, and slows down over the rest: A = 4 d / t^2."""
+    even = swing("triangle", 10.0, 0.1, feed_mm_rev=0.06)
+    cut = replace(even, ticks=10, forward_ticks=forward_ticks)
+    assert least_acceleration_mm_s2(cut, 1.5) == pytest.approx(needed, rel=1e-9)
 
 
 def test_a_feed_is_reached_only_over_a_long_enough_block() -> None:

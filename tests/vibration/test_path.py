@@ -39,6 +39,23 @@ def test_a_polyline_is_its_own_arc_length(corners: list[tuple[float, float, floa
     assert np.linalg.norm(path.tangents(s), axis=1) == pytest.approx(np.ones(3))
 
 
+@given(st.lists(places, min_size=2, max_size=6))
+def test_a_polyline_ends_at_its_very_ends(corners: list[tuple[float, float, float]]) -> None:
+    legs = [Leg(a, b) for a, b in itertools.pairwise(corners)]
+    assume(all(math.dist(leg.start, leg.end) > 1e-3 for leg in legs))
+    path = path_of(legs)
+    first, last, before, beyond = path.points(np.array([0.0, path.length_mm, -1e-12, path.length_mm + 1e-12]))
+    assert tuple(first) == tuple(before) == corners[0]
+    assert tuple(last) == tuple(beyond) == corners[-1]
+
+
+def test_an_arc_ends_where_its_block_says_though_that_is_beside_the_circle() -> None:
+    end = (4.0, 4.004, -3.0)
+    path = path_of([Leg((8.0, 0.0, 0.0), end, 1, "XY", (-4.0, 0.0, NAN))])
+    assert tuple(path.points(np.array([path.length_mm]))[0]) == end
+    assert math.dist(path.points(np.array([path.length_mm - 1e-6]))[0], end) > 0.003
+
+
 @given(
     radius=st.floats(0.5, 40.0),
     first=st.floats(-math.pi, math.pi),
