@@ -319,7 +319,8 @@ def test_columns_hold_the_numbers_of_the_blocks(
 )
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
 def test_columns_hold_numbers_of_every_length(texts: list[str], end: str) -> None:
-    columns = read_columns(parse(read(end.join(texts).encode()), GENERIC_LATHE), 0, len(texts))
+    text = "".join(one + end for one in texts)
+    columns = read_columns(parse(read(text.encode()), GENERIC_LATHE), 0, len(texts))
     assert columns is not None
     assert columns[1].ravel().tolist() == [float(text[1:]) for text in texts]
 
