@@ -34,7 +34,16 @@ from chipbreak.options import (
     verify_program,
 )
 from chipbreak.profile_commands import profile
-from chipbreak.streams import note_rejection, read_input, replace_file, say, write_json, write_stdout
+from chipbreak.streams import (
+    Commands,
+    note_rejection,
+    read_input,
+    replace_file,
+    say,
+    write_json,
+    write_lines,
+    write_stdout,
+)
 from chipbreak.text.encoding import escaped
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.tool_commands import inspect, tools
@@ -44,7 +53,7 @@ if TYPE_CHECKING:
     from chipbreak.settings import Settings
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="chipbreak")
 def cli() -> None:
     """Break chips and watch tools on a control that cannot.
@@ -270,16 +279,11 @@ def diff(
     elif as_html:
         write_stdout([diff_output.page(hunks, a, b).encode("utf-8", "replace")])
     else:
-        import shutil  # here: it is slow to import, and only this command needs it
-
         width = shutil.get_terminal_size((130, 24)).columns
         shown = (
             diff_output.side_by_side(hunks, a, b, width) if side_by_side else diff_output.unified(hunks, a, b)
         )
-        colour = asked.colours(sys.stdout)
-        write_stdout(
-            [f"{_coloured(line) if colour else line}\n".encode("latin-1", "replace") for line in shown]
-        )
+        write_lines(map(_coloured, shown) if asked.colours(sys.stdout) else shown)
     sys.exit(DIFFERENT if differs(hunks) else DONE)
 
 

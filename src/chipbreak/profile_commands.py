@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import click
 
 from chipbreak.options import REPORTING, SET, USAGE, Asked, asking, settings_of
-from chipbreak.streams import replace_file, write_json
+from chipbreak.streams import replace_file, say, write_json
+from chipbreak.text.encoding import escaped
 
 if TYPE_CHECKING:
     from chipbreak.machine_files.found import Found, Machine
@@ -31,7 +32,7 @@ def profile_list() -> None:
         settings = load(name)
         calls = settings.checks.calls
         whose = f", calls of {calls}" if calls != "builtin" else ""
-        click.echo(f"{name:20} {settings.dialect.title}{whose}")
+        say(f"{name:20} {settings.dialect.title}{whose}")
 
 
 @profile.command("show")
@@ -42,7 +43,7 @@ def profile_show(asked: Asked, name: str) -> None:
     from chipbreak.settings.show import show_profile
 
     for line in show_profile(settings_of(asked._replace(profile=name), "-")):
-        click.echo(line)
+        say(line)
 
 
 @profile.command("schema")
@@ -149,9 +150,9 @@ def _write(asked: Asked, target: Path, machine: Machine, origin: str | None) -> 
     replace_file(target, [text])
     if not asked.quiet:
         count = len(machine.found)
-        click.echo(f"{target}: {count} value{'s' if count != 1 else ''} over {machine.base}", err=True)
-        for line in machine.missing:
-            click.echo(f"  still to be said: {line}", err=True)
+        said = f"{target}: {count} value{'s' if count != 1 else ''} over {machine.base}"
+        for line in (said, *(f"  still to be said: {one}" for one in machine.missing)):
+            click.echo(escaped(line), err=True)
 
 
 def _try_out(asked: Asked, target: Path, text: bytes) -> None:

@@ -76,19 +76,53 @@ class Reporter:
             raise click.UsageError(escaped(f"cannot write {log}: {error.strerror}")) from None
 
 
+class Commands(click.Group):
+    """Commands whose complaints show what was typed, and give none of it to a terminal as an order."""
+
+    def make_context(self, *args: Any, **extra: Any) -> click.Context:
+        """Read the options of the group."""
+        with _shown_errors():
+            return super().make_context(*args, **extra)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command that is named."""
+        with _shown_errors():
+            return super().invoke(ctx)
+
+
+@contextmanager
+def _shown_errors() -> Iterator[None]:
+    try:
+        yield
+    except click.ClickException as error:
+        vars(error).update(message="\n".join(map(escaped, error.message.split("\n"))))
+        raise
+
+
 def write_json(value: Any, *, indent: int | None = None, err: bool = False, versioned: bool = True) -> None:
     """A value as JSON to stdout, or to stderr; an object of ours says the version of its keys."""
     import json  # noqa: PLC0415 (most runs print none)
 
     if versioned and isinstance(value, dict):
         value = {"schema": SCHEMA, **value}
-    click.echo(json.dumps(value, indent=indent), err=err)
+    # Of what is not printable, JSON leaves this one character as it is.
+    click.echo(json.dumps(value, indent=indent).replace("\x7f", "\\u007f"), err=err)
 
 
 def say(line: str) -> None:
-    """A line to stdout; what its encoding does not have is escaped."""
-    encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
-    click.echo(line.encode(encoding, "backslashreplace").decode(encoding))
+    """A line to stdout; what its encoding does not have, and what cannot be printed, is escaped."""
+    encoding = _stdout_encoding()
+    click.echo(escaped(line).encode(encoding, "backslashreplace").decode(encoding))
+
+
+def write_lines(lines: Iterable[str]) -> None:
+    """Lines to stdout, with colours where they have some; what its encoding does not have is escaped."""
+    encoding = _stdout_encoding()
+    write_stdout([f"{line}\n".encode(encoding, "backslashreplace") for line in lines])
+
+
+def _stdout_encoding() -> str:
+    return getattr(sys.stdout, "encoding", None) or "utf-8"
 
 
 def read_input(source: str) -> bytes:

@@ -22,7 +22,7 @@ from chipbreak.options import (
     asking,
     settings_of,
 )
-from chipbreak.streams import read_input, replace_file, write_json
+from chipbreak.streams import read_input, replace_file, say, write_json
 
 if TYPE_CHECKING:
     from chipbreak.inspection.edge_figure import EdgeCurves
@@ -158,11 +158,11 @@ def _say(verdicts: dict[int, EdgeVerdict], heading: str, *, as_json: bool) -> No
         ]
         write_json({"chipped": any(v.is_chipped for v in verdicts.values()), "teeth": teeth})
         return
-    click.echo(heading)
+    say(heading)
     for tooth, verdict in verdicts.items():
         word = "CHIPPED" if verdict.is_chipped else "fine"
         inward = f"{verdict.inward_mm:z.4f} mm inward at height {verdict.height_mm:z.3f} mm"
-        click.echo(f"  tooth {tooth}: {inward}, {word}")
+        say(f"  tooth {tooth}: {inward}, {word}")
 
 
 @click.command()
@@ -194,4 +194,4 @@ def tools(asked: Asked, source: str) -> None:
         return
     asked.reporter.show(table.diagnostics)
     for line in table_text(table):
-        click.echo(line)
+        say(line)

@@ -182,7 +182,7 @@ class _Reader:
             if key:
                 if named:
                     self.named.append((len(self.items), named))
-                self.items.append(Item(key, block.text, line + 1))
+                self.items.append(Item(key, self.program.source.meant(block.text), line + 1))
 
     def done(self) -> list[Item]:
         """The items, with the blocks that their numbers name."""

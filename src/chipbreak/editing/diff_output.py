@@ -1,4 +1,7 @@
-"""How a comparison is shown: as a patch, side by side, as a page, as JSON."""
+"""How a comparison is shown: as a patch, side by side, as a page, as JSON.
+
+What cannot be printed is escaped: a program's text and its name give no orders to a terminal or a browser.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from html import escape
 from typing import Any
 
 from chipbreak.editing.diff import Hunk, Item, differs
+from chipbreak.text.encoding import escaped
 
 _CONTEXT = 3
 # What stands in both programs, only in the first, or only in the second.
@@ -20,8 +24,8 @@ def unified(hunks: Sequence[Hunk], name_a: str, name_b: str) -> Iterator[str]:
     """The changes with their surroundings, as ``diff -u`` writes them."""
     if not differs(hunks):
         return
-    yield f"--- {name_a}"
-    yield f"+++ {name_b}"
+    yield f"--- {escaped(name_a)}"
+    yield f"+++ {escaped(name_b)}"
     group: list[_Pair] = []
     for index, hunk in enumerate(hunks):
         if hunk.tag == "change":
@@ -52,7 +56,13 @@ def _print_group(group: Sequence[_Pair]) -> Iterator[str]:
 
 
 def _shown(item: Item) -> str:
-    return f"{item.text}  [{item.note}]" if item.note else item.text
+    text = _text(item)
+    return f"{text}  [{item.note}]" if item.note else text
+
+
+def _text(item: Item) -> str:
+    """The block on one line; a tab is a blank."""
+    return escaped(item.text.replace("\t", " "))
 
 
 def as_json(hunks: Sequence[Hunk]) -> list[dict[str, Any]]:
@@ -100,7 +110,7 @@ def side_by_side(hunks: Sequence[Hunk], name_a: str, name_b: str, width: int = 1
     if not differs(hunks):
         return
     half = max((width - 19) // 2, _LEAST_WIDTH)
-    yield f"{'':6} {name_a[:half]:{half}}   {'':6} {name_b[:half]}".rstrip()
+    yield f"{'':6} {escaped(name_a)[:half]:{half}}   {'':6} {escaped(name_b)[:half]}".rstrip()
     for sign, one, other in _rows(hunks):
         if sign == ".":
             yield _SKIPPED
@@ -140,12 +150,13 @@ def page(hunks: Sequence[Hunk], name_a: str, name_b: str) -> str:
     changes = sum(hunk.tag == "change" for hunk in hunks)
     summary = f"{changes} place{'s' if changes != 1 else ''} differ{'s' if changes == 1 else ''}."
     rows = "\n".join(_html_row(*row) for row in _rows(hunks)) if changes else ""
-    title = escape(f"{name_a} and {name_b}")
+    shown_a, shown_b = escape(escaped(name_a)), escape(escaped(name_b))
+    title = f"{shown_a} and {shown_b}"
     return _PAGE.format(
         title=title,
         summary=summary if changes else "Both programs say the same.",
-        a=escape(name_a),
-        b=escape(name_b),
+        a=shown_a,
+        b=shown_b,
         rows=rows,
     )
 
@@ -160,4 +171,4 @@ def _cells(item: Item | None, side: str) -> str:
     if item is None:
         return f'<td class="n {side}"></td><td class="{side}"></td>'
     note = f' <span class="note">{escape(item.note)}</span>' if item.note else ""
-    return f'<td class="n {side}">{item.line}</td><td class="{side}">{escape(item.text)}{note}</td>'
+    return f'<td class="n {side}">{item.line}</td><td class="{side}">{escape(_text(item))}{note}</td>'
