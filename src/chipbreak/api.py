@@ -84,7 +84,7 @@ def motions(result: Result, settings: Settings) -> Iterator[CutMotion]:
     for written in written_edits(interpreted, result.data, result.edits):
         promise = written.edit.promise
         if isinstance(promise, VibratedCut):
-            yield promise.motion(written)
+            yield from promise.motions(written)
 
 
 def diff(

@@ -56,8 +56,8 @@ def verify(interpreted: InterpretedProgram, output: bytes, edits: Sequence[Edit]
         _check_return(written)
         _check_speed(written)
         report = _report(written)
-        if report is not None:
-            kept.append(Kept(written.edit, report))
+        reports = report if isinstance(report, tuple) else (report,)
+        kept += [Kept(written.edit, one) for one in reports if one is not None]
     return kept
 
 

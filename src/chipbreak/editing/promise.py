@@ -84,7 +84,7 @@ class Promise(Record, kw_only=True):
     leaves_speed: bool = False
 
     def check(self, written: Written) -> object | None:
-        """Look at what was promised beyond that; what is worth a report is returned.
+        """Look at what was promised beyond that; what is worth a report is returned, several as a tuple.
 
         Raises SelfCheckError where the output does not do it.
         """

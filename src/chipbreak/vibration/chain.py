@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from chipbreak.dialects import Dialect
@@ -111,13 +111,8 @@ class Chains(NamedTuple):
     refused: list[Diagnostic]
 
 
-def chains_of(
-    interpreted: InterpretedProgram, requests: Sequence[Request], given_up: Mapping[int, Diagnostic]
-) -> Chains:
-    """Group requests into chains, and say which of them must not vibrate.
-
-    ``given_up`` are chains, by their first line, that were tried and are to stay as they are.
-    """
+def chains_of(interpreted: InterpretedProgram, requests: Sequence[Request]) -> Chains:
+    """Group requests into chains, and say which of them must not vibrate."""
     key = interpreted.settings.vibration.refused
     refused: list[Diagnostic] = []
     left: list[LeftCut] = []
@@ -137,8 +132,7 @@ def chains_of(
         else:
             groups.append([request])
     chains = [Chain(tuple(group)) for group in groups]
-    left += [chain.left(given_up[chain.first]) for chain in chains if chain.first in given_up]
-    return Chains([chain for chain in chains if chain.first not in given_up], left, refused)
+    return Chains(chains, left, refused)
 
 
 def _joins(interpreted: InterpretedProgram, one: Request, other: Request) -> bool:

@@ -34,6 +34,7 @@ from chipbreak.vibration.expanders import expander_named
 from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.measure import measure_planned
 from chipbreak.vibration.plan import CutPlan, asked_of, command_group, feed_per_rev_mm, rules_of
+from chipbreak.vibration.surface_speed import bounds_rpm, surface_speed_of
 
 NOTHING_FITS = "VIB036"
 _USUAL_MM_S2 = 10_000.0  # of axes whose acceleration the profile does not say, no more is asked
@@ -56,6 +57,7 @@ class _Cut(NamedTuple):
     law: ControlLaw
     limits: Limits
     length_mm: float
+    speed_origin: str
 
 
 class _Tried(NamedTuple):
@@ -156,7 +158,7 @@ def _cut_of(chain: Chain, settings: Settings) -> _Cut:
         speed.value,
         edges,
         settings.vibration.margin,
-        settings.spindle.speed_tolerance,
+        _tolerance(chain, speed.value, settings),
         alpha.value if is_even or not alpha.origin.endswith("default") else None,
         values["A"].value if "A" in values else _times(values.get("Q"), feed_mm_rev),
     )
@@ -166,7 +168,19 @@ def _cut_of(chain: Chain, settings: Settings) -> _Cut:
     limits = Limits(
         share * most_mm_s2, share * law.velocity_mm_s, settings.planner.reversal_stop_ms / MS_PER_S
     )
-    return _Cut(chain, wanted, rules_of(settings, state, alpha.value, edges), law, limits, path.length_mm)
+    rules = rules_of(settings, state, alpha.value, edges)
+    return _Cut(chain, wanted, rules, law, limits, path.length_mm, speed.origin)
+
+
+def _tolerance(chain: Chain, speed_rpm: float, settings: Settings) -> float:
+    """How far S may go; under constant surface speed no further than all diameters of the cut allow."""
+    most = settings.spindle.speed_tolerance
+    surface = surface_speed_of(chain, settings)
+    if surface is None or "S" in chain.requests[0].values:
+        return most
+    low, high = bounds_rpm(chain, surface)
+    share = settings.spindle.surface_tolerance
+    return max(0.0, min(most, 1.0 - high * (1.0 - share) / speed_rpm, low * (1.0 + share) / speed_rpm - 1.0))
 
 
 def _times(ratio: SourcedValue | None, feed_mm: float) -> float | None:
@@ -229,7 +243,7 @@ def _runs(conditions: Conditions, cut: _Cut) -> bool:
 def _with(cut: _Cut, conditions: Conditions, settings: Settings) -> Chain:
     """The chain with its conditions given."""
     by = cut.chain.requests[0].chosen_by
-    origin = f"chosen near S {shown(cut.wanted.speed_rpm)} ({by})"
+    origin = f"chosen near S {shown(cut.wanted.speed_rpm)}, {cut.speed_origin}; {by}"
     chosen = {
         "N": SourcedValue(conditions.per_rev, origin),
         "F": SourcedValue(conditions.period.frequency_hz, origin),

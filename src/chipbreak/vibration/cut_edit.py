@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Sequence
 
-from chipbreak.editing.edits import Edit
+from chipbreak.editing.edits import Edit, MoveTable
 from chipbreak.editing.promise import Promise, Written
+from chipbreak.editing.restore import Region
 from chipbreak.model.giving_back import feed_text
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.vibration.blocks import Expansion
 from chipbreak.vibration.chain import Chain
 from chipbreak.vibration.dwell import dwell_block
@@ -18,36 +21,77 @@ from chipbreak.vibration.measure import CutMotion, CutReport, measure_cut, measu
 from chipbreak.vibration.plan import CutPlan
 
 
-class VibratedCut(Promise, kw_only=True):
-    """The blocks of the edit run this plan: along its path, in its time, at its spindle speed."""
+class Step(NamedTuple):
+    """One vibrated cut with its blocks, and the words that command its speed, empty where it has it."""
 
     plan: CutPlan
     expansion: Expansion
+    speed: str
+
+
+class VibratedCut(Promise, kw_only=True):
+    """The blocks of the edit run these plans: along their paths, in their times, at their spindle speeds.
+
+    ``lines`` are the blocks of each in the edit, from ``first`` to ``last`` (exclusive), from the first line
+    behind the brackets on; a single cut has them all.
+    """
+
+    cuts: tuple[tuple[CutPlan, Expansion], ...]
+    lines: tuple[tuple[int, int], ...] = ()
     leaves_speed: bool = True
 
-    def check(self, written: Written) -> CutReport:
-        """Measure the cut as the output commands it, and judge its chips."""
-        return measure_cut(written.result, written.region, self.plan, self.expansion)
+    def check(self, written: Written) -> tuple[CutReport, ...]:
+        """Measure the cuts as the output commands them, and judge their chips."""
+        return tuple(measure_cut(written.result, where, *cut) for cut, where in self._each(written))
 
-    def motion(self, written: Written) -> CutMotion:
-        """The cut in time, as the output commands it."""
-        return measured_motion(written.result, written.region, self.plan, self.expansion)
+    def motions(self, written: Written) -> Iterator[CutMotion]:
+        """The cuts in time, as the output commands them."""
+        for cut, where in self._each(written):
+            yield measured_motion(written.result, where, *cut)
+
+    def _each(self, written: Written) -> Iterator[tuple[tuple[CutPlan, Expansion], Region]]:
+        whole = written.region
+        if not self.lines:
+            yield self.cuts[0], whole
+            return
+        for cut, (first, last) in zip(self.cuts, self.lines, strict=True):
+            yield cut, whole._replace(body=whole.body + first, last=whole.body + last)
 
 
-def cut_edit(plan: CutPlan, expansion: Expansion, speed: str, interpreted: InterpretedProgram) -> Edit:
-    """The edit of one cut; ``speed`` are the words that command its spindle speed, empty where it has it."""
+def cut_edit(steps: Sequence[Step], interpreted: InterpretedProgram) -> Edit:
+    """The edit of one cut, or of the steps in which it vibrates."""
     settings = interpreted.settings
-    chain = plan.chain
-    switched, given_back = _modes_around(chain, settings)
-    feed_mode, feed_back = _feed_modes(plan, interpreted)
-    settle = settling(settings) if speed else []
-    head = [*_comments(chain, interpreted), chain.preamble(), speed, *settle, feed_mode, *switched]
-    tail = [*feed_back, *given_back]
-    content = (*(text for text in head if text), *expansion.content, *(text for text in tail if text))
-    reason = "; ".join(plan.reasons) or "nothing to correct"
-    ends_in_line = chain.after.modes.motion == "line"
-    promise = VibratedCut(plan=plan, expansion=expansion, leaves_motion=not ends_in_line)
-    return Edit(chain.first, chain.last, content, _title(plan), reason, promise)
+    first = steps[0].plan.chain
+    last = steps[-1].plan.chain
+    switched, given_back = _modes_around(first, settings)
+    feed_mode, feed_back = _feed_modes(steps[-1].plan, interpreted)
+    comments = [text for step in steps for text in _comments(step.plan.chain, interpreted)]
+    head = [*dict.fromkeys(comments), first.preamble(), *_speed(steps[0], settings), feed_mode, *switched]
+    content: list[str | MoveTable] = [text for text in head if text]
+    lines = []
+    for step in steps:
+        content += _speed(step, settings) if step is not steps[0] else []
+        begin = _line_count(content)
+        content += step.expansion.content
+        lines.append((begin, _line_count(content)))
+    content += [text for text in (*feed_back, *given_back) if text]
+    reason = "; ".join(part for step in steps for part in step.plan.reasons) or "nothing to correct"
+    promise = VibratedCut(
+        cuts=tuple((step.plan, step.expansion) for step in steps),
+        lines=tuple(lines) if len(steps) > 1 else (),
+        leaves_motion=last.after.modes.motion != "line",
+    )
+    return Edit(first.first, last.last, tuple(content), _title(steps), reason, promise)
+
+
+def _speed(step: Step, settings: Settings) -> list[str]:
+    """The speed of a step, and the time to reach it."""
+    return [step.speed, *settling(settings)] if step.speed else []
+
+
+def _line_count(content: Sequence[str | MoveTable]) -> int:
+    """How many lines of a program that is."""
+    return sum(1 if isinstance(one, str) else len(one) * (2 if one.behind else 1) for one in content)
 
 
 def _comments(chain: Chain, interpreted: InterpretedProgram) -> list[str]:
@@ -70,12 +114,14 @@ def _feed_modes(plan: CutPlan, interpreted: InterpretedProgram) -> tuple[str, li
     return "", [] if plan.expander.ends_at_programmed_feed(plan.wave) else [code + feed]
 
 
-def _title(plan: CutPlan) -> str:
-    """``VIB N1.5 F62.5 S2500 STROKE 0.04``."""
+def _title(steps: Sequence[Step]) -> str:
+    """``VIB N1.5 F62.5 S2500 STROKE 0.04``; of the first step where there are several."""
+    plan = steps[0].plan
     solution = plan.solution
     words = (("N", solution.per_rev, 4), ("F", solution.frequency_hz, 3), ("S", solution.speed_rpm, 3))
     said = [f"{letter}{print_number(value, decimals, point=False)}" for letter, value, decimals in words]
-    return " ".join(["VIB", *said, plan.expander.title(plan.wave)])
+    title = " ".join(["VIB", *said, plan.expander.title(plan.wave)])
+    return title if len(steps) == 1 else f"{title} FIRST OF {len(steps)}"
 
 
 def settling(settings: Settings) -> list[str]:

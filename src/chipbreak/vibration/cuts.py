@@ -22,7 +22,8 @@ from chipbreak.vibration.advice import with_advice
 from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.chain import Chain, chains_of, legs_of
 from chipbreak.vibration.choice import Chooser, is_open
-from chipbreak.vibration.cut_edit import cut_edit, settling
+from chipbreak.vibration.cut_edit import Step, cut_edit, settling
+from chipbreak.vibration.diameter_steps import diameter_steps
 from chipbreak.vibration.left_cut import LeftCut
 from chipbreak.vibration.loop_names import LoopNames, free_names
 from chipbreak.vibration.plan import CutPlan, plan_cut
@@ -33,6 +34,7 @@ from chipbreak.vibration.speeds import SpeedChange, UnknownSpeedError, speed_cha
 _MOST_ADVISED = 3  # what works is tried for the first refused cuts; the others fail alike
 SMOOTHED = "VIB063"
 _OFF = re.compile(r"[PQ]\s*0\b")
+_WIDENINGS = (1.0, 1.5, 2.5)  # of the steps of a cut, where shorter ones cannot be planned
 _NO_KNOTS = np.empty(0)
 NONE_GIVEN_UP: Mapping[int, Diagnostic] = FrozenTable({})
 
@@ -86,7 +88,7 @@ def _tried(
     given_up: Mapping[int, Diagnostic],
 ) -> Cuts | dict[int, Diagnostic]:
     """The edits; or, by its first line, a cut that must be given up for the spindle speed behind it."""
-    chains, left, refused = chains_of(interpreted, requests, given_up)
+    chains, left, refused = chains_of(interpreted, requests)
     try:
         names = free_names(interpreted.program, interpreted.settings) if chains else None
     except RefusalError as error:
@@ -119,10 +121,16 @@ def _edits(
     changes: Sequence[SpeedChange],
 ) -> list[Edit]:
     """An edit for every cut, and for every place where the programmed speed comes back."""
-    own = {change.line: change.text for change in changes if change.for_cut is not None}
-    edits = [
-        cut_edit(plan, expansion, own.get(plan.chain.first, ""), interpreted) for plan, expansion in cuts
-    ]
+    own = {id(change.for_cut): change.text for change in changes if change.for_cut is not None}
+    steps: list[list[Step]] = []
+    for plan, expansion in cuts:
+        step = Step(plan, expansion, own.get(id(plan), ""))
+        # The steps of one block are one edit.
+        if steps and plan.chain.first < steps[-1][-1].plan.chain.last:
+            steps[-1].append(step)
+        else:
+            steps.append([step])
+    edits = [cut_edit(group, interpreted) for group in steps]
     return edits + [_speed_back(change, interpreted) for change in changes if change.for_cut is None]
 
 
@@ -170,17 +178,18 @@ def _made(maker: _Maker, chains: Sequence[Chain], names: LoopNames | None, aroun
         chain = waiting.pop()
         advise = len(made.refused) + len(made.left) < maker.advised
         try:
-            plan, expansion = maker.cut(chain, names, advise=advise)
+            cuts = maker.cuts(chain, names, advise=advise)
         except RefusalError as error:
             if is_open(chain) and len(chain.requests) > 1:
                 # What is too much round a corner may do from block to block.
                 waiting += [Chain((request,)) for request in reversed(chain.requests)]
                 continue
-            said = maker.given_up.get(chain.first) or _at_chain(maker.interpreted, chain, error)
+            said = maker.given_up_in(chain) or _at_chain(maker.interpreted, chain, error)
             made.give_up(chain, said, key, may_warn=around.allow_unbroken)
             continue
-        made.cuts.append((plan, expansion))
-        names = names.behind(len(expansion.loops or ())) if names is not None else None
+        made.cuts.extend(cuts)
+        loops = sum(len(expansion.loops or ()) for _, expansion in cuts)
+        names = names.behind(loops) if names is not None else None
     return made
 
 
@@ -192,12 +201,35 @@ class _Maker(NamedTuple):
     given_up: Mapping[int, Diagnostic]
     advised: int
 
-    def cut(self, chain: Chain, names: LoopNames | None, *, advise: bool) -> tuple[CutPlan, Expansion]:
-        """The plan of a chain, and its blocks.  Errors: RefusalError."""
-        if chain.first in self.given_up:
-            said = self.given_up[chain.first]
-            raise RefusalError(said.code, said.message, said.help)
+    def given_up_in(self, chain: Chain) -> Diagnostic | None:
+        """Why a chain was tried and stays, or one of the steps in which it was to vibrate."""
+        found = (self.given_up[line] for line in self.given_up if chain.first <= line < chain.last)
+        return next(found, None)
 
+    def cuts(self, chain: Chain, names: LoopNames | None, *, advise: bool) -> list[tuple[CutPlan, Expansion]]:
+        """The cut of a chain, or those of its steps, with their blocks.  Errors: RefusalError."""
+        said = self.given_up_in(chain)
+        if said is not None:
+            raise RefusalError(said.code, said.message, said.help)
+        settings = self.interpreted.settings
+        for widening in _WIDENINGS:
+            steps = diameter_steps(chain, settings, is_open=is_open(chain), widening=widening)
+            if len(steps) == 1:
+                break
+            try:
+                return self._steps(steps, names)
+            except RefusalError:
+                continue
+        return [self._cut(chain, names, advise=advise)]
+
+    def _steps(self, steps: Sequence[Chain], names: LoopNames | None) -> list[tuple[CutPlan, Expansion]]:
+        made = []
+        for step in steps:
+            made.append(self._cut(step, names, advise=False))
+            names = names.behind(len(made[-1][1].loops or ())) if names is not None else None
+        return made
+
+    def _cut(self, chain: Chain, names: LoopNames | None, *, advise: bool) -> tuple[CutPlan, Expansion]:
         def make(one: Chain) -> tuple[CutPlan, Expansion]:
             plan = plan_cut(one, self.interpreted.settings)
             _check_motion_mode(self.interpreted, one)

@@ -24,15 +24,15 @@ from chipbreak.model.words import JUMPED
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
-from chipbreak.units import MS_PER_S, S_PER_MIN, spindle_speed_rpm, typed_surface_speed
+from chipbreak.units import MS_PER_S, S_PER_MIN, typed_surface_speed
 from chipbreak.vibration.chain import Chain, legs_of
 from chipbreak.vibration.compensation import Asked, compensated
 from chipbreak.vibration.expander import Expander, StrokeAsked
 from chipbreak.vibration.expanders import expander_named
 from chipbreak.vibration.machine import axes_follow_exactly, control_along, directions_of
 from chipbreak.vibration.request import OUT_OF_RANGE, solver_inputs
+from chipbreak.vibration.surface_speed import active_speed, limit_rpm
 
-_MOST_RPM = 1e7
 MOST_MOVES = 10_000_000
 _MOST_GAPS = 4_000_000  # between a knot of a vibration and the passes before it, for every such pass
 
@@ -172,7 +172,7 @@ def asked_of(chain: Chain, settings: Settings, reasons: list[str]) -> SpeedsAske
     asked = SpeedsAsked(*solver_inputs(chain.requests[0], chain.before))
     if "S" in chain.requests[0].values or asked.speed is None:
         return asked
-    return asked._replace(speed=_active_speed(chain, chain.before, asked.speed, settings, reasons))
+    return asked._replace(speed=active_speed(chain, asked.speed, settings, reasons))
 
 
 def _solved(asked: SpeedsAsked, chain: Chain, expander: Expander, settings: Settings) -> Solution:
@@ -258,43 +258,12 @@ def _check_passes(wave: WaveformParameters, edges: int) -> None:
         raise RefusalError(OUT_OF_RANGE, message, help_text)
 
 
-def _active_speed(
-    chain: Chain, state: State, speed: SourcedValue, settings: Settings, reasons: list[str]
-) -> SourcedValue:
-    """The modal S as rpm; under constant surface speed, the speed at the start of the cut."""
-    if not 0.0 < speed.value < _MOST_RPM:
-        message = f"the spindle speed ({speed.origin}) cannot be known, is zero, or is none of a spindle"
-        raise RefusalError("VIB053", message, "give S as a number before the cut")
-    if state.modes.speed_mode != "surface":
-        return speed
-    diameter_mm = 2.0 * abs(next(chain.moves).start.x)
-    limit = _limit_rpm(state, settings)
-    rpm = spindle_speed_rpm(speed.value, diameter_mm) if diameter_mm > 0.0 else math.inf
-    if math.isnan(rpm) or (math.isinf(rpm) and limit is None):
-        message = "constant surface speed (G96) has no finite speed where this cut starts"
-        raise RefusalError("VIB054", message, "give G97 S, or limit the spindle (G50 S, G92 S, G96 D)")
-    step = settings.spindle.resolution_rpm
-    rpm = math.floor(min(rpm, limit or math.inf) / step + 0.5) * step
-    if limit is not None and rpm > limit:
-        rpm = math.floor(limit / step) * step
-    rpm = round(rpm, 9)  # 25862 * 0.1 is not 2586.2 in binary
-    typed = typed_surface_speed(speed.value, is_inch=state.is_inch)
-    reasons.append(f"G96 S{typed:g} -> G97 at the start diameter {diameter_mm:g} mm: {rpm:z.0f} rpm")
-    return SourcedValue(rpm, f"G96 at diameter {diameter_mm:g} mm, {speed.origin}")
-
-
 def _typed_speed(state: State) -> str:
     """The S in force as the program counts it."""
     assert state.speed is not None
     if state.modes.speed_mode == "rpm":
         return f"{state.speed.value:g}"
     return f"{typed_surface_speed(state.speed.value, is_inch=state.is_inch):g} (G96)"
-
-
-def _limit_rpm(state: State, settings: Settings) -> float | None:
-    limits = [settings.spindle.max_rpm, state.speed_limit.value if state.speed_limit else None]
-    known = [limit for limit in limits if limit is not None and not math.isnan(limit)]
-    return min(known) if known else None
 
 
 def rules_of(settings: Settings, state: State, alpha: float, edges: int) -> SolverRules:
@@ -310,7 +279,7 @@ def rules_of(settings: Settings, state: State, alpha: float, edges: int) -> Solv
         resolution_rpm=settings.spindle.resolution_rpm,
         edges=edges,
         min_rpm=settings.spindle.min_rpm,
-        max_rpm=_limit_rpm(state, settings),
+        max_rpm=limit_rpm(state, settings),
     )
 
 

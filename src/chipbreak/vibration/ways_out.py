@@ -18,7 +18,7 @@ from chipbreak.text.source import read
 from chipbreak.vibration.advice import few
 from chipbreak.vibration.blocks import moves_of
 from chipbreak.vibration.chain import Chain
-from chipbreak.vibration.cut_edit import cut_edit
+from chipbreak.vibration.cut_edit import Step, cut_edit
 from chipbreak.vibration.measure import CutReport, measure_cut
 from chipbreak.vibration.plan import CutPlan, command_group, plan_cut
 from chipbreak.vibration.speeds import speed_words
@@ -83,7 +83,7 @@ def _tried(interpreted: InterpretedProgram, chain: Chain) -> CutReport:
     plan = plan_cut(chain, settings)
     expansion = moves_of(plan, settings)
     speed = speed_words(None, ("rpm", plan.solution.speed_rpm), plan.chain.before, settings)
-    edit = cut_edit(plan, expansion, speed, interpreted)
+    edit = cut_edit([Step(plan, expansion, speed)], interpreted)
     output = b"".join(render(interpreted.program, [edit], settings))
     source = read(output, interpreted.program.source.name)
     (region,) = regions(source)
