@@ -180,17 +180,28 @@ def _made(maker: _Maker, chains: Sequence[Chain], names: LoopNames | None, aroun
         try:
             cuts = maker.cuts(chain, names, advise=advise)
         except RefusalError as error:
-            if is_open(chain) and len(chain.requests) > 1:
-                # What is too much round a corner may do from block to block.
-                waiting += [Chain((request,)) for request in reversed(chain.requests)]
-                continue
-            said = maker.given_up_in(chain) or _at_chain(maker.interpreted, chain, error)
-            made.give_up(chain, said, key, may_warn=around.allow_unbroken)
+            blocks = _by_block(chain)
+            waiting += reversed(blocks)
+            if not blocks:
+                said = maker.given_up_in(chain) or _at_chain(maker.interpreted, chain, error)
+                made.give_up(chain, said, key, may_warn=around.allow_unbroken)
             continue
         made.cuts.extend(cuts)
-        loops = sum(len(expansion.loops or ()) for _, expansion in cuts)
-        names = names.behind(loops) if names is not None else None
+        names = _behind(names, cuts)
     return made
+
+
+def _by_block(chain: Chain) -> list[Chain]:
+    """Where the machine chooses, what is too much round a corner may do from block to block."""
+    if not is_open(chain) or len(chain.requests) == 1:
+        return []
+    return [Chain((request,)) for request in chain.requests]
+
+
+def _behind(names: LoopNames | None, cuts: Sequence[tuple[CutPlan, Expansion]]) -> LoopNames | None:
+    """The names that are left for the loops behind some cuts."""
+    loops = sum(len(expansion.loops or ()) for _, expansion in cuts)
+    return names.behind(loops) if names is not None else None
 
 
 class _Maker(NamedTuple):
@@ -226,7 +237,7 @@ class _Maker(NamedTuple):
         made = []
         for step in steps:
             made.append(self._cut(step, names, advise=False))
-            names = names.behind(len(made[-1][1].loops or ())) if names is not None else None
+            names = _behind(names, made[-1:])
         return made
 
     def _cut(self, chain: Chain, names: LoopNames | None, *, advise: bool) -> tuple[CutPlan, Expansion]:
