@@ -139,6 +139,47 @@ def turns_back_along_h(contour: Sequence[Segment]) -> int | None:
     return None
 
 
+class Pocket(NamedTuple):
+    """A stretch along t in which a contour lies below what stands before it; ``rim_mm`` is that height."""
+
+    first_mm: float
+    last_mm: float
+    rim_mm: float
+
+
+class Filled(NamedTuple):
+    """A contour that never goes down, and the pockets that were filled for that."""
+
+    contour: tuple[Segment, ...]
+    pockets: tuple[Pocket, ...]
+
+
+def filled(contour: Sequence[Segment]) -> Filled:
+    """The contour with each pocket filled up to the height that stands before it."""
+    made: list[Segment] = []
+    pockets: list[Pocket] = []
+    rim_mm = contour[0].start.h
+    begin: Point | None = None
+    for part in parts_of(contour):
+        if part.end.h <= rim_mm + _NOTHING_MM and (begin or part.end.h < part.start.h - _NOTHING_MM):
+            begin = begin or part.start
+            continue
+        rest = part
+        if begin is not None:
+            if part.start.h < rim_mm:
+                rest = part._replace(start=Point(part.t_at(rim_mm), rim_mm))
+            pockets.append(Pocket(begin.t, rest.start.t, rim_mm))
+            made.append(Segment(begin, rest.start))
+        made.append(rest)
+        begin = None
+        rim_mm = part.end.h
+    if begin is not None:
+        end = Point(contour[-1].end.t, rim_mm)
+        pockets.append(Pocket(begin.t, end.t, rim_mm))
+        made.append(Segment(begin, end))
+    return Filled(tuple(one for one in made if one.length_mm > _NOTHING_MM), tuple(pockets))
+
+
 class Frame(NamedTuple):
     """How the axes of passes lie in those of the lathe: ``along`` is "Z" or "X", and two signs.
 

@@ -26,7 +26,9 @@ from chipbreak.cycles.reading import (
 )
 from chipbreak.cycles.roughing import Roughing, roughing_passes
 from chipbreak.cycles.single_passes import first_lines, single_passes
+from chipbreak.cycles.subroutine_cycles import cycles_in, subroutine_edit
 from chipbreak.cycles.writing import BlockWriter, blocks_of_passes, plain_contour, without_number
+from chipbreak.dialects.base import ContourCycle
 from chipbreak.editing.edits import Edit
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.flow import ContourCall, contour_calls, sequence_lines
@@ -75,11 +77,16 @@ class UnrollPlan(NamedTuple):
 def cycle_lines(interpreted: InterpretedProgram) -> dict[int, Kind | None]:
     """The lines of cycles that can be written out, with the kind of their cuts where the cycle says it."""
     found: dict[int, Kind | None] = dict.fromkeys(first_lines(interpreted))
+    found |= {line: _kind_of_cuts(kind) for line, kind in cycles_in(interpreted).items()}
     if not interpreted.settings.dialect.contour_cycles:
         return found
     calls = contour_calls(interpreted.program, interpreted.settings.dialect)
     kinds = ((one.line, kind_of(interpreted.program.block(one.line), interpreted.settings)) for one in calls)
-    return found | {line: Kind.FINISH if kind == "finish" else Kind.ROUGH for line, kind in kinds if kind}
+    return found | {line: _kind_of_cuts(kind) for line, kind in kinds if kind}
+
+
+def _kind_of_cuts(kind: ContourCycle) -> Kind:
+    return Kind.FINISH if kind == "finish" else Kind.ROUGH
 
 
 def plan_unrolling(interpreted: InterpretedProgram, asked: Iterable[int]) -> UnrollPlan:
@@ -87,6 +94,7 @@ def plan_unrolling(interpreted: InterpretedProgram, asked: Iterable[int]) -> Unr
     wanted = set(asked)
     plan = UnrollPlan([], [], [])
     _add_single_passes(plan, interpreted, wanted)
+    _add_subroutine_cycles(plan, interpreted, wanted)
     _add_contours(plan, interpreted, wanted)
     return plan
 
@@ -96,6 +104,17 @@ def _add_single_passes(plan: UnrollPlan, interpreted: InterpretedProgram, wanted
     for line in sorted(wanted.intersection(first_lines(interpreted))):
         try:
             plan.edits.append(UnrolledEdit(single_passes(interpreted, line), None, line))
+        except RefusalError as error:
+            plan.refused.append(Refused(line, error))
+
+
+def _add_subroutine_cycles(plan: UnrollPlan, interpreted: InterpretedProgram, wanted: set[int]) -> None:
+    """Cycles whose contour is a subroutine, which stays for the others."""
+    for line, kind in cycles_in(interpreted).items():
+        if line not in wanted:
+            continue
+        try:
+            plan.edits.append(UnrolledEdit(subroutine_edit(interpreted, line), _kind_of_cuts(kind), line))
         except RefusalError as error:
             plan.refused.append(Refused(line, error))
 

@@ -8,11 +8,11 @@ no more than the depth in one pass, and rush through no stock.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from chipbreak.cycles.contour import Frame, Point
+from chipbreak.cycles.contour import Frame, Point, Segment, filled
 from chipbreak.cycles.reading import Contour, leg_of, segment_of
 from chipbreak.cycles.roughing import Motion, Roughing
 from chipbreak.editing.promise import Promise, Written
@@ -31,15 +31,19 @@ _POINTS_OF_ARC = 2001
 class UnrolledCycle(Promise, kw_only=True):
     """The tool comes back to where it was, and nothing but F and S may be another.
 
-    Where ``leaves_motion``, the next move says its own motion code.
+    Where ``leaves_motion``, the next move says its own motion code.  ``end`` is where the tool stays on a
+    control that does not take it back.
     """
 
     leaves_speed: bool = True
+    end: Position | None = None
 
     def check(self, written: Written) -> None:
         """Compare the states before and behind the blocks.  Raises SelfCheckError."""
         before = written.result.before(written.region.first)
-        wrong = moved(before, written.now_behind)
+        there = before if self.end is None else before._replace(position=self.end)
+        step_mm = written.original.settings.output.step_mm(is_inch=before.is_inch)
+        wrong = moved(there, written.now_behind, 0.0 if self.end is None else step_mm)
         pairs = (
             (written.original.before(written.edit.first), before),
             (written.was_behind, written.now_behind),
@@ -167,13 +171,16 @@ class _Left:
     def __init__(self, cycle: Roughing, step_mm: float) -> None:
         self.cycle = cycle
         self.tolerance_mm = 3.0 * step_mm
-        contour = _outline(cycle)
+        contour = _outline(cycle.rough_contour)
         first_mm = cycle.departure.t
         last_mm = float(contour[:, 0].max())
         count = min(math.ceil((last_mm - first_mm) / step_mm) + 1, _MOST_PLACES)
         self.t = np.linspace(first_mm, last_mm, max(count, 2))
         self.contour = np.interp(self.t, contour[:, 0], contour[:, 1])
         self.height = np.full(len(self.t), cycle.start.h)
+        if cycle.only_pockets:
+            rest = _outline(filled(cycle.rough_contour).contour)
+            self.height = np.minimum(self.height, np.interp(self.t, rest[:, 0], rest[:, 1]))
         # Along a wall a pass is as thick as what stands before the wall, whatever the wall's height.
         wall_mm = 0.5 * cycle.t_first_mm / (self.t[1] - self.t[0])
         self.beside = _BESIDE + math.ceil(wall_mm)
@@ -229,9 +236,8 @@ def _lowest_near(heights: Floats, beside: int = _BESIDE) -> Floats:
     return lowest
 
 
-def _outline(cycle: Roughing) -> Floats:
-    """Places on the contour with its allowances, (n, 2)."""
-    contour = cycle.rough_contour
+def _outline(contour: Sequence[Segment]) -> Floats:
+    """Places on a contour, (n, 2)."""
     rows = [contour[0].start]
     for one in contour:
         count = 2 if one.centre is None else _POINTS_OF_ARC

@@ -111,7 +111,7 @@ def read_contour(
     """
     steps = steps_of(effects_of_contour(interpreted, state, *lines), interpreted.settings)
     first = steps[0].move
-    frame = _frame([step.move for step in steps], along)
+    frame = frame_of([step.move for step in steps], along)
     start = frame.inside(first.start.z, first.start.x)
     segments = segments_of(steps[1:], frame)
     _check_shape(segments, start)
@@ -154,7 +154,7 @@ def pieces_of(steps: Sequence[Step], frame: Frame) -> list[list[Segment]]:
     return cornered([segment_of(step.move, frame) for step in steps], [step.corner for step in steps])
 
 
-def _frame(moves: list[Move], along: str) -> Frame:
+def frame_of(moves: list[Move], along: str) -> Frame:
     """Cutting goes from the first point of the contour towards its last; stock is where the tool waits."""
     begin, last, start = moves[0].end, moves[-1].end, moves[0].start
     z_mm, x_mm = last.z - begin.z, start.x - begin.x

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from chipbreak.cycles.contour import Point, Segment, parts_of
+from chipbreak.cycles.contour import Point, Segment, filled, parts_of
 from chipbreak.cycles.stock import Stock
 from chipbreak.text.named_tuple import NamedTuple
 
@@ -42,6 +42,8 @@ class Roughing(NamedTuple):
                   towards the stock
     ``t_first_mm``, ``h_first_mm``  what the levels leave beyond that, for a pass of its own along the contour
     ``feeds_in``  the tool is fed, and does not rush, from one level to the next
+    ``only_pockets`` only the pockets are cleared: what stands over the rest is gone
+    ``returns``   the tool goes back to the start, and does not stay above the end of the contour
     ``narrow_mm`` a pass shorter than this is not made: the one along the contour takes the rest
     """
 
@@ -55,6 +57,8 @@ class Roughing(NamedTuple):
     t_first_mm: float = 0.0
     h_first_mm: float = 0.0
     narrow_mm: float = 1e-6
+    only_pockets: bool = False
+    returns: bool = True
 
     @property
     def rough_contour(self) -> tuple[Segment, ...]:
@@ -122,12 +126,22 @@ class _Cutter:
     def passes(self) -> list[Pass]:
         """All passes."""
         self._rapid(self.cycle.departure)
-        self._clear(_Span(-math.inf, math.inf, is_open=True), 1)
+        if self.cycle.only_pockets:
+            self._clear_pockets()
+        else:
+            self._clear(_Span(-math.inf, math.inf, is_open=True), 1)
         if self.cycle.t_first_mm > 0.0 or self.cycle.h_first_mm > 0.0:
             self._follow(self.cycle.level_contour)
         self._follow(self.cycle.rough_contour)
         self._go_home()
         return self.made
+
+    def _clear_pockets(self) -> None:
+        """The levels of each pocket, below its rim."""
+        for pocket in filled(self.cycle.level_contour).pockets:
+            self.stock.cut(pocket.first_mm, pocket.last_mm, pocket.rim_mm)
+            over = math.floor((self.top_mm - pocket.rim_mm) / self.cycle.depth_mm + _NOTHING_MM)
+            self._clear(_Span(pocket.first_mm, pocket.last_mm, is_open=False), max(over, 0) + 1)
 
     def _clear(self, within: _Span, number: int) -> None:
         """All levels of a stretch, from the ``number``th down; the pockets that a level opens one by one."""
@@ -217,9 +231,12 @@ class _Cutter:
     def _go_home(self) -> None:
         """Back to the start, away from the part first."""
         start = self.cycle.start
-        self._rapid(Point(self.at.t, max(self.at.h, start.h)))
-        self._rapid(Point(start.t, self.at.h))
-        self._rapid(start)
+        if self.cycle.returns:
+            self._rapid(Point(self.at.t, max(self.at.h, start.h)))
+            self._rapid(Point(start.t, self.at.h))
+            self._rapid(start)
+        else:
+            self._feed(Point(self.at.t, max(self.at.h, start.h)))
         if self.moves and self.made:
             last = self.made.pop()
             self.made.append(last._replace(moves=(*last.moves, *self.moves)))

@@ -183,6 +183,7 @@ class Dialect(NamedTuple):
     ``comment_marks`` how a comment is written: PARENTHESES or SEMICOLON; the way back reads both
     ``loop``          how blocks are repeated; None where the control has no way that is known
     ``contour_cycles`` the codes (times ten) of cycles whose P and Q name their contour, and which each is
+    ``subroutine_cycles`` the codes (times ten) of cycles whose Q names a subroutine with their contour
     ``turning_cycles`` the codes (times ten) that make one pass with each block, and along which axis
     ``place_variables`` numbers and names of the variables that hold the place where the tool stands
     ``place_settings`` the L of those G10 that work with that place
@@ -230,6 +231,7 @@ class Dialect(NamedTuple):
     loop: Loop | None = None
     contour_cycles: Mapping[int, ContourCycle] = FrozenTable({})
     turning_cycles: Mapping[int, ContourCycle] = FrozenTable({})
+    subroutine_cycles: Mapping[int, ContourCycle] = FrozenTable({})
     place_variables: frozenset[int | str] = frozenset(range(5001, 5061))
     place_settings: frozenset[float] = frozenset()
     turns_offsets: bool = False

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from chipbreak.dialects.base import (
     CHANGER_M_CODES,
     COMMON,
@@ -10,6 +12,7 @@ from chipbreak.dialects.base import (
     SPINDLE,
     THROUGH_SPINDLE,
     Code,
+    ContourCycle,
     Dialect,
     Loop,
     m_table,
@@ -67,6 +70,19 @@ _OWN_WORDS = FrozenTable(
     }
 )
 
+# G71.1 leaves the pockets, G71.2 cuts nothing else; both are told by their last digit.
+_SUBROUTINE_CYCLES: Mapping[int, ContourCycle] = FrozenTable(
+    {
+        700: "finish",
+        710: "along-z",
+        711: "along-z",
+        712: "along-z",
+        720: "along-x",
+        721: "along-x",
+        722: "along-x",
+    }
+)
+
 _PLACES = frozenset({*range(5420, 5429), *(f"_{way}{axis}" for way in ("", "abs_") for axis in "xyzabcuvw")})
 
 LINUXCNC_LATHE = Dialect(
@@ -96,6 +112,7 @@ LINUXCNC_LATHE = Dialect(
     converts_feed=True,
     feed_before_units=True,
     own_words=_OWN_WORDS,
+    subroutine_cycles=_SUBROUTINE_CYCLES,
 )
 
 LINUXCNC_MILL = LINUXCNC_LATHE._replace(

@@ -113,7 +113,7 @@ def _cycles_of(block: Block, dialect: Dialect) -> list[_Cycle]:
     """P and Q of a cycle that reads a shape from the program."""
     first = block.number("P")
     last = block.number("Q")
-    if first is None or last is None or not _calls_contour(block, dialect):
+    if not dialect.contour_cycles or first is None or last is None or not _calls_contour(block, dialect):
         return []
     return [_Cycle(block.line, int(first), int(last))]
 

@@ -49,6 +49,12 @@ def move_of(
     return _as_arc(move, block, state, settings) if kind in _OTHER_WAY else move
 
 
+def named_place(block: Block, state: State, letters: str, settings: Settings) -> Position:
+    """The place that words of a block name which is no move; where the tool stands along the others."""
+    ends = _named(state, block.words_of(letters), settings).ends
+    return Position(*(ends[axis] for axis in AXES))
+
+
 def _named(state: State, axis_words: Sequence[Word], settings: Settings) -> _Named:
     """What the axis words say."""
     words = settings.axis_words

@@ -101,10 +101,10 @@ def is_same_place(was: State, now: State) -> bool:
     return all(a == b or (math.isnan(a) and math.isnan(b)) for a, b in pairs)
 
 
-def moved(was: State, now: State) -> str:
+def moved(was: State, now: State, near_mm: float = _SAME_MM) -> str:
     """Which axis does not stand where it stood; what is given back has as many digits as the program."""
     for axis, a, b in zip("XYZ", was.position, now.position, strict=True):
-        if not (math.isnan(a) and math.isnan(b)) and not abs(a - b) <= _SAME_MM:
+        if not (math.isnan(a) and math.isnan(b)) and not abs(a - b) <= max(near_mm, _SAME_MM):
             return f"the position of {axis} ({a:g} and {b:g})"
     return ""
 
