@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from chipbreak.cycles.contour import Frame, Point, Segment, filled
+from chipbreak.cycles.contour import Frame, Segment, filled
 from chipbreak.cycles.reading import Contour, leg_of, segment_of
 from chipbreak.cycles.roughing import Motion, Roughing
 from chipbreak.editing.promise import Promise, Written
@@ -111,11 +111,12 @@ class PlannedMoves(UnrolledCycle, kw_only=True):
         near_mm = 3.0 * written.original.settings.output.step_mm(is_inch=written.now_behind.is_inch)
         found = _moves(written)
         move = next(found, None)
-        at: Point | None = None
+        place = written.result.before(written.region.first).position
+        at = self.frame.inside(place.z, place.x)
         for motion in self.motions:
             if move is not None and self._is_same(motion, move, near_mm):
                 move = next(found, None)
-            elif at is None or math.dist(at, motion.end) > near_mm:
+            elif math.dist(at, motion.end) > near_mm:
                 break
             at = motion.end
         else:

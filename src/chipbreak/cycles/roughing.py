@@ -43,7 +43,7 @@ class Roughing(NamedTuple):
     ``t_first_mm``, ``h_first_mm``  what the levels leave beyond that, for a pass of its own along the contour
     ``feeds_in``  the tool is fed, and does not rush, from one level to the next
     ``only_pockets`` only the pockets are cleared: what stands over the rest is gone
-    ``returns``   the tool goes back to the start, and does not stay above the end of the contour
+    ``stays_at_h_mm`` where the tool stays over the end of the contour; None where it goes back to the start
     ``narrow_mm`` a pass shorter than this is not made: the one along the contour takes the rest
     """
 
@@ -58,7 +58,7 @@ class Roughing(NamedTuple):
     h_first_mm: float = 0.0
     narrow_mm: float = 1e-6
     only_pockets: bool = False
-    returns: bool = True
+    stays_at_h_mm: float | None = None
 
     @property
     def rough_contour(self) -> tuple[Segment, ...]:
@@ -231,12 +231,12 @@ class _Cutter:
     def _go_home(self) -> None:
         """Back to the start, away from the part first."""
         start = self.cycle.start
-        if self.cycle.returns:
+        if self.cycle.stays_at_h_mm is None:
             self._rapid(Point(self.at.t, max(self.at.h, start.h)))
             self._rapid(Point(start.t, self.at.h))
             self._rapid(start)
         else:
-            self._feed(Point(self.at.t, max(self.at.h, start.h)))
+            self._feed(Point(self.at.t, max(self.at.h, self.cycle.stays_at_h_mm)))
         if self.moves and self.made:
             last = self.made.pop()
             self.made.append(last._replace(moves=(*last.moves, *self.moves)))

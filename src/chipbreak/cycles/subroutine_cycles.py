@@ -178,6 +178,9 @@ def _read(block: Block, state: State, settings: Settings) -> _Call:
     if min(call.distance_mm, call.end_distance_mm, call.retract_mm, call.u_mm, call.w_mm) < 0.0:
         message = "D, E, R, U or W of this cycle is negative"
         raise RefusalError(UNREAD_FORM, message, "give what stays as a number above zero")
+    if call.kind == "along-x" and max(call.u_mm, call.w_mm) > 0.0:
+        message = "what U and W mean in a cycle along X is told in two ways for this control"
+        raise RefusalError(UNREAD_FORM, message, "leave the stock by D, or move the contour")
     return call
 
 
@@ -213,7 +216,7 @@ def _rough(interpreted: InterpretedProgram, block: Block, call: _Call, steps: li
     if call.subcycle == 1:
         contour = filled(contour).contour
     begin = frame.inside(call.start.z, call.start.x)
-    start = Point(min(begin.t - call.w_mm, contour[0].start.t), begin.h + call.u_mm)
+    start = Point(min(begin.t - call.w_mm, contour[0].start.t), begin.h)
     state = interpreted.before(block.line)
     at = frame.inside(state.position.z, state.position.x)
     if at.t > start.t + _SAME_MM and min(at.h, start.h) < begin.h - _SAME_MM:
@@ -227,14 +230,14 @@ def _rough(interpreted: InterpretedProgram, block: Block, call: _Call, steps: li
         call.retract_mm,
         narrow_mm=_NARROW_STEPS * step_mm,
         only_pockets=call.subcycle == 2,
-        returns=False,
+        stays_at_h_mm=begin.h + call.u_mm,
     )
     lowest_mm = min(one.end.h for one in contour)
     if (start.h - lowest_mm) / call.depth_mm > _MOST_PASSES:
         raise RefusalError(BAD_DEPTH, "this cycle would have too many passes", "give a greater I")
     passes = roughing_passes(cycle)
     end = contour[-1].end
-    place = frame.outside(Point(end.t, max(end.h, start.h)))
+    place = frame.outside(Point(end.t, max(end.h, begin.h + call.u_mm)))
     promise = UnrolledRoughing(
         cycle=cycle,
         contour=Contour(frame, start, contour, feeds_in=False, first_names_both=True),
