@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.editing.edits import MoveTable
+from chipbreak.editing.render import print_moves
 from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.toolpath import split_at
 from chipbreak.model.words import is_diameter
@@ -21,7 +22,7 @@ from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.units import S_PER_MIN, typed_feed
-from chipbreak.vibration.axis_steps import axis_steps_mm, steps_per_unit
+from chipbreak.vibration.axis_steps import axis_steps_mm, reached, steps_per_unit
 from chipbreak.vibration.block_text import END_DECIMALS, Columns, Words, block_text
 from chipbreak.vibration.dwell import printed_s
 from chipbreak.vibration.forms import WRITTEN_OUT, OutputForm, form_with
@@ -32,6 +33,7 @@ from chipbreak.vibration.plan import CutPlan
 from chipbreak.vibration.readback import ReadBack
 from chipbreak.vibration.tolerances import PLANNED_TIME_SHARE
 
+_LINE_END = b"\n"  # what senders put behind a block
 _SAME_MM = 1e-6
 _LEAST_STEPS = 4
 _SAME_S = 1e-12
@@ -62,8 +64,8 @@ class Expansion:
 def moves_of(cut: CutPlan, settings: Settings, names: LoopNames | None = None) -> Expansion:
     """Turn the knots of a cut into blocks; with ``names`` its steady parts into loops.
 
-    Errors: VIB023 when the whole cut rounds to nothing, VIB058 for distances finer than the output's digits,
-    VIB059 for a stroke or feeds too fine for them.
+    Errors: VIB023 when the whole cut rounds to nothing, VIB032 for blocks that come in too slowly,
+    VIB058 for distances finer than the output's digits, VIB059 for a stroke or feeds too fine for them.
     """
     form = form_with(names)
     ends = _ends(cut, form, settings)
@@ -75,8 +77,24 @@ def moves_of(cut: CutPlan, settings: Settings, names: LoopNames | None = None) -
     distance_mm = ends.distance_mm[1:].copy()
     distance_mm[-1] = cut.path.length_mm
     text = block_text(columns, cut.chain, settings, plain_end=_tail_is_programmed(cut, settings))
+    _check_bytes(text, float(ends.time_s[-1] - ends.time_s[0]), settings)
     printed = _printed(cut, columns, settings)
     return Expansion(text, distance_mm, ends.time_s[1:], dwell_s, form.told(ends.words.loops), printed)
+
+
+def _check_bytes(text: Sequence[str | MoveTable], time_s: float, settings: Settings) -> None:
+    """Refuse a cut whose blocks come in slower than they run: the control would wait for each of them."""
+    most = settings.planner.max_bytes_per_s
+    if most is None:
+        return
+    count = sum(
+        len(print_moves(item, _LINE_END)) if isinstance(item, MoveTable) else len(item) + len(_LINE_END)
+        for item in text
+    )
+    if count > most * time_s:
+        message = f"needs {count / time_s:z.0f} bytes per second, the control gets {most:g}"
+        help_text = "ask for a lower frequency, or fewer output.decimals and output.feed_decimals"
+        raise RefusalError("VIB032", message, help_text)
 
 
 def _printed(cut: CutPlan, columns: Columns, settings: Settings) -> ReadBack:
@@ -229,6 +247,10 @@ def _axis_words(
     # The end is the programmed one, whatever the axes make of it.
     rounded[-1] = np.rint((points[-1] * scale - origin) * 10.0**decimals) / 10.0**decimals
     places_mm = (rounded + origin) / scale
+    if axis_steps_mm(settings, state).any():
+        start_mm = origin / scale
+        printed_mm = (np.round(rounded, decimals) + origin) / scale
+        places_mm = reached(printed_mm, axis_steps_mm(settings, state), start_mm)
     return Words(tuple(letters), rounded[:, axes], places_mm, decimals, incremental, distance_letters, loops)
 
 

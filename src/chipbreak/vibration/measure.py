@@ -210,7 +210,15 @@ def _reached(moves: ReadBack, settings: Settings, plan: CutPlan) -> ReadBack:
         return moves
     is_incremental = all(move.incremental for move in plan.chain.moves)
     origin_mm = np.array(plan.path.legs[0].start) if is_incremental else np.zeros(3)
-    return replace(moves, points_mm=reached(moves.points_mm, steps_mm, origin_mm))
+    points_mm = reached(moves.points_mm, steps_mm, origin_mm)
+    mode = plan.expander.feed_mode(plan.chain.before.modes.feed_mode, settings.output.feed_mode)
+    if mode != "inverse":
+        return replace(moves, points_mm=points_mm)
+    # Inverse time is that of the way which the axes really go.
+    moved = np.diff(np.vstack((plan.path.legs[0].start, points_mm)), axis=0)
+    lengths_mm = np.sqrt(np.einsum("ij,ij->i", moved, moved))
+    feed_mm_s = moves.feed_mm_s * lengths_mm / moves.lengths_mm
+    return replace(moves, points_mm=points_mm, lengths_mm=lengths_mm, feed_mm_s=feed_mm_s)
 
 
 def _diameters(radii_mm: Floats) -> tuple[float, float]:
