@@ -7,18 +7,18 @@ It decides once per servo period T (``docs/linuxcnc-timing.md``), and in a block
 3. it brakes by a·T per period, and the last, incomplete period counts as a whole one.
 
 So such a block takes a whole number of periods, the trapezoid's time rounded up and sometimes one more; the
-fewest are the least k with a·T²·(k² − k mod 2)/4 ≥ d.  The full acceleration is used: half of it only where
-two blocks are blended round a corner, which an oscillation never has.  G61, G61.1 and G64 are the same for
-one block per stroke.  Several blocks per stroke run through their joints in G61 and G64 (one that would take
-less than 1/100 s at an even change of speed is run as such a ramp), and each of them stops in G61.1.  Feed
-per minute and inverse time give the same times, and so does feed per revolution for one block per stroke;
-several are joined in another way (``per_revolution``).
+fewest are the least k with a·T²·(k² − k mod 2)/4 ≥ d.  G61, G61.1 and G64 are the same for one block per
+stroke.  Several blocks per stroke run through their joints in G61 and G64 (one that would take less than
+1/100 s at an even change of speed is run as such a ramp), and each of them stops in G61.1.  Each block has
+the acceleration of its own direction, and less where the path bends at one of its ends.  Feed per minute and
+inverse time give the same times, which depend on the highest feed override that the INI file allows; feed per
+revolution joins blocks in another way, and does not.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, sqrt
 from typing import ClassVar
 
@@ -26,33 +26,50 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from chipbreak.kinematics.floats import Floats
-from chipbreak.trajectory.junctions import CORNER_LIMIT, Blocks, Parts, sharpest_of_parts
-from chipbreak.trajectory.linuxcnc_many import linuxcnc_many, middle_feeds
-from chipbreak.trajectory.linuxcnc_planner import linuxcnc
-from chipbreak.trajectory.planner import speed_for_time
-from chipbreak.trajectory.resting import Kind, RestingLaw, Run
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.trajectory.junctions import Blocks
+from chipbreak.trajectory.law import ControlLaw, Motion, turns_of
+from chipbreak.trajectory.linuxcnc_fit import Asked, fitted_feeds
+from chipbreak.trajectory.linuxcnc_joints import Bends, bends_of
+from chipbreak.trajectory.linuxcnc_planner import Clock
+from chipbreak.trajectory.linuxcnc_runs import Columns, Parts, Runs, parts_of, run_all
+from chipbreak.trajectory.linuxcnc_strokes import middle_feeds
 
-_EITHER = (0.0, inf)
+# [DISPLAY] MAX_FEED_OVERRIDE of INI files; where nobody says which, a promise is kept at each of them.
+USUAL_OVERRIDES = (1.0, 1.2, 1.5, 2.0)
 _PERIODS_LATE = 2.0  # its joint interpolator
-# Fewer stretches are faster one by one: a long even feed, such as a plain end, then takes no time.
-_MANY = 8
 _STILL_EVEN_MM = 1e-9
 
 
 @dataclass(frozen=True)
-class LinuxCnc(RestingLaw):
-    """LinuxCNC's planner and joint interpolator; ``ramp_s`` is 1/ARC_BLEND_RAMP_FREQ."""
+class LinuxCnc(ControlLaw):
+    """LinuxCNC's planner and joint interpolator; ``ramp_s`` is 1/ARC_BLEND_RAMP_FREQ.
+
+    ``max_feed_override`` is [DISPLAY] MAX_FEED_OVERRIDE, None where it is not known.
+    """
 
     name: ClassVar[str] = "linuxcnc"
     runs_whole_periods: ClassVar[bool] = True
     is_slow_to_try: ClassVar[bool] = True
 
     ramp_s: float = 0.01
+    max_feed_override: float | None = None
 
     @property
     def late_s(self) -> float:
         """See :attr:`ControlLaw.late_s`."""
         return _PERIODS_LATE * self.servo_period_s
+
+    def variants(self) -> tuple[LinuxCnc, ...]:
+        """See :meth:`ControlLaw.variants`: one for each usual override where the profile does not say it."""
+        if self.per_revolution or self.max_feed_override is not None:
+            return (self,)
+        return tuple(replace(self, max_feed_override=override) for override in USUAL_OVERRIDES)
+
+    @property
+    def _clock(self) -> Clock:
+        override = 1.0 if self.max_feed_override is None else self.max_feed_override
+        return Clock(self.servo_period_s, self.ramp_s, inf if self.per_revolution else override)
 
     def rounded(self, time_s: float) -> float:
         """A whole number of servo periods."""
@@ -64,136 +81,76 @@ class LinuxCnc(RestingLaw):
             raise ValueError("LinuxCNC's law needs an acceleration: give it, or the axes with along()")
         return super().checked(lengths_mm, feeds_mm_s)
 
-    def slack_s(self, wanted_s: float) -> float:
-        """See :meth:`RestingLaw.slack_s`."""
-        return self.servo_period_s / 2.0
-
-    def time_step_s(self, wanted_s: float) -> float:
-        """See :meth:`RestingLaw.time_step_s`."""
-        return self.servo_period_s
-
-    def run(self, ways_mm: Floats, speeds_mm_s: Floats, before_mm_s: float) -> Run:
-        """See :meth:`RestingLaw.run`; where points on a line are joined, blocks of one feed are one."""
-        is_new = (np.diff(speeds_mm_s) != 0.0) | (self.merge_mm <= 0.0)
-        starts = np.flatnonzero(np.r_[True, is_new])
-        joined = np.add.reduceat(ways_mm, starts)
-        times, places = linuxcnc(
-            tuple(joined.tolist()),
-            tuple(speeds_mm_s[starts].tolist()),
-            self.acceleration_mm_s2,
-            self.servo_period_s,
-            self.ramp_s,
-            before=before_mm_s if self.per_revolution and len(joined) > 1 else None,
-        )
-        shares = np.repeat(np.array(times) / joined, np.diff(np.r_[starts, len(ways_mm)]))
-        return shares * ways_mm, np.array(places)
-
-    @property
-    def _runs_many(self) -> bool:
-        """True where many stretches can be run at once: no blocks joined, no stop inside a stretch."""
-        return self.merge_mm == 0.0 and not self.every_block_stops
-
-    def _many(
-        self, lengths_mm: Floats, feeds_mm_s: Floats, acceleration_mm_s2: Floats, before_mm_s: Floats
-    ) -> Run:
-        """:meth:`run` for stretches of as many blocks each, two or more: (m, n) and (m,)."""
-        times_s, places_mm = linuxcnc_many(
-            lengths_mm,
-            np.minimum(feeds_mm_s, self.velocity_mm_s),
-            acceleration_mm_s2,
-            self.servo_period_s,
-            self.ramp_s,
-            before=before_mm_s if self.per_revolution else None,
-        )
-        return np.maximum(times_s, self.read_s), places_mm
-
-    def run_kinds(self, kinds: Sequence[Kind]) -> list[Run]:
-        """See :meth:`RestingLaw.run_kinds`; as many at once as there are of one count of blocks."""
-        found: dict[Kind, Run] = {}
-        for count in {len(kind.lengths_mm) for kind in kinds} - {1} if self._runs_many else ():
-            alike = [kind for kind in kinds if len(kind.lengths_mm) == count]
-            if len(alike) >= _MANY:
-                times, places = self._many(*map(np.array, zip(*alike, strict=True)))
-                ways = [row[~np.isnan(row)] for row in places]
-                found |= dict(zip(alike, zip(times, ways, strict=True), strict=True))
-        others = [kind for kind in kinds if kind not in found]
-        found |= dict(zip(others, super().run_kinds(others), strict=True))
-        return [found[kind] for kind in kinds]
-
-    def times_alike(
-        self, lengths_mm: Floats, feeds_mm_s: Floats, acceleration_mm_s2: Floats, before_mm_s: float
+    def block_times(
+        self, lengths_mm: ArrayLike, feeds_mm_s: ArrayLike, *, before_mm_s: float = 0.0
     ) -> Floats:
-        """See :meth:`RestingLaw.times_alike`."""
-        if not self._runs_many:
-            return super().times_alike(lengths_mm, feeds_mm_s, acceleration_mm_s2, before_mm_s)
-        befores = np.full(len(lengths_mm), before_mm_s)
-        return self._many(lengths_mm, feeds_mm_s, acceleration_mm_s2, befores)[0]
+        """See :meth:`ControlLaw.block_times`."""
+        lengths, feeds = self.checked(lengths_mm, feeds_mm_s)
+        size = len(lengths)
+        even = np.full(size, self.velocity_mm_s), np.full(size, self.acceleration_mm_s2)
+        turns = turns_of(lengths)
+        stops = np.full(size - 1, self.every_block_stops)
+        stops[turns - 1] = True
+        columns = Columns(np.abs(lengths), feeds, *even)
+        return self._runs(columns, parts_of(~stops), before_mm_s).times
 
-    def single_feeds(self, lengths_mm: Floats, times_s: Floats, acceleration_mm_s2: Floats) -> list[float]:
-        """See :meth:`RestingLaw.single_feeds`."""
-        if not self._runs_many:
-            return super().single_feeds(lengths_mm, times_s, acceleration_mm_s2)
-        for length, time, has in zip(
-            lengths_mm.tolist(), times_s.tolist(), acceleration_mm_s2.tolist(), strict=True
-        ):
-            self.with_acceleration(has).refuse_too_fast(length, time)
-        found: list[float] = middle_feeds(
-            lengths_mm, times_s, acceleration_mm_s2, self.servo_period_s, self.ramp_s
-        ).tolist()
-        return found
+    def feeds_for_spans(self, blocks: Blocks, spans_s: Floats, plain_from: int) -> Floats:
+        """See :meth:`ControlLaw.feeds_for_spans`."""
+        self.refuse_lost_strokes(blocks.lengths_mm)
+        turns = turns_of(blocks.lengths_mm)
+        asked = Asked(self._bends(blocks), spans_s, turns, plain_from, self.every_block_stops)
+        return fitted_feeds(asked, [law._clock for law in self.variants()], _Refusals(self))
 
-    @property
-    def befores_mm_s(self) -> tuple[float, ...]:
-        """See :attr:`RestingLaw.befores_mm_s`."""
-        if not self._runs_many:
-            return ()
-        return _EITHER if self.per_revolution else _EITHER[:1]
+    def motion_between_dwells(self, distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats) -> Motion:
+        """See :meth:`ControlLaw.motion`."""
+        self.refuse_lost_strokes(blocks.lengths_mm)
+        bends = self._bends(blocks)
+        clock = self._clock
+        joints = bends.joints(
+            feeds_mm_s, clock.period_s, clock.override, every_block_stops=self.every_block_stops
+        )
+        columns = Columns(bends.lengths_mm, feeds_mm_s, bends.velocity_mm_s, joints.acceleration_mm_s2)
+        parts = parts_of(joints.runs_on)
+        runs = self._runs(columns, parts)
+        time_s, knots_mm = self._knots(distance_mm, blocks.lengths_mm, parts, runs)
+        return Motion(runs.times, time_s, knots_mm)
 
-    def counted(self, before_mm_s: float, length_mm: float) -> float:
-        """See :meth:`RestingLaw.counted`.
+    def _bends(self, blocks: Blocks) -> Bends:
+        limits = [(axis.velocity_mm_s, axis.acceleration_mm_s2) for axis in self.axes] or [(inf, inf)] * 3
+        velocities, accelerations = np.array(limits).T
+        return bends_of(blocks, velocities, accelerations, (self.velocity_mm_s, self.acceleration_mm_s2))
 
-        With feed per revolution it is asked whether the first block is one even change of speed, and nothing
-        else; so one of two feeds stands for all.
-        """
-        before_mm_s = super().counted(before_mm_s, length_mm)
-        if self._runs_many:
-            return _EITHER[int(2.0 * length_mm < self.ramp_s * before_mm_s)]
-        return before_mm_s
+    def _runs(self, columns: Columns, parts: Parts, before_mm_s: float = 0.0) -> Runs:
+        """How the blocks run; where points on a line are joined, those of one feed are one."""
+        if self.merge_mm > 0.0:
+            return self._joined_runs(columns, parts)
+        runs = run_all(columns, parts, self._clock, before_mm_s)
+        return runs._replace(times=np.maximum(runs.times, self.read_s))
 
-    def corner_shares(self, blocks: Blocks, feeds_mm_s: Floats) -> Floats:
-        """See :meth:`RestingLaw.corner_shares`; ``tpSetupTangent`` of LinuxCNC.
+    def _joined_runs(self, columns: Columns, parts: Parts) -> Runs:
+        starts = np.union1d(parts.starts, np.flatnonzero(np.diff(columns.speeds) != 0.0) + 1)
+        joined = np.add.reduceat(columns.lengths, starts)
+        tops, accelerations = columns.tops[starts], np.minimum.reduceat(columns.accelerations, starts)
+        firsts = np.searchsorted(starts, parts.starts)
+        whole = Parts(firsts, np.append(firsts[1:], len(starts)))
+        own = Columns(joined, columns.speeds[starts], tops, accelerations)
+        runs = run_all(own, whole, self._clock)
+        shares = np.repeat(runs.times / joined, np.diff(np.append(starts, len(columns.lengths))))
+        return runs._replace(times=np.maximum(shares * columns.lengths, self.read_s))
 
-        The change of velocity within one servo period, and the acceleration, may take a tenth of the axis's
-        acceleration; with feed per revolution the velocity is the highest possible.
-        """
-        if self.every_block_stops:
-            return super().corner_shares(blocks, feeds_mm_s)
-        top = np.minimum(np.abs(blocks.lengths_mm) / self.servo_period_s, self.velocity_mm_s)
-        speeds = top if self.per_revolution else np.minimum(top, feeds_mm_s)
-        slower = np.append(np.minimum(speeds[:-1], speeds[1:]), 0.0)
-        jolt = slower / self.servo_period_s + blocks.acceleration_mm_s2
-        shares: Floats = jolt * blocks.corners / self.acceleration_mm_s2 / CORNER_LIMIT
-        return shares
-
-    def in_corners(self, acceleration_mm_s2: Floats, parts: Parts, corner_shares: Floats) -> Floats:
-        """See :meth:`RestingLaw.in_corners`; what a corner may take is kept from the blocks beside it."""
-        left: Floats = acceleration_mm_s2 * (1.0 - CORNER_LIMIT * sharpest_of_parts(parts, corner_shares))
-        return left
-
-    def knots(
-        self, distance_mm: Floats, lengths_mm: Floats, parts: Parts, runs: Sequence[Run]
+    def _knots(
+        self, distance_mm: Floats, lengths_mm: Floats, parts: Parts, runs: Runs
     ) -> tuple[Floats, Floats]:
         """Every servo period behind the joint interpolator, where the motion is not even.
 
         The (1, 4, 1)/6 average of the interpolator blunts every reversal by a third of the planner's last
         step; its lag of two periods is left out.
         """
-        counts = [len(places) for _, places in runs]
         # One array, changed in place: there is a place for every millisecond of the cut.
-        planned = np.concatenate([np.zeros(2), *(places for _, places in runs), distance_mm[-1:]])
+        planned = np.concatenate([np.zeros(2), runs.places, distance_mm[-1:]])
         along_mm = planned[2:-1]
-        along_mm *= np.repeat(np.sign(lengths_mm[parts.starts]), counts)
-        along_mm += np.repeat(distance_mm[parts.starts], counts)
+        along_mm *= np.repeat(np.sign(lengths_mm[parts.starts]), runs.counts)
+        along_mm += np.repeat(distance_mm[parts.starts], runs.counts)
         knots_mm = np.concatenate([np.zeros(1), interpolated(planned), distance_mm[-1:]])
         bent = np.abs(np.diff(knots_mm, 2)) > _STILL_EVEN_MM
         kept = np.flatnonzero(np.concatenate([[True], bent, [True]]))
@@ -201,33 +158,27 @@ class LinuxCnc(RestingLaw):
 
     def _feed_for(self, length_mm: float, time_s: float) -> float:
         """The middle of the feeds that give the time, so that rounding F does not tip it over."""
-        return self._middle_feed(length_mm, round(time_s / self.servo_period_s))
-
-    def _middle_feed(self, length_mm: float, periods: int) -> float:
-        """The feed in the middle, by time, of all feeds that take this many periods."""
-        period = self.servo_period_s
-        acceleration = self.acceleration_mm_s2
-
-        def slowest(most: int) -> float:
-            """The longest trapezoid time, in periods, that LinuxCNC still runs in ``most`` of its periods."""
-            low = max(most - 2.0, 2.0 * sqrt(length_mm / acceleration) / period)
-            high = float(most)
-            for _ in range(14):
-                time = (low + high) / 2.0
-                feed = speed_for_time(length_mm, time * period, acceleration)
-                took = linuxcnc((length_mm,), (feed,), acceleration, period, self.ramp_s)[0][0]
-                low, high = (time, high) if round(took / period) <= most else (low, time)
-            return low
-
-        late = slowest(periods)
-        early = 2.0 * sqrt(length_mm / acceleration) / period
-        if early < periods - 1.0:
-            early = max(early, slowest(periods - 1))
-        return speed_for_time(length_mm, (late + early) / 2.0 * period, acceleration)
+        ways, times, has = (np.array([one]) for one in (length_mm, time_s, self.acceleration_mm_s2))
+        return float(middle_feeds(ways, times, has, self.servo_period_s)[0])
 
     def _acceleration_for(self, length_mm: float, time_s: float) -> float:
         periods = max(round(time_s / self.servo_period_s), 2)
         return 4.0 * length_mm / (periods**2 - periods % 2) / self.servo_period_s**2
+
+
+@dataclass(frozen=True)
+class _Refusals:
+    """The refusals of a law, for blocks that have an acceleration of their own."""
+
+    law: LinuxCnc
+
+    def too_short(self, length_mm: float, time_s: float, has_mm_s2: float) -> None:
+        """See :class:`linuxcnc_fit.Refuse`."""
+        self.law.with_acceleration(has_mm_s2).refuse_too_short(length_mm, time_s)
+
+    def too_fast(self, length_mm: float, time_s: float, feed_mm_s: float) -> None:
+        """See :class:`linuxcnc_fit.Refuse`."""
+        raise self.law.too_fast(length_mm, time_s, feed_mm_s)
 
 
 def interpolated(places_mm: Floats) -> Floats:

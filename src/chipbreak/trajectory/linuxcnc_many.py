@@ -1,84 +1,65 @@
 """LinuxCNC's planner for many stretches at once: ``linuxcnc_planner.linuxcnc`` with a row for each of them.
 
 Every row goes through the same steps as there, one servo period at a time; a test holds the two equal.
-Lengths in mm, speeds in mm/s, acceleration in mm/s², times in s.
+Lengths in mm, speeds in mm/s, accelerations in mm/s², times in s.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from math import inf
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.kinematics.floats import Floats
-from chipbreak.trajectory.linuxcnc_planner import LEAST_PERIODS, NOTHING, STANDING
+from chipbreak.trajectory.linuxcnc_planner import LEAST_PERIODS, NOTHING, STANDING, Clock
 
 Bools = NDArray[np.bool_]
 Places = NDArray[np.intp]
 
 
-def middle_feeds(lengths: Floats, times: Floats, acceleration: Floats, period: float, ramp: float) -> Floats:
-    """The feed of :meth:`ControlLaw.feed_for_time` for single blocks from rest to rest, (m,) each.
+class Stretches(NamedTuple):
+    """Stretches from rest to rest of as many blocks each: (m, n), and (m,) the speed of the block before.
 
-    Whether the control can do it has been asked before.
+    ``tops`` are the speeds that the axes allow.
     """
-    periods = np.rint(times / period)
-    least = 2.0 * np.sqrt(lengths / acceleration) / period
 
-    def slowest(most: Floats) -> Floats:
-        """The longest trapezoid times, in periods, that LinuxCNC still runs in ``most`` of its periods."""
-        low = np.maximum(most - 2.0, least)
-        high = most
-        for _ in range(14):
-            middle = (low + high) / 2.0
-            feeds = _speeds_for_times(lengths, middle * period, acceleration)
-            took, _ = linuxcnc_many(lengths[:, np.newaxis], feeds[:, np.newaxis], acceleration, period, ramp)
-            fits = np.rint(took[:, 0] / period) <= most
-            low = np.where(fits, middle, low)
-            high = np.where(fits, high, middle)
-        return low
+    lengths: Floats
+    speeds: Floats
+    tops: Floats
+    accelerations: Floats
+    before: Floats
 
-    early = np.where(least < periods - 1.0, np.maximum(least, slowest(periods - 1.0)), least)
-    return _speeds_for_times(lengths, (slowest(periods) + early) / 2.0 * period, acceleration)
+    def rows(self, which: Places | Bools) -> Stretches:
+        """Some of them."""
+        return Stretches(*(column[which] for column in self))
 
 
-def _speeds_for_times(lengths: Floats, times: Floats, acceleration: Floats) -> Floats:
-    """:func:`planner.speed_for_time` for many."""
-    rate = acceleration * times
-    speeds: Floats = (rate - np.sqrt(np.maximum(rate * rate - 4.0 * acceleration * lengths, 0.0))) / 2.0
-    return speeds
-
-
-def linuxcnc_many(
-    lengths: Floats,
-    speeds: Floats,
-    acceleration: Floats,
-    period: float,
-    ramp: float,
-    *,
-    before: Floats | None = None,
-) -> tuple[Floats, Floats]:
+def linuxcnc_many(stretches: Stretches, clock: Clock, until: int | None = None) -> tuple[Floats, Floats]:
     """Time of each block, (m, n), and the distance covered after each servo period, (m, periods).
 
-    ``lengths`` and ``speeds`` are (m, n), ``acceleration`` (m,); ``before`` (m,) is given with feed per
-    revolution.  Behind the end of a stretch its distances are NaN.
+    Behind the end of a stretch its distances are NaN.  ``until``: only these first blocks of each are run;
+    the places are those until then.
     """
-    blocks = _Blocks(lengths, speeds, acceleration, (period, ramp), per_revolution=before is not None)
-    times = np.zeros(lengths.size)
-    rows = _start(blocks, before)
+    shape = stretches.lengths.shape
+    count = shape[1] if until is None else until
+    blocks = _Blocks(stretches, clock)
+    times = np.zeros(stretches.lengths.size)
+    rows = _start(blocks, stretches.before)
     seen: list[tuple[Places, Floats]] = []
     with np.errstate(divide="ignore", invalid="ignore"):
         while len(rows.row):
             blocks.advance(rows, times)
             seen.append((rows.row, rows.way + rows.done))
-            finished = rows.leaves & (rows.block == blocks.count - 1)
+            finished = (rows.leaves & (rows.block == shape[1] - 1)) | (rows.block >= count)
             if finished.any():
                 rows = rows.kept(~finished)
-    places = np.full((len(lengths), len(seen)), np.nan)
+    places = np.full((shape[0], len(seen)), np.nan)
     for at, (row, place) in enumerate(seen):
         places[row, at] = place
-    return times.reshape(lengths.shape), places
+    return times.reshape(shape), places
 
 
 @dataclass
@@ -107,40 +88,33 @@ class _Rows:
 class _Blocks:
     """What is fixed of each block, row after row in one line: (m * n,)."""
 
-    def __init__(
-        self,
-        lengths: Floats,
-        speeds: Floats,
-        acceleration: Floats,
-        times: tuple[float, float],
-        *,
-        per_revolution: bool,
-    ) -> None:
+    def __init__(self, stretches: Stretches, clock: Clock) -> None:
+        lengths, speeds, tops, accelerations, _ = stretches
         self.count = lengths.shape[1]
-        self.acceleration = acceleration
-        self.per_revolution = per_revolution
-        self.period, self.ramp = times
-        period = self.period
-        caps = lengths / (LEAST_PERIODS * period)
-        caps[:, 0] = lengths[:, 0] / period
-        tops = np.minimum(speeds, caps)
-        limits = caps if self.per_revolution else tops
-        reachable = ends = _joint_speeds(lengths, limits, acceleration)
-        if self.per_revolution:
-            ends = np.minimum(reachable, tops)
-            ends[:, :-1] = np.minimum(ends[:, :-1], caps[:, 1:])
+        self.period, self.ramp, override = clock
+        self.per_revolution = override == inf
+        caps = lengths / (LEAST_PERIODS * self.period)
+        caps[:, 0] = lengths[:, 0] / self.period
+        caps = np.minimum(caps, tops)
+        feeds = np.minimum(speeds, tops)
+        asked = np.minimum(feeds, caps)
+        limits = caps if self.per_revolution else np.minimum(override * feeds, caps)
+        reachable = _joint_speeds(lengths, limits, accelerations)
+        ends = np.minimum(reachable, asked)
+        behind = caps if self.per_revolution else asked
+        ends[:, :-1] = np.minimum(ends[:, :-1], behind[:, 1:])
         self.lengths = lengths.ravel()
-        self.feeds = speeds.ravel()
+        self.acceleration = accelerations.ravel()
+        self.feeds = feeds.ravel()
         self.caps = caps.ravel()
-        self.tops = tops.ravel()
+        self.tops = asked.ravel()
         self.ends = ends.ravel()
         self.reachable = reachable.ravel()
 
     def is_even(self, rows: _Rows, at: Places) -> Bools:
         """Whose block is run as one even change of speed."""
-        aim = self.ends[at]
-        if self.per_revolution:
-            aim = np.minimum(np.minimum(self.reachable[at], rows.feed_before), self.caps[at])
+        asked = np.minimum(rows.feed_before, self.caps[at]) if self.per_revolution else self.tops[at]
+        aim = np.minimum(self.reachable[at], asked)
         left = self.lengths[at] - rows.done
         even: Bools = (rows.block < self.count - 1) & (2.0 * left < self.ramp * (rows.speed + aim))
         return even
@@ -169,7 +143,7 @@ class _Blocks:
 
     def _step(self, rows: _Rows, at: Places, time: Floats, top: Floats, end: Floats) -> None:
         speed = rows.speed
-        most = self.acceleration[rows.row]
+        most = self.acceleration[at]
         left = self.lengths[at] - rows.done
         ramp = (end - speed) * (speed + end) / (2.0 * np.maximum(left, NOTHING))
         half = most * time / 2.0
@@ -186,7 +160,7 @@ class _Blocks:
     def _look_ahead(self, rows: _Rows, at: Places, end: Floats) -> None:
         """Whose block ends within the next period, when, and at which speed."""
         speed = rows.speed
-        most = self.acceleration[rows.row]
+        most = self.acceleration[at]
         left = self.lengths[at] - rows.done
         mean = (speed + end) / 2.0
         time = left / mean
@@ -205,22 +179,22 @@ class _Blocks:
         rows.end_speed = np.where(there, speed, end)
 
 
-def _start(blocks: _Blocks, before: Floats | None) -> _Rows:
-    count = len(blocks.lengths) // blocks.count
+def _start(blocks: _Blocks, before: Floats) -> _Rows:
+    count = len(before)
     none = np.zeros(count)
     off = np.zeros(count, np.bool_)
-    feed_before = none if before is None else before
     row = np.arange(count)
-    rows = _Rows(row, np.zeros(count, np.intp), none, none, none, feed_before, off, off, none, none)
+    rows = _Rows(row, np.zeros(count, np.intp), none, none, none, before, off, off, none, none)
     rows.even = blocks.is_even(rows, row * blocks.count)
     return rows
 
 
-def _joint_speeds(lengths: Floats, limits: Floats, acceleration: Floats) -> Floats:
+def _joint_speeds(lengths: Floats, limits: Floats, accelerations: Floats) -> Floats:
     """The highest speed at the end of each block from which all later ones can still brake to rest."""
     ends = np.minimum(limits, np.roll(limits, -1, axis=1))
     ends[:, -1] = 0.0
+    room = 2.0 * accelerations * lengths
     for index in range(lengths.shape[1] - 1, 0, -1):
-        reached = np.sqrt(ends[:, index] ** 2 + 2.0 * acceleration * lengths[:, index])
+        reached = np.sqrt(ends[:, index] ** 2 + room[:, index])
         ends[:, index - 1] = np.minimum(ends[:, index - 1], reached)
     return ends

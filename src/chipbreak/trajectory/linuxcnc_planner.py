@@ -1,6 +1,6 @@
 """LinuxCNC's trajectory planner on blocks that go the same way, from rest to rest.
 
-Blocks are given as lengths [mm] and speeds [mm/s], all above zero; acceleration in mm/s², times in s.
+Blocks are given as lengths [mm], speeds [mm/s] and accelerations [mm/s²], all above zero; times in s.
 """
 
 from __future__ import annotations
@@ -8,33 +8,45 @@ from __future__ import annotations
 from functools import lru_cache
 from itertools import pairwise
 from math import inf, sqrt
+from typing import NamedTuple
 
-from chipbreak.trajectory.planner import Numbers, joint_speeds
+from chipbreak.trajectory.planner import Numbers
 
 NOTHING = 1e-12  # mm and s that count as none
 STANDING = 1e-8  # mm/s
 LEAST_PERIODS = 1.02  # a block that LinuxCNC runs into takes at least this many periods
 
 
+class Clock(NamedTuple):
+    """What of a LinuxCNC is the same for all blocks.
+
+    ``period_s`` is its servo period.  A block run through in less than ``ramp_s`` is one even change of speed
+    (1 / ARC_BLEND_RAMP_FREQ).  ``override`` is [DISPLAY] MAX_FEED_OVERRIDE: where feeds are per minute, the
+    speeds at joints are planned as if it were turned up all the way; inf with feed per revolution, where they
+    are planned for the highest speed possible.
+    """
+
+    period_s: float
+    ramp_s: float = 0.01
+    override: float = 1.0
+
+
 @lru_cache(maxsize=4096)
 def linuxcnc(
     lengths: Numbers,
     speeds: Numbers,
-    acceleration: float,
-    period: float,
-    ramp: float,
-    *,
-    before: float | None = None,
+    tops: Numbers,
+    accelerations: Numbers,
+    clock: Clock,
+    before: float = 0.0,
 ) -> tuple[Numbers, Numbers]:
     """Time of each block as LinuxCNC 2.9 runs it, and the distance covered after each servo period.
 
-    ``ramp`` [s]: a block run through in less is one even change of speed (1 / ARC_BLEND_RAMP_FREQ).
-    ``before``: with feed per revolution, the speed of the block before these, 0 where there was none.
+    ``tops`` are the speeds that the axes allow.  ``before``: the speed of the block before these, 0 where
+    there was none; it counts with feed per revolution alone.
     """
-    if before is None:
-        stretch = _Stretch(lengths, speeds, acceleration, period, ramp)
-    else:
-        stretch = _PerRevolution(lengths, speeds, acceleration, period, ramp, feed_before=before)
+    kind = _Stretch if clock.override < inf else _PerRevolution
+    stretch = kind(lengths, speeds, tops, accelerations, clock, before)
     while not stretch.finished:
         stretch.advance()
     return tuple(stretch.times), tuple(stretch.places)
@@ -48,14 +60,23 @@ class _Stretch:
     """
 
     def __init__(
-        self, lengths: Numbers, speeds: Numbers, acceleration: float, period: float, ramp: float
+        self,
+        lengths: Numbers,
+        speeds: Numbers,
+        tops: Numbers,
+        accelerations: Numbers,
+        clock: Clock,
+        before: float,
     ) -> None:
         self.lengths = lengths
-        self.acceleration = acceleration
-        self.period = period
-        self.ramp = ramp
-        self.caps = [lengths[0] / period, *(way / (LEAST_PERIODS * period) for way in lengths[1:])]
-        self.speeds = [min(pair) for pair in zip(speeds, self.caps, strict=True)]
+        self.accelerations = accelerations
+        self.period, self.ramp, self.override = clock
+        most = [lengths[0] / self.period, *(way / (LEAST_PERIODS * self.period) for way in lengths[1:])]
+        self.caps = [min(pair) for pair in zip(most, tops, strict=True)]
+        self.feeds = [min(pair) for pair in zip(speeds, tops, strict=True)]
+        self.feed_before = before
+        self.speeds = [min(pair) for pair in zip(self.feeds, self.caps, strict=True)]
+        self.reachable = self._reachable()
         self.ends = self._end_speeds()
         self.times = [0.0] * len(lengths)
         self.places = list[float]()
@@ -65,10 +86,22 @@ class _Stretch:
         self.finished = False
         self._enter()
 
+    def _limits(self) -> list[float]:
+        """The highest speed of each joint."""
+        planned = [min(self.override * feed, cap) for feed, cap in zip(self.feeds, self.caps, strict=True)]
+        return [min(pair) for pair in pairwise(planned)]
+
+    def _reachable(self) -> list[float]:
+        """The highest speed at the end of each block from which all later ones can still brake to rest."""
+        ends = [*self._limits(), 0.0]
+        for index in range(len(ends) - 1, 0, -1):
+            room = 2.0 * self.accelerations[index] * self.lengths[index]
+            ends[index - 1] = min(ends[index - 1], sqrt(ends[index] ** 2 + room))
+        return ends
+
     def _end_speeds(self) -> list[float]:
         """The speed at the end of each block."""
-        joints = [min(pair) for pair in pairwise(self.speeds)]
-        return joint_speeds(self.lengths, joints, self.acceleration)
+        return [min(speeds) for speeds in zip(self.reachable, self.speeds, [*self.speeds[1:], inf], strict=True)]
 
     def advance(self) -> None:
         """One servo period, or as many as pass at an even speed far from the end of the block."""
@@ -95,8 +128,12 @@ class _Stretch:
     def _enter(self) -> None:
         """A block whose speed changes evenly in less than ``ramp`` is run so."""
         left = self.lengths[self.block] - self.done
-        both = self.speed + self.ends[self.block]
+        both = self.speed + min(self.reachable[self.block], self._asked())
         self.even = self.block < len(self.lengths) - 1 and 2.0 * left < self.ramp * both
+
+    def _asked(self) -> float:
+        """The speed that is asked for where a block is begun."""
+        return self.speeds[self.block]
 
     def _cruise(self) -> None:
         speed = self.speed
@@ -104,7 +141,7 @@ class _Stretch:
         if self.even or speed != self.speeds[self.block]:
             return
         step = speed * self.period
-        count = int((left - speed * speed / self.acceleration) / step) - 2
+        count = int((left - speed * speed / self.accelerations[self.block]) / step) - 2
         if count > 0:
             self.places += [self.before + self.done + step * i for i in range(1, count + 1)]
             self.times[self.block] += count * self.period
@@ -113,7 +150,7 @@ class _Stretch:
     def _step(self, time: float, *, even: bool) -> None:
         """Move on by ``time``: towards the end speed, or as fast as feed and braking allow."""
         speed = self.speed
-        most = self.acceleration
+        most = self.accelerations[self.block]
         left = self.lengths[self.block] - self.done
         end = self.ends[self.block]
         if even and end > STANDING:
@@ -144,8 +181,9 @@ class _Stretch:
             return None
         time = left / mean
         change = (end - self.speed) / time
-        if abs(change) > self.acceleration:
-            change = self.acceleration if change > 0.0 else -self.acceleration
+        most = self.accelerations[self.block]
+        if abs(change) > most:
+            change = most if change > 0.0 else -most
             root = self.speed * self.speed + 2.0 * change * left
             if root < 0.0:
                 return None
@@ -161,25 +199,11 @@ class _PerRevolution(_Stretch):
     whether it is run as one even change of speed.
     """
 
-    def __init__(
-        self,
-        lengths: Numbers,
-        speeds: Numbers,
-        acceleration: float,
-        period: float,
-        ramp: float,
-        *,
-        feed_before: float,
-    ) -> None:
-        self.feeds = speeds
-        self.feed_before = feed_before
-        super().__init__(lengths, speeds, acceleration, period, ramp)
+    def _limits(self) -> list[float]:
+        return [min(pair) for pair in pairwise(self.caps)]
 
     def _end_speeds(self) -> list[float]:
-        joints = [min(pair) for pair in pairwise(self.caps)]
-        self.reachable = joint_speeds(self.lengths, joints, self.acceleration)
-        own = zip(self.reachable, self.speeds, [*self.caps[1:], inf], strict=True)
-        return [min(speeds) for speeds in own]
+        return [min(speeds) for speeds in zip(self.reachable, self.speeds, [*self.caps[1:], inf], strict=True)]
 
     def _begin(self, time: float) -> None:
         block = self.block
@@ -195,7 +219,5 @@ class _PerRevolution(_Stretch):
         self.ends[block] = own_end
         self._enter()
 
-    def _enter(self) -> None:
-        left = self.lengths[self.block] - self.done
-        both = self.speed + min(self.reachable[self.block], self.feed_before, self.caps[self.block])
-        self.even = self.block < len(self.lengths) - 1 and 2.0 * left < self.ramp * both
+    def _asked(self) -> float:
+        return min(self.feed_before, self.caps[self.block])

@@ -1,0 +1,255 @@
+"""From the times that the blocks of a cut should take to their feeds on LinuxCNC."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from chipbreak.kinematics.floats import Floats
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.trajectory.linuxcnc_feeds import Found, Wanted, factors_for
+from chipbreak.trajectory.linuxcnc_joints import Bends, Joints
+from chipbreak.trajectory.linuxcnc_planner import Clock
+from chipbreak.trajectory.linuxcnc_runs import Columns, Counts, Parts, kinds_of, parts_of, run_stretches
+from chipbreak.trajectory.linuxcnc_strokes import middle_feeds, profile_of
+from chipbreak.units import MS_PER_S
+
+_ROUNDS = 4
+_LOOKS = 2
+_TOO_LATE_PERIODS = 1.5
+_SAME_S = 1e-9
+
+
+class Asked(NamedTuple):
+    """Blocks and the times that they should take, (n,); those from ``plain_from`` on keep their feeds.
+
+    ``turns`` are the blocks that go the other way than the one before.  ``stops``: exact stop.
+    """
+
+    bends: Bends
+    spans: Floats
+    turns: Counts
+    plain_from: int
+    stops: bool
+
+
+class Refuse(Protocol):
+    """What says no to a block from rest to rest: length [mm], time [s], what it has or would need."""
+
+    def too_short(self, length_mm: float, time_s: float, has_mm_s2: float) -> None:
+        """Errors: VIB030 and VIB032 where no feed takes the time."""
+
+    def too_fast(self, length_mm: float, time_s: float, feed_mm_s: float) -> None:
+        """Errors: VIB031, always."""
+
+
+def fitted_feeds(asked: Asked, clocks: Sequence[Clock], refuse: Refuse) -> Floats:
+    """The feed of each block, (n,).  Errors: VIB030 to VIB032.
+
+    With several clocks nobody knows which one it will be: the worst of them counts.
+    """
+    joints = _joints(asked, asked.bends.lengths_mm / asked.spans, clocks)
+    for _ in range(_ROUNDS):
+        found = _Fit.of(asked, joints, clocks, refuse).feeds()
+        # Where the control rests at a corner depends on the feeds, and the feeds on where it rests.
+        now = _joints(asked, found, clocks)
+        same = np.array_equal(now.runs_on, joints.runs_on)
+        if same and np.allclose(now.acceleration_mm_s2, joints.acceleration_mm_s2, rtol=1e-3):
+            break
+        joints = Joints(joints.runs_on & now.runs_on, now.acceleration_mm_s2)
+    return found
+
+
+def _joints(asked: Asked, feeds: Floats, clocks: Sequence[Clock]) -> Joints:
+    """The joints by the clock that rests most often."""
+    found = [
+        asked.bends.joints(feeds, clock.period_s, clock.override, every_block_stops=asked.stops)
+        for clock in clocks
+    ]
+    runs_on = np.all([one.runs_on for one in found], axis=0)
+    return Joints(runs_on, np.min([one.acceleration_mm_s2 for one in found], axis=0))
+
+
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    """The parts of a cut, where the joints are known; ``columns`` have the feeds that lengths and times say."""
+
+    asked: Asked
+    columns: Columns
+    parts: Parts
+    clocks: Sequence[Clock]
+    refuse: Refuse
+
+    @classmethod
+    def of(cls, asked: Asked, joints: Joints, clocks: Sequence[Clock], refuse: Refuse) -> _Fit:
+        """The parts that begin before the blocks that keep their feeds."""
+        bends = asked.bends
+        nominal = bends.lengths_mm / asked.spans
+        columns = Columns(bends.lengths_mm, nominal, bends.velocity_mm_s, joints.acceleration_mm_s2)
+        parts = parts_of(joints.runs_on)
+        count = int(np.searchsorted(parts.starts, asked.plain_from))
+        return cls(asked, columns, Parts(parts.starts[:count], parts.stops[:count]), clocks, refuse)
+
+    @property
+    def period_s(self) -> float:
+        """The servo period."""
+        return self.clocks[0].period_s
+
+    def feeds(self) -> Floats:
+        """The feed of each block, (n,)."""
+        feeds = self.columns.speeds.copy()
+        if not len(self.parts.starts):
+            return feeds
+        times = _times_of_parts(self.asked, self.columns, self.parts, self.period_s)
+        single = self.parts.of_size(1)
+        blocks = self.parts.starts[single]
+        feeds[blocks] = self._single_feeds(blocks, times[single])
+        for size in np.unique(self.parts.sizes).tolist():
+            which = self.parts.of_size(size) if size > 1 else single[:0]
+            inner = which[self.parts.stops[which] <= self.asked.plain_from]
+            if len(inner):
+                self._fit_alike(inner, size, times, feeds)
+            if len(inner) < len(which):
+                self._fit_last(which[len(inner) :], size, times, feeds)
+        return feeds
+
+    def _single_feeds(self, blocks: Counts, times: Floats) -> Floats:
+        ways = self.columns.lengths[blocks]
+        accelerations = self.columns.accelerations[blocks]
+        self._refuse_too_short(ways, times, accelerations)
+        feeds = middle_feeds(ways, times, accelerations, self.period_s)
+        for at in np.flatnonzero(feeds > self.columns.tops[blocks]).tolist()[:1]:
+            self.refuse.too_fast(float(ways[at]), float(times[at]), float(feeds[at]))
+        return feeds
+
+    def _refuse_too_short(self, ways: Floats, times: Floats, accelerations: Floats) -> None:
+        """Errors: VIB030 and VIB032 for the first that no feed does, and for the shortest time."""
+        if not len(times):
+            return
+        least = _least_periods(ways, accelerations, self.period_s) * self.period_s
+        late = np.flatnonzero(times < least - _SAME_S)[:1]
+        for at in [*late.tolist(), int(times.argmin())]:
+            self.refuse.too_short(float(ways[at]), float(times[at]), float(accelerations[at]))
+
+    def _wanted(self, which: Counts, size: int, times: Floats, feeds: Floats) -> Wanted:
+        own = self.columns._replace(speeds=feeds)
+        stretches = own.stretches(self.parts, which, size, self.clocks[0])
+        return Wanted(stretches, self.asked.spans[self.parts.blocks_of(which, size)], size, times[which])
+
+    def _fit_last(self, which: Counts, size: int, times: Floats, feeds: Floats) -> None:
+        """The stretch that runs into the blocks that keep their feeds."""
+        blocks = self.parts.blocks_of(which, size)[0]
+        fitted = self.asked.plain_from - int(blocks[0])
+        wanted = self._wanted(which, size, times, feeds)._replace(fitted=fitted)
+        feeds[blocks] *= factors_for(wanted, self.clocks).factors[0]
+
+    def _fit_alike(self, which: Counts, size: int, times: Floats, feeds: Floats) -> None:
+        """Change the feeds of parts of several blocks each, so that they take their times."""
+        wanted = self._wanted(which, size, times, feeds)
+        stretches = wanted.stretches
+        self._refuse_too_short(
+            stretches.lengths.sum(axis=1), wanted.time, stretches.accelerations.min(axis=1)
+        )
+        blocks = self.parts.blocks_of(which, size)
+        nominal = feeds[blocks]
+        found = _found_for_kinds(wanted, self.clocks)
+        feeds[blocks] = nominal * found.factors
+        slack = self.period_s / 2.0 + _SAME_S
+        for _ in range(_LOOKS):
+            # With feed per revolution the block before counts, and its feed is known only now.
+            seen = self._wanted(which, size, times, feeds)
+            off = np.flatnonzero((_missed(seen, self.clocks) > slack) & (np.abs(found.late) <= slack))
+            if not len(off):
+                break
+            some = seen.rows(off)
+            some = some._replace(stretches=some.stretches._replace(speeds=nominal[off]))
+            exact = factors_for(some, self.clocks)
+            feeds[blocks[off]] = nominal[off] * exact.factors
+            found.late[off] = exact.late
+        for row in np.flatnonzero(found.late > _TOO_LATE_PERIODS * self.period_s).tolist()[:1]:
+            raise _no_factor(stretches.lengths[row], float(wanted.time[row]), float(found.late[row]))
+
+
+def _times_of_parts(asked: Asked, columns: Columns, parts: Parts, period: float) -> Floats:
+    """How long each part should take, (p,): whole periods for each stroke.
+
+    What rounding takes from one stroke, the next one gets.
+    """
+    bounds = np.append(0, asked.turns)
+    bounds = bounds[bounds < asked.plain_from]
+    ends = np.append(bounds[1:], min(asked.plain_from, len(asked.spans)))
+    whole = np.rint(np.cumsum(asked.spans)[ends - 1] / period)
+    wanted = np.diff(whole, prepend=0.0)
+    stroke = np.searchsorted(bounds, parts.starts, "right") - 1
+    times = wanted[stroke]
+    firsts = np.searchsorted(stroke, np.arange(len(bounds)))
+    counts = np.diff(np.append(firsts, len(stroke)))
+    owed = 0.0
+    for at in np.flatnonzero((counts > 1) | (np.append(0, counts[:-1]) > 1)).tolist():
+        run = slice(int(firsts[at]), int(firsts[at] + counts[at]))
+        times[run], owed = _shared_out(float(wanted[at]) - owed, columns, parts, run, period)
+    return times * period
+
+
+def _shared_out(
+    wanted: float, columns: Columns, parts: Parts, run: slice, period: float
+) -> tuple[Floats, float]:
+    """The periods of the parts of one stroke, and what the next one must make up for.
+
+    A stroke that rests on the way gives each part the least it needs, and what is spare by length.  If that
+    is too long, one period of it is made up for by the next stroke; with more, all that follows is late.
+    """
+    blocks = [slice(*ends) for ends in zip(parts.starts[run], parts.stops[run], strict=True)]
+    if len(blocks) == 1:
+        return np.array([wanted]), 0.0
+    ways = np.array([columns.lengths[one].sum() for one in blocks])
+    least_mm_s2 = np.array([columns.accelerations[one].min() for one in blocks])
+    times = _least_periods(ways, least_mm_s2, period)
+    spare = max(0.0, wanted - times.sum())
+    given = np.floor(spare * ways / ways.sum())
+    given[ways.argmax()] += spare - given.sum()
+    return times + given, min(1.0, max(0.0, float(times.sum()) - wanted))
+
+
+def _least_periods(ways: Floats, accelerations: Floats, period: float) -> Floats:
+    """The fewest periods of blocks from rest to rest, (m,)."""
+    top = np.sqrt(ways * accelerations)
+    return profile_of(ways, top, accelerations, period).periods.astype(np.float64)
+
+
+def _missed(wanted: Wanted, clocks: Sequence[Clock]) -> Floats:
+    """By how much each stretch misses its time as it is [s], (m,); of several clocks the worst."""
+    first, kind = kinds_of(np.column_stack(wanted.stretches))
+    some = wanted.stretches.rows(first)
+    took = [run_stretches(some, clock)[0].sum(axis=1)[kind] for clock in clocks]
+    worst: Floats = np.abs(np.array(took) - wanted.time).max(axis=0)
+    return worst
+
+
+def _found_for_kinds(wanted: Wanted, clocks: Sequence[Clock]) -> Found:
+    """The factors of all stretches from those of kinds of them: three digits make a kind."""
+    lengths, speeds, tops, accelerations, before = wanted.stretches
+    digits = [three_digits(column) for column in (lengths, speeds, tops, accelerations)]
+    first, kind = kinds_of(np.column_stack([*digits, before, np.rint(wanted.time / clocks[0].period_s)]))
+    found = factors_for(wanted.rows(first), clocks)
+    return Found(found.factors[kind], found.late[kind])
+
+
+def _no_factor(lengths_mm: Floats, wanted_s: float, late_s: float) -> RefusalError:
+    message = (
+        f"a stroke of {lengths_mm.sum():.4g} mm in {len(lengths_mm)} blocks takes"
+        f" {(late_s + wanted_s) * MS_PER_S:.4g} ms"
+        f" at any feed, {wanted_s * MS_PER_S:.4g} ms are wanted"
+    )
+    help_text = "take one block per stroke (WAVE TRIANGLE), or a lower frequency"
+    return RefusalError("VIB030", message, help_text)
+
+
+def three_digits(values: Floats) -> Floats:
+    """Rounded, so that what hardly differs is one kind; all above zero."""
+    unit = 10.0 ** (np.floor(np.log10(values)) - 2.0)
+    rounded: Floats = np.rint(values / unit) * unit
+    return rounded

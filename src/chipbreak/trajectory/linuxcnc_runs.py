@@ -1,0 +1,170 @@
+"""How LinuxCNC runs all the blocks of a cut: stretch by stretch from rest to rest, those alike only once."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from chipbreak.kinematics.floats import Floats
+from chipbreak.trajectory.linuxcnc_joints import Bools
+from chipbreak.trajectory.linuxcnc_many import Stretches, linuxcnc_many
+from chipbreak.trajectory.linuxcnc_planner import Clock, linuxcnc
+from chipbreak.trajectory.linuxcnc_strokes import places_of
+
+Counts = NDArray[np.intp]
+# Fewer stretches are faster one by one, and so is a long even feed: it then takes no time.
+_MANY = 8
+_LONG_PERIODS = 200.0
+
+
+class Parts(NamedTuple):
+    """Stretches from rest to rest in a row: their first and behind-last blocks, (p,)."""
+
+    starts: Counts
+    stops: Counts
+
+    @property
+    def sizes(self) -> Counts:
+        """How many blocks each has, (p,)."""
+        return self.stops - self.starts
+
+    def of_size(self, size: int) -> Counts:
+        """Which of them have so many blocks."""
+        return np.flatnonzero(self.sizes == size)
+
+    def blocks_of(self, which: Counts, size: int) -> Counts:
+        """The blocks of some of them that have ``size`` each, (m, size)."""
+        return self.starts[which][:, np.newaxis] + np.arange(size)
+
+
+def parts_of(runs_on: Bools) -> Parts:
+    """The stretches between joints, (n - 1,), that are not run through."""
+    rests = np.flatnonzero(~runs_on) + 1
+    return Parts(np.append(0, rests), np.append(rests, len(runs_on) + 1))
+
+
+class Columns(NamedTuple):
+    """Blocks in a row, (n,): lengths, speeds, what the axes allow, what accelerations they have."""
+
+    lengths: Floats
+    speeds: Floats
+    tops: Floats
+    accelerations: Floats
+
+    def stretches(self, parts: Parts, which: Counts, size: int, clock: Clock) -> Stretches:
+        """Some parts of ``size`` blocks each; of the block before, what counts for them."""
+        blocks = parts.blocks_of(which, size)
+        starts = blocks[:, 0]
+        before = np.where(starts > 0, self.speeds[starts - 1], 0.0)
+        lengths = self.lengths[blocks]
+        return Stretches(
+            lengths,
+            self.speeds[blocks],
+            self.tops[blocks],
+            self.accelerations[blocks],
+            counted(before, lengths[:, 0], clock),
+        )
+
+
+def counted(before: Floats, lengths: Floats, clock: Clock) -> Floats:
+    """The speed of the block before a stretch, as far as it counts for its first one.
+
+    With feed per revolution it is asked whether the first block is one even change of speed, and nothing
+    else; so one of two speeds stands for all.
+    """
+    if clock.override < inf:
+        return np.zeros(len(before))
+    return np.where(2.0 * lengths < clock.ramp_s * before, inf, 0.0)
+
+
+class Runs(NamedTuple):
+    """Time of each block [s], (n,), and the way of each part after each of its periods, in one line."""
+
+    times: Floats
+    counts: Counts
+    places: Floats
+
+
+class _Table:
+    """The ways of stretches that are alike, kept once, and which of them each part is."""
+
+    def __init__(self, parts: int) -> None:
+        self.kind = np.zeros(parts, np.intp)
+        self.counts: list[Counts] = []
+        self.places: list[Floats] = []
+        self.size = 0
+
+    def add(self, which: Counts, kind: Counts, counts: Counts, places: Floats) -> None:
+        self.kind[which] = kind + self.size
+        self.counts.append(counts)
+        self.places.append(places)
+        self.size += len(counts)
+
+    def runs(self, times: Floats) -> Runs:
+        counts = np.concatenate(self.counts)
+        starts = np.cumsum(counts) - counts
+        each = counts[self.kind]
+        first = np.cumsum(each) - each
+        source = np.repeat(starts[self.kind] - first, each) + np.arange(int(each.sum()))
+        return Runs(times, each, np.concatenate(self.places)[source])
+
+
+def run_all(columns: Columns, parts: Parts, clock: Clock) -> Runs:
+    """Run every part."""
+    times = np.empty(len(columns.lengths))
+    table = _Table(len(parts.starts))
+    for size in np.unique(parts.sizes).tolist():
+        which = parts.of_size(size)
+        if size == 1:
+            _run_single(columns, parts.starts[which], which, clock, times, table)
+        else:
+            stretches = columns.stretches(parts, which, size, clock)
+            kinds, kind = kinds_of(np.column_stack(stretches))
+            some, counts, places = run_stretches(stretches.rows(kinds), clock)
+            times[parts.blocks_of(which, size)] = some[kind]
+            table.add(which, kind, counts, places)
+    return table.runs(times)
+
+
+def _run_single(
+    columns: Columns, blocks: Counts, which: Counts, clock: Clock, times: Floats, table: _Table
+) -> None:
+    rows = np.column_stack(
+        [columns.lengths[blocks], np.minimum(columns.speeds, columns.tops)[blocks], columns.accelerations[blocks]]
+    )
+    kinds, kind = kinds_of(rows)
+    counts, places = places_of(*rows[kinds].T, clock.period_s)
+    times[blocks] = counts[kind] * clock.period_s
+    table.add(which, kind, counts, places)
+
+
+def run_stretches(stretches: Stretches, clock: Clock) -> tuple[Floats, Counts, Floats]:
+    """Times of the blocks, (m, n), periods of each stretch, (m,), and its ways, in one line."""
+    periods = (stretches.lengths / np.minimum(stretches.speeds, stretches.tops)).sum(axis=1) / clock.period_s
+    alone = periods > _LONG_PERIODS
+    if np.count_nonzero(~alone) < _MANY:
+        alone[:] = True
+    times = np.empty(stretches.lengths.shape)
+    ways: dict[int, Floats] = {}
+    for row in np.flatnonzero(alone).tolist():
+        *blocks, before = (column[row] for column in stretches)
+        took, places = linuxcnc(*(tuple(column.tolist()) for column in blocks), clock, float(before))
+        times[row] = took
+        ways[row] = np.array(places)
+    others = np.flatnonzero(~alone)
+    if len(others):
+        times[others], table = linuxcnc_many(stretches.rows(others), clock)
+        for row, places in zip(others.tolist(), table, strict=True):
+            ways[row] = places[~np.isnan(places)]
+    ordered = [ways[row] for row in range(len(times))]
+    return times, np.array([len(places) for places in ordered], dtype=np.intp), np.concatenate(ordered)
+
+
+def kinds_of(rows: Floats) -> tuple[Counts, Counts]:
+    """The first of each kind of row of (m, k), and the kind of each row, (m,)."""
+    kinds = np.ascontiguousarray(rows).view(np.dtype((np.void, rows.dtype.itemsize * rows.shape[1])))
+    _, first, kind = np.unique(kinds.ravel(), return_index=True, return_inverse=True)
+    return first, kind
