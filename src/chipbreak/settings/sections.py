@@ -168,6 +168,7 @@ class Planner(ValueRecord):
     dwell_step_ms: float | None = _above(None)
     reversal_stop_ms: float = _at_least(0.0)
     joint_speed_mm_min: float | None = _at_least(None)
+    max_feed_override: float | None = _at_least(None, 1.0)
     junction_deviation_mm: float | None = _at_least(None)
     corner_velocity_mm_s: float | None = _at_least(None)
     min_cruise_ratio: float = field(default=0.0, metadata={"at_least": 0.0, "below": 1.0})

@@ -93,6 +93,10 @@ class ControlLaw(ABC):
             self, velocity_mm_s=velocity, acceleration_mm_s2=acceleration, axis=name, axes=tuple(axes)
         )
 
+    def variants(self) -> Sequence[Self]:
+        """The laws that may hold where the profile leaves something open; a promise is that of the worst."""
+        return (self,)
+
     def with_acceleration(self, acceleration_mm_s2: float) -> Self:
         """The same control where it has another acceleration."""
         return replace(self, acceleration_mm_s2=acceleration_mm_s2)
@@ -218,11 +222,14 @@ class ControlLaw(ABC):
         self.refuse_too_short(length_mm, wanted)
         feed = self._feed_for(length_mm, wanted)
         if feed > self.velocity_mm_s:
-            told = f"{feed:.4g} mm/s for {length_mm:.4g} mm in {wanted * 1000:.4g} ms"
-            has = f"{self.limiting} {self.velocity_mm_s:.4g} mm/s"
-            help_text = "ask for a lower frequency or a smaller stroke"
-            raise RefusalError("VIB031", f"needs {told}, {has}", help_text)
+            raise self.too_fast(length_mm, wanted, feed)
         return feed
+
+    def too_fast(self, length_mm: float, time_s: float, feed_mm_s: float) -> RefusalError:
+        """VIB031: a block needs this feed [mm/s] for its time, and no axis has it."""
+        told = f"{feed_mm_s:.4g} mm/s for {length_mm:.4g} mm in {time_s * 1000:.4g} ms"
+        has = f"{self.limiting} {self.velocity_mm_s:.4g} mm/s"
+        return RefusalError("VIB031", f"needs {told}, {has}", "ask for a lower frequency or a smaller stroke")
 
     def refuse_lost_strokes(self, lengths_mm: Floats) -> None:
         """Errors: VIB033 when a stroke is so small that the control's path mode drops it."""

@@ -22,7 +22,7 @@ LAW_KEYS: Final = {
         "look_ahead_blocks",
         "least_steps_per_s",
     ),
-    "linuxcnc": (),
+    "linuxcnc": ("max_feed_override",),
 }
 
 

@@ -28,12 +28,13 @@ from numpy.typing import ArrayLike
 from chipbreak.kinematics.floats import Floats
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.trajectory.junctions import Blocks
-from chipbreak.trajectory.law import ControlLaw, Motion, turns_of
+from chipbreak.trajectory.law import ControlLaw, turns_of
 from chipbreak.trajectory.linuxcnc_fit import Asked, fitted_feeds
 from chipbreak.trajectory.linuxcnc_joints import Bends, bends_of
 from chipbreak.trajectory.linuxcnc_planner import Clock
 from chipbreak.trajectory.linuxcnc_runs import Columns, Parts, Runs, parts_of, run_all
 from chipbreak.trajectory.linuxcnc_strokes import middle_feeds
+from chipbreak.trajectory.motion import Motion
 
 # [DISPLAY] MAX_FEED_OVERRIDE of INI files; where nobody says which, a promise is kept at each of them.
 USUAL_OVERRIDES = (1.0, 1.2, 1.5, 2.0)

@@ -54,11 +54,13 @@ class Columns(NamedTuple):
     tops: Floats
     accelerations: Floats
 
-    def stretches(self, parts: Parts, which: Counts, size: int, clock: Clock) -> Stretches:
+    def stretches(
+        self, parts: Parts, which: Counts, size: int, clock: Clock, first_before: float = 0.0
+    ) -> Stretches:
         """Some parts of ``size`` blocks each; of the block before, what counts for them."""
         blocks = parts.blocks_of(which, size)
         starts = blocks[:, 0]
-        before = np.where(starts > 0, self.speeds[starts - 1], 0.0)
+        before = np.where(starts > 0, self.speeds[starts - 1], first_before)
         lengths = self.lengths[blocks]
         return Stretches(
             lengths,
@@ -112,8 +114,8 @@ class _Table:
         return Runs(times, each, np.concatenate(self.places)[source])
 
 
-def run_all(columns: Columns, parts: Parts, clock: Clock) -> Runs:
-    """Run every part."""
+def run_all(columns: Columns, parts: Parts, clock: Clock, before: float = 0.0) -> Runs:
+    """Run every part; ``before`` is the speed of the block before the first one."""
     times = np.empty(len(columns.lengths))
     table = _Table(len(parts.starts))
     for size in np.unique(parts.sizes).tolist():
@@ -121,7 +123,7 @@ def run_all(columns: Columns, parts: Parts, clock: Clock) -> Runs:
         if size == 1:
             _run_single(columns, parts.starts[which], which, clock, times, table)
         else:
-            stretches = columns.stretches(parts, which, size, clock)
+            stretches = columns.stretches(parts, which, size, clock, before)
             kinds, kind = kinds_of(np.column_stack(stretches))
             some, counts, places = run_stretches(stretches.rows(kinds), clock)
             times[parts.blocks_of(which, size)] = some[kind]

@@ -60,6 +60,7 @@ def _with_numbers(law: type[ControlLaw], settings: Settings) -> ControlLaw:
         "servo_period_s": planner.servo_period_ms / MS_PER_S,
         "blocks_per_s": planner.max_blocks_per_s,
         "per_revolution": settings.output.feed_mode == "rev",
+        "max_feed_override": planner.max_feed_override,
         "reversal_stop_s": planner.reversal_stop_ms / MS_PER_S,
         "joint_speed_mm_s": (planner.joint_speed_mm_min or 0.0) / S_PER_MIN,
         "junction_deviation_mm": planner.junction_deviation_mm,
