@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 import chipbreak
+from chipbreak.kinematics.waveform import full_window
 from chipbreak.vibration.measure import CutReport
 
 from .chips import Floats, Leg, Point, chips, follow, vibration
@@ -308,17 +309,15 @@ def kept(cut: Cut, promise: CutReport, time_s: Floats, points_mm: Floats) -> Kep
     ends = cut.legs[0].start, cut.legs[-1].end
     gap = max(float(np.linalg.norm(p - e)) for p, e in zip(points_mm[[0, -1]], ends, strict=True))
     rev_s, shift = 60.0 / wave.speed_rpm, time_s[-1] / _moving_s(promise)
-    last_s = wave.vibrations * wave.period_s - wave.ramp_in_s
-    start_s = (wave.ramp_in_s + rev_s) * shift
-    end_s = min(last_s, wave.vibrations * wave.period_s) * shift
-    seen = vibration(time_s, along, (wave.ramp_in_s * shift, end_s))
+    full_s, end_s = (moment * shift for moment in full_window(wave))
+    start_s = full_s + rev_s
+    seen = vibration(time_s, along, (full_s, end_s))
     broken = chips(time_s, along, wave.speed_rpm, (start_s, end_s)).broken
     turns_back = wave.shape.turns_back
     count_error = stroke_error = 0.0
     if turns_back and verdict.per_rev > 0.0 and seen.turns >= 3:
         count_error = abs(seen.frequency_hz * rev_s / promise.plan.solution.per_rev - 1.0)
-        whole = seen.strokes_mm[1:-1] if len(seen.strokes_mm) > 4 else seen.strokes_mm
-        stroke_error = float(np.abs(whole / verdict.stroke_mm - 1.0).max())
+        stroke_error = float(np.abs(seen.strokes_mm / verdict.stroke_mm - 1.0).max())
     wanted = max(0.0, (end_s - start_s) / wave.period_s / shift) if verdict.breaks else 0.0
     return Kept(
         count_error,

@@ -14,7 +14,7 @@ import numpy as np
 
 from chipbreak.kinematics.floats import Floats
 from chipbreak.trajectory.linuxcnc_joints import Bools
-from chipbreak.trajectory.linuxcnc_many import Stretches, linuxcnc_many
+from chipbreak.trajectory.linuxcnc_many import Stretches, times_of_many
 from chipbreak.trajectory.linuxcnc_planner import Clock
 from chipbreak.trajectory.linuxcnc_runs import Counts
 
@@ -22,9 +22,10 @@ _TRIED = np.geomspace(0.5, 20.0, 75)
 _TRIED_BETWEEN = 40
 _COARSE = 5
 _ROWS_AT_ONCE = 1 << 13
+_FAR_PERIODS = 3.5
 _SAME_S = 1e-9
-_UNEVEN_PERIODS = 1.5
 _SHAPED_AT_MOST = 256
+_SHAPED = np.geomspace(0.75, 1.33, 24)
 _SHAPING = 4
 _DAMPING = 0.7
 
@@ -47,10 +48,14 @@ class Wanted(NamedTuple):
 
 
 class Found(NamedTuple):
-    """Factors on the speeds, (m, n), and by how much the fitted blocks then miss their time [s], (m,)."""
+    """Factors on the speeds, (m, n), and by how much the fitted blocks then miss their time [s], (m,).
+
+    ``never``: at any feed they take longer.
+    """
 
     factors: Floats
     late: Floats
+    never: Bools
 
 
 def factors_for(wanted: Wanted, clocks: Sequence[Clock]) -> Found:
@@ -58,41 +63,52 @@ def factors_for(wanted: Wanted, clocks: Sequence[Clock]) -> Found:
 
     With several clocks nobody knows which one it will be: the worst of them counts.
     """
-    factors, late = _one_factor(wanted, clocks)
+    factors, late, never = _one_factor(wanted, clocks)
     whole = np.ones(wanted.spans.shape)
     whole[:, : wanted.fitted] = factors[:, np.newaxis]
-    found = Found(whole, late)
+    found = Found(whole, late, never)
     _shape(wanted, clocks, found)
     return found
 
 
-def _one_factor(wanted: Wanted, clocks: Sequence[Clock]) -> tuple[Floats, Floats]:
-    """One factor for each stretch, and by how much it misses its time."""
+def _one_factor(wanted: Wanted, clocks: Sequence[Clock]) -> tuple[Floats, Floats, Bools]:
+    """One factor for each stretch, by how much it misses its time, and whether any factor does."""
     late = _late_of_all(wanted, clocks)
     slack = clocks[0].period_s / 2.0
     factors = np.empty(len(late))
-    between: list[tuple[int, float, float]] = []
+    missed = np.zeros(len(late))
+    open_ones = list[int]()
+    tried = list[Floats]()
     for row, misses in enumerate(late):
         hits = np.flatnonzero(np.abs(misses) <= slack)
         if len(hits):
             widest = max(np.split(hits, np.flatnonzero(np.diff(hits) > 1) + 1), key=len)
             factors[row] = np.sqrt(_TRIED[widest[0]] * _TRIED[widest[-1]])
-            continue
-        crossing = np.flatnonzero((misses[:-1] > 0.0) & (misses[1:] <= 0.0))
-        at = int(crossing[0]) if len(crossing) else int(np.abs(misses).argmin())
-        between.append((row, float(_TRIED[at]), float(_TRIED[min(at + 1, len(_TRIED) - 1)])))
-    missed = np.zeros(len(late))
-    if between:
-        rows = np.array([row for row, _, _ in between])
-        tried = np.array([np.geomspace(slow, fast, _TRIED_BETWEEN) for _, slow, fast in between])
-        misses = _late(wanted.rows(rows), tried, clocks)
-        best = np.abs(misses) <= np.abs(misses).min(axis=1, keepdims=True) + _SAME_S
-        for row, factor, miss, is_best in zip(rows.tolist(), tried, misses, best, strict=True):
-            near = np.flatnonzero(is_best)
-            middle = near[len(near) // 2]
-            factors[row] = factor[middle]
-            missed[row] = miss[middle]
-    return factors, missed
+        else:
+            open_ones.append(row)
+            tried.append(_between(misses))
+    if open_ones:
+        rows = np.array(open_ones)
+        factors[rows], missed[rows] = _narrowed(wanted, rows, np.array(tried), clocks)
+    return factors, missed, late.min(axis=1) > slack
+
+
+def _between(misses: Floats) -> Floats:
+    """Factors between two that are tried, of which the first is too slow and the second too fast."""
+    crossing = np.flatnonzero((misses[:-1] > 0.0) & (misses[1:] <= 0.0))
+    at = int(crossing[0]) if len(crossing) else int(np.abs(misses).argmin())
+    return np.geomspace(_TRIED[at], _TRIED[min(at + 1, len(_TRIED) - 1)], _TRIED_BETWEEN)
+
+
+def _narrowed(
+    wanted: Wanted, rows: Counts, tried: Floats, clocks: Sequence[Clock]
+) -> tuple[Floats, Floats]:
+    """The best of the factors in between: the middle of those that miss the time by as little."""
+    late = _late(wanted, np.repeat(rows, tried.shape[1]), tried.ravel(), clocks).reshape(tried.shape)
+    least = np.abs(late).min(axis=1, keepdims=True)
+    middles = [near[len(near) // 2] for near in map(np.flatnonzero, np.abs(late) <= least + _SAME_S)]
+    own = np.arange(len(rows)), np.array(middles)
+    return tried[own], late[own]
 
 
 def _late_of_all(wanted: Wanted, clocks: Sequence[Clock]) -> Floats:
@@ -102,33 +118,30 @@ def _late_of_all(wanted: Wanted, clocks: Sequence[Clock]) -> Floats:
     where these do not both miss by far on the same side; elsewhere that of the first of them stands for all.
     """
     coarse = np.append(np.arange(0, len(_TRIED) - 1, _COARSE), len(_TRIED) - 1)
-    count = len(wanted.time)
-    late = _late(wanted, np.tile(_TRIED[coarse], (count, 1)), clocks)
-    side = np.sign(late) * (np.abs(late) > 3.5 * clocks[0].period_s)
+    rows = np.arange(len(wanted.time))
+    many = np.repeat(rows, len(coarse))
+    late = _late(wanted, many, np.tile(_TRIED[coarse], len(rows)), clocks).reshape(len(rows), -1)
+    side = np.sign(late) * (np.abs(late) > _FAR_PERIODS * clocks[0].period_s)
     near = side[:, :-1] * side[:, 1:] <= 0.0
     cells = np.searchsorted(coarse, np.arange(len(_TRIED)), "right") - 1
     every: Floats = late[:, cells]
-    for cell in range(len(coarse) - 1):
-        rows = np.flatnonzero(near[:, cell])
-        if len(rows):
-            inner = np.arange(coarse[cell] + 1, coarse[cell + 1])
-            every[np.ix_(rows, inner)] = _late(
-                wanted.rows(rows), np.tile(_TRIED[inner], (len(rows), 1)), clocks
-            )
+    # All but the coarse ones of the cells that are near, in one go.
+    inner = near[:, np.minimum(cells, len(coarse) - 2)] & ~np.isin(np.arange(len(_TRIED)), coarse)
+    some, columns = np.nonzero(inner)
+    if len(some):
+        every[some, columns] = _late(wanted, some, _TRIED[columns], clocks)
     return every
 
 
-def _late(wanted: Wanted, factors: Floats, clocks: Sequence[Clock]) -> Floats:
-    """How much too long each stretch takes with each of its factors [s]: (m, f) -> (m, f)."""
-    tries = factors.shape[1]
-    at_once = max(1, _ROWS_AT_ONCE // tries)
-    late = np.empty(factors.shape)
-    for first in range(0, len(factors), at_once):
-        some = np.arange(first, min(first + at_once, len(factors)))
-        rows = wanted.rows(np.repeat(some, tries))
-        speeds = rows.stretches.speeds.copy()
-        speeds[:, : wanted.fitted] *= factors[some].reshape(-1, 1)
-        late[some] = _worst_late(rows, speeds, clocks).reshape(-1, tries)
+def _late(wanted: Wanted, rows: Counts, factors: Floats, clocks: Sequence[Clock]) -> Floats:
+    """How much too long some stretches take with a factor each [s], (k,)."""
+    late = np.empty(len(factors))
+    for first in range(0, len(factors), _ROWS_AT_ONCE):
+        some = slice(first, first + _ROWS_AT_ONCE)
+        chosen = wanted.rows(rows[some])
+        speeds = chosen.stretches.speeds
+        speeds[:, : wanted.fitted] *= factors[some, np.newaxis]
+        late[some] = _worst_late(chosen, speeds, clocks)
     return late
 
 
@@ -144,33 +157,33 @@ def _worst_late(wanted: Wanted, speeds: Floats, clocks: Sequence[Clock]) -> Floa
 
 def _block_times(wanted: Wanted, speeds: Floats, clock: Clock) -> Floats:
     """Times of the fitted blocks, (m, fitted)."""
-    until = None if wanted.fitted == wanted.spans.shape[1] else wanted.fitted
-    times, _ = linuxcnc_many(wanted.stretches._replace(speeds=speeds), clock, until)
-    return times[:, : wanted.fitted]
+    return times_of_many(wanted.stretches._replace(speeds=speeds), clock, wanted.fitted)
 
 
 def _shape(wanted: Wanted, clocks: Sequence[Clock], found: Found) -> None:
-    """Give blocks within a stretch their own times too, where they miss them by far; changes ``found``.
+    """Give blocks within a stretch their own times too, where a swing lies in it; changes ``found``.
 
     A stroke so small that the tool does not turn back is a slow block between fast ones: with one factor on
     all of them the control would smooth it away, and the vibration with it.
     """
-    uneven = _unevenness(wanted, wanted.stretches.speeds * found.factors, clocks)
-    limit = _UNEVEN_PERIODS * clocks[0].period_s
-    rows = np.flatnonzero((uneven > limit) & (np.abs(found.late) <= limit))[:_SHAPED_AT_MOST]
-    if not len(rows) or wanted.fitted < 2:
+    rows = np.flatnonzero(_swings(wanted))[:_SHAPED_AT_MOST]
+    if len(rows):
+        uneven = _unevenness(wanted.rows(rows), (wanted.stretches.speeds * found.factors)[rows], clocks)
+        rows = rows[uneven > clocks[0].period_s]
+    if not len(rows):
         return
     some = wanted.rows(rows)
-    shape = np.ones(some.spans.shape)
-    best = uneven[rows]
+    shape = found.factors[rows].copy()
+    best = _unevenness(some, some.stretches.speeds * found.factors[rows], clocks)
     allowed = np.maximum(np.abs(found.late[rows]), clocks[0].period_s / 2.0) + _SAME_S
     factors = found.factors[rows]
+    every = np.arange(len(rows))
     for _ in range(_SHAPING):
         speeds = some.stretches.speeds * factors
         ratio = _block_times(some, speeds, clocks[0]) / some.spans[:, : some.fitted]
         shape[:, : some.fitted] *= np.clip(ratio, 0.25, 4.0) ** _DAMPING
         shaped = some._replace(stretches=some.stretches._replace(speeds=some.stretches.speeds * shape))
-        one, late = _one_factor(shaped, clocks)
+        one, late = _narrowed(shaped, every, np.tile(_SHAPED, (len(every), 1)), clocks)
         factors = shape.copy()
         factors[:, : some.fitted] *= one[:, np.newaxis]
         now = _unevenness(some, some.stretches.speeds * factors, clocks)
@@ -178,6 +191,14 @@ def _shape(wanted: Wanted, clocks: Sequence[Clock], found: Found) -> None:
         best = np.where(better, now, best)
         found.factors[rows[better]] = factors[better]
         found.late[rows[better]] = late[better]
+
+
+def _swings(wanted: Wanted) -> Bools:
+    """Which stretches get slower and faster again, (m,)."""
+    change = np.diff(wanted.stretches.speeds, axis=1)
+    slower = np.logical_or.accumulate(change < 0.0, axis=1)
+    swings: Bools = (slower[:, :-1] & (change[:, 1:] > 0.0)).any(axis=1)
+    return swings
 
 
 def _unevenness(wanted: Wanted, speeds: Floats, clocks: Sequence[Clock]) -> Floats:

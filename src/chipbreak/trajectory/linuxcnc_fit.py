@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -13,13 +14,13 @@ from chipbreak.text.diagnostics import RefusalError
 from chipbreak.trajectory.linuxcnc_feeds import Found, Wanted, factors_for
 from chipbreak.trajectory.linuxcnc_joints import Bends, Joints
 from chipbreak.trajectory.linuxcnc_planner import Clock
-from chipbreak.trajectory.linuxcnc_runs import Columns, Counts, Parts, kinds_of, parts_of, run_stretches
+from chipbreak.trajectory.linuxcnc_runs import Columns, Counts, Parts, kinds_of, parts_of, run_all, run_stretches
 from chipbreak.trajectory.linuxcnc_strokes import middle_feeds, profile_of
 from chipbreak.units import MS_PER_S
 
 _ROUNDS = 4
 _LOOKS = 2
-_TOO_LATE_PERIODS = 1.5
+_MOST_KNOWN = 1 << 14
 _SAME_S = 1e-9
 
 
@@ -53,11 +54,11 @@ def fitted_feeds(asked: Asked, clocks: Sequence[Clock], refuse: Refuse) -> Float
     """
     joints = _joints(asked, asked.bends.lengths_mm / asked.spans, clocks)
     for _ in range(_ROUNDS):
-        found = _Fit.of(asked, joints, clocks, refuse).feeds()
-        # Where the control rests at a corner depends on the feeds, and the feeds on where it rests.
+        fit = _Fit.of(asked, joints, clocks, refuse)
+        found = fit.feeds()
+        # What a corner costs depends on the feeds, and the feeds on what it costs.
         now = _joints(asked, found, clocks)
-        same = np.array_equal(now.runs_on, joints.runs_on)
-        if same and np.allclose(now.acceleration_mm_s2, joints.acceleration_mm_s2, rtol=1e-3):
+        if np.array_equal(now.runs_on, joints.runs_on) and fit.keeps_times(found, now):
             break
         joints = Joints(joints.runs_on & now.runs_on, now.acceleration_mm_s2)
     return found
@@ -116,6 +117,17 @@ class _Fit:
                 self._fit_last(which[len(inner) :], size, times, feeds)
         return feeds
 
+    def keeps_times(self, feeds: Floats, joints: Joints) -> bool:
+        """True where other joints change no time that the parts were given."""
+        columns = self.columns._replace(speeds=feeds)
+        if np.array_equal(columns.accelerations, joints.acceleration_mm_s2):
+            return True
+        before = run_all(columns, self.parts, self.clocks[0]).times
+        now = columns._replace(accelerations=joints.acceleration_mm_s2)
+        after = run_all(now, self.parts, self.clocks[0]).times
+        fitted = slice(0, self.asked.plain_from)
+        return bool(np.abs(np.cumsum(after - before)[fitted]).max(initial=0.0) < self.period_s / 2.0)
+
     def _single_feeds(self, blocks: Counts, times: Floats) -> Floats:
         ways = self.columns.lengths[blocks]
         accelerations = self.columns.accelerations[blocks]
@@ -144,7 +156,7 @@ class _Fit:
         blocks = self.parts.blocks_of(which, size)[0]
         fitted = self.asked.plain_from - int(blocks[0])
         wanted = self._wanted(which, size, times, feeds)._replace(fitted=fitted)
-        feeds[blocks] *= factors_for(wanted, self.clocks).factors[0]
+        feeds[blocks] *= _found(wanted, self.clocks).factors[0]
 
     def _fit_alike(self, which: Counts, size: int, times: Floats, feeds: Floats) -> None:
         """Change the feeds of parts of several blocks each, so that they take their times."""
@@ -166,10 +178,10 @@ class _Fit:
                 break
             some = seen.rows(off)
             some = some._replace(stretches=some.stretches._replace(speeds=nominal[off]))
-            exact = factors_for(some, self.clocks)
+            exact = _found(some, self.clocks)
             feeds[blocks[off]] = nominal[off] * exact.factors
             found.late[off] = exact.late
-        for row in np.flatnonzero(found.late > _TOO_LATE_PERIODS * self.period_s).tolist()[:1]:
+        for row in np.flatnonzero(found.never).tolist()[:1]:
             raise _no_factor(stretches.lengths[row], float(wanted.time[row]), float(found.late[row]))
 
 
@@ -234,8 +246,33 @@ def _found_for_kinds(wanted: Wanted, clocks: Sequence[Clock]) -> Found:
     lengths, speeds, tops, accelerations, before = wanted.stretches
     digits = [three_digits(column) for column in (lengths, speeds, tops, accelerations)]
     first, kind = kinds_of(np.column_stack([*digits, before, np.rint(wanted.time / clocks[0].period_s)]))
-    found = factors_for(wanted.rows(first), clocks)
-    return Found(found.factors[kind], found.late[kind])
+    found = _found(wanted.rows(first), clocks)
+    return Found(found.factors[kind], found.late[kind], found.never[kind])
+
+
+def _found(wanted: Wanted, clocks: Sequence[Clock]) -> Found:
+    """The factors of stretches; the cuts of a program ask for the same again and again."""
+    known = _known(tuple(clocks), wanted.fitted)
+    if len(known) > _MOST_KNOWN:
+        known.clear()
+    keys = [row.tobytes() for row in np.column_stack([*wanted.stretches, wanted.spans, wanted.time])]
+    # Another thread may forget them at any time: what was answered is kept.
+    mine = {key: row for key, row in ((key, known.get(key)) for key in keys) if row is not None}
+    new = np.array([at for at, key in enumerate(keys) if key not in mine], dtype=np.intp)
+    if len(new):
+        found = factors_for(wanted.rows(new), clocks)
+        rows = zip(found.factors, found.late.tolist(), found.never.tolist(), strict=True)
+        fresh = dict(zip((keys[at] for at in new.tolist()), rows, strict=True))
+        known.update(fresh)
+        mine |= fresh
+    factors, late, never = zip(*map(mine.__getitem__, keys), strict=True)
+    return Found(np.array(factors), np.array(late), np.array(never))
+
+
+@lru_cache(maxsize=64)
+def _known(clocks: tuple[Clock, ...], fitted: int) -> dict[bytes, tuple[Floats, float, bool]]:
+    """What was found, by the numbers of the stretch."""
+    return {}
 
 
 def _no_factor(lengths_mm: Floats, wanted_s: float, late_s: float) -> RefusalError:

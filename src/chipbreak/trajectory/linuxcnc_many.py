@@ -37,14 +37,12 @@ class Stretches(NamedTuple):
         return Stretches(*(column[which] for column in self))
 
 
-def linuxcnc_many(stretches: Stretches, clock: Clock, until: int | None = None) -> tuple[Floats, Floats]:
+def linuxcnc_many(stretches: Stretches, clock: Clock) -> tuple[Floats, Floats]:
     """Time of each block, (m, n), and the distance covered after each servo period, (m, periods).
 
-    Behind the end of a stretch its distances are NaN.  ``until``: only these first blocks of each are run;
-    the places are those until then.
+    Behind the end of a stretch its distances are NaN.
     """
     shape = stretches.lengths.shape
-    count = shape[1] if until is None else until
     blocks = _Blocks(stretches, clock)
     times = np.zeros(stretches.lengths.size)
     rows = _start(blocks, stretches.before)
@@ -53,13 +51,25 @@ def linuxcnc_many(stretches: Stretches, clock: Clock, until: int | None = None) 
         while len(rows.row):
             blocks.advance(rows, times)
             seen.append((rows.row, rows.way + rows.done))
-            finished = (rows.leaves & (rows.block == shape[1] - 1)) | (rows.block >= count)
-            if finished.any():
-                rows = rows.kept(~finished)
+            rows = rows.without(rows.leaves & (rows.block == shape[1] - 1))
     places = np.full((shape[0], len(seen)), np.nan)
     for at, (row, place) in enumerate(seen):
         places[row, at] = place
     return times.reshape(shape), places
+
+
+def times_of_many(stretches: Stretches, clock: Clock, until: int) -> Floats:
+    """Time of each of the first ``until`` blocks, (m, until): without the places, an even feed takes no time."""
+    blocks = _Blocks(stretches, clock)
+    times = np.zeros(stretches.lengths.size)
+    rows = _start(blocks, stretches.before)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        while len(rows.row):
+            blocks.cruise(rows, times)
+            blocks.advance(rows, times)
+            ended = rows.leaves & (rows.block == blocks.count - 1)
+            rows = rows.without(ended | (rows.block >= until))
+    return times.reshape(stretches.lengths.shape)[:, :until]
 
 
 @dataclass
@@ -80,9 +90,11 @@ class _Rows:
     rest: Floats
     end_speed: Floats
 
-    def kept(self, mask: Bools) -> _Rows:
-        """Only some of them."""
-        return _Rows(*(getattr(self, field.name)[mask] for field in fields(self)))
+    def without(self, ended: Bools) -> _Rows:
+        """Only the others."""
+        if not ended.any():
+            return self
+        return _Rows(*(getattr(self, field.name)[~ended] for field in fields(self)))
 
 
 class _Blocks:
@@ -118,6 +130,20 @@ class _Blocks:
         left = self.lengths[at] - rows.done
         even: Bools = (rows.block < self.count - 1) & (2.0 * left < self.ramp * (rows.speed + aim))
         return even
+
+    def cruise(self, rows: _Rows, times: Floats) -> None:
+        """As many periods as pass at an even speed far from the end of a block."""
+        at = rows.row * self.count + rows.block
+        speed = rows.speed
+        idle = (speed == self.tops[at]) & ~rows.even & ~rows.leaves
+        if not idle.any():
+            return
+        left = self.lengths[at] - rows.done
+        step = speed * self.period
+        count = np.floor((left - speed * speed / self.acceleration[at]) / step) - 2.0
+        count = np.where(idle, np.maximum(count, 0.0), 0.0)
+        rows.done = rows.done + count * step
+        times[at] += count * self.period
 
     def advance(self, rows: _Rows, times: Floats) -> None:
         """One servo period, or what is left of it in the next block where one ends."""
