@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 import shlex
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from threading import Barrier
@@ -14,8 +14,10 @@ from typing import Any
 import pytest
 
 import chipbreak
-from chipbreak.trajectory import feed_search
-from chipbreak.trajectory.linuxcnc import LinuxCnc
+from chipbreak.trajectory import feed_search, linuxcnc_fit
+from chipbreak.trajectory.linuxcnc_feeds import Found, Wanted
+from chipbreak.trajectory.linuxcnc_planner import Clock
+from chipbreak.trajectory.trapezoid import Trapezoid
 
 HERE = Path(__file__).parent
 FLAGS = "; flags:"
@@ -87,17 +89,39 @@ def test_eight_threads_make_what_one_makes(monkeypatch: pytest.MonkeyPatch) -> N
         assert list(pool.map(run, range(THREADS))) == [[]] * THREADS
 
 
+CUT = b"G97 S1000 M3\nG0 X20. Z2.\nG95 G1 Z-1. F0.05 N1.5\nG0 Z2.\nG1 Z-1.2 F0.05 N1.5\nM30\n"
+LONGER = CUT.replace(b"M30", b"G0 Z2.\nG1 Z-1. F0.06 N1.5\nM30")
+
+
 def test_what_another_thread_forgets_is_not_missed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Both searches for feeds, with all that was found before forgotten while they search."""
-    cut = b"G97 S1000 M3\nG0 X20. Z2.\nG95 G1 Z-1. F0.05 N1.5\nG0 Z2.\nG1 Z-1.2 F0.05 N1.5\nM30\n"
+    """The search for feeds on LinuxCNC, with all that was found before forgotten while it searches."""
     settings = chipbreak.load("linuxcnc-lathe")
-    wanted = chipbreak.rewrite(cut, settings).data
-    searches = (feed_search, "_new_factors"), (LinuxCnc, "single_feeds")
+    wanted = chipbreak.rewrite(CUT, settings).data
+    forgotten = list[int]()
+    search = linuxcnc_fit.factors_for
+
+    def forgetting(asked: Wanted, clocks: Sequence[Clock]) -> Found:
+        known = linuxcnc_fit._known(tuple(clocks), asked.fitted)
+        forgotten.append(len(known))
+        known.clear()
+        return search(asked, clocks)
+
+    monkeypatch.setattr(linuxcnc_fit, "factors_for", forgetting)
+    chipbreak.rewrite(LONGER, settings)
+    assert any(forgotten)
+    assert chipbreak.rewrite(CUT, settings).data == wanted
+
+
+def test_nor_is_it_under_a_declared_acceleration(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same under the trapezoid."""
+    settings = chipbreak.load("linuxcnc-lathe", ["planner.model=trapezoid"])
+    wanted = chipbreak.rewrite(CUT, settings).data
+    searches = (feed_search, "_new_factors"), (Trapezoid, "single_feeds")
     forgotten = set()
 
     def forgetting(name: str, search: Callable[..., Any]) -> Callable[..., Any]:
         def run(*arguments: Any) -> Any:
-            law = next(one for one in arguments if isinstance(one, LinuxCnc))
+            law = next(one for one in arguments if isinstance(one, Trapezoid))
             known = feed_search._known(law)
             if known:
                 forgotten.add(name)
@@ -108,7 +132,6 @@ def test_what_another_thread_forgets_is_not_missed(monkeypatch: pytest.MonkeyPat
 
     for home, name in searches:
         monkeypatch.setattr(home, name, forgetting(name, getattr(home, name)))
-    longer = cut.replace(b"M30", b"G0 Z2.\nG1 Z-1. F0.06 N1.5\nM30")
-    chipbreak.rewrite(longer, settings)
-    assert forgotten == {name for _, name in searches}
-    assert chipbreak.rewrite(cut, settings).data == wanted
+    chipbreak.rewrite(LONGER, settings)
+    assert "single_feeds" in forgotten
+    assert chipbreak.rewrite(CUT, settings).data == wanted

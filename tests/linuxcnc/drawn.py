@@ -221,8 +221,7 @@ def drawn(seed: int, kind: str | None = None) -> Cut:
     speed = round(hertz * 60.0 / per_rev)
     if speed > 6000:
         speed, hertz = 6000, 100.0 * per_rev
-    if speed < 100:
-        speed = 100
+    speed = max(speed, 100)
     feed = draw.near(draw.between(0.02, 0.15))
     vibrations = draw.between(14.0, 30.0)
     length = max(feed * vibrations / per_rev, 0.3)

@@ -111,6 +111,15 @@ class ControlLaw(ABC):
         """How much longer than its block a move goes on before a dwell."""
         return 0.0
 
+    @property
+    def rest_at_crest_s(self) -> float | None:
+        """How long the tool must rest at a crest behind which it goes on forward, so that it goes on slower.
+
+        0 where it slows down by itself, and only a return stroke of no length would be lost; None where the
+        blocks are followed as they are.
+        """
+        return None
+
     def rounded(self, time_s: float) -> float:
         """The nearest time that a block can take."""
         return time_s

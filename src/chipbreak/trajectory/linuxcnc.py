@@ -17,16 +17,14 @@ revolution joins blocks in another way, and does not.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf, sqrt
+from math import inf
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from chipbreak.kinematics.floats import Floats
-from chipbreak.text.diagnostics import RefusalError
 from chipbreak.trajectory.junctions import Blocks
 from chipbreak.trajectory.law import ControlLaw, turns_of
 from chipbreak.trajectory.linuxcnc_fit import Asked, fitted_feeds
@@ -39,6 +37,7 @@ from chipbreak.trajectory.motion import Motion
 # [DISPLAY] MAX_FEED_OVERRIDE of INI files; where nobody says which, a promise is kept at each of them.
 USUAL_OVERRIDES = (1.0, 1.2, 1.5, 2.0)
 _PERIODS_LATE = 2.0  # its joint interpolator
+_PERIODS_OF_REST = 3.0
 _STILL_EVEN_MM = 1e-9
 
 
@@ -60,6 +59,16 @@ class LinuxCnc(ControlLaw):
     def late_s(self) -> float:
         """See :attr:`ControlLaw.late_s`."""
         return _PERIODS_LATE * self.servo_period_s
+
+    @property
+    def rest_at_crest_s(self) -> float | None:
+        """See :attr:`ControlLaw.rest_at_crest_s`; with feed per revolution a block runs out at its feed.
+
+        Points that are joined would take such a rest with them.
+        """
+        if self.merge_mm > 0.0:
+            return None
+        return _PERIODS_OF_REST * self.servo_period_s if self.per_revolution else 0.0
 
     def variants(self) -> tuple[LinuxCnc, ...]:
         """See :meth:`ControlLaw.variants`: one for each usual override where the profile does not say it."""

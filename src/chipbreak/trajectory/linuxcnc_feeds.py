@@ -100,9 +100,7 @@ def _between(misses: Floats) -> Floats:
     return np.geomspace(_TRIED[at], _TRIED[min(at + 1, len(_TRIED) - 1)], _TRIED_BETWEEN)
 
 
-def _narrowed(
-    wanted: Wanted, rows: Counts, tried: Floats, clocks: Sequence[Clock]
-) -> tuple[Floats, Floats]:
+def _narrowed(wanted: Wanted, rows: Counts, tried: Floats, clocks: Sequence[Clock]) -> tuple[Floats, Floats]:
     """The best of the factors in between: the middle of those that miss the time by as little."""
     late = _late(wanted, np.repeat(rows, tried.shape[1]), tried.ravel(), clocks).reshape(tried.shape)
     least = np.abs(late).min(axis=1, keepdims=True)
@@ -148,8 +146,6 @@ def _late(wanted: Wanted, rows: Counts, factors: Floats, clocks: Sequence[Clock]
 def _worst_late(wanted: Wanted, speeds: Floats, clocks: Sequence[Clock]) -> Floats:
     """How much too long each stretch takes at these speeds, (m,); of several clocks the worst."""
     late = [_block_times(wanted, speeds, clock).sum(axis=1) - wanted.time for clock in clocks]
-    if len(late) == 1:
-        return late[0]
     stacked = np.array(late)
     worst: Floats = np.take_along_axis(stacked, np.abs(stacked).argmax(axis=0)[np.newaxis], axis=0)[0]
     return worst
@@ -197,8 +193,7 @@ def _swings(wanted: Wanted) -> Bools:
     """Which stretches get slower and faster again, (m,)."""
     change = np.diff(wanted.stretches.speeds, axis=1)
     slower = np.logical_or.accumulate(change < 0.0, axis=1)
-    swings: Bools = (slower[:, :-1] & (change[:, 1:] > 0.0)).any(axis=1)
-    return swings
+    return np.asarray((slower[:, :-1] & (change[:, 1:] > 0.0)).any(axis=1))
 
 
 def _unevenness(wanted: Wanted, speeds: Floats, clocks: Sequence[Clock]) -> Floats:

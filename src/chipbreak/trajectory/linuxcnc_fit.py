@@ -14,7 +14,15 @@ from chipbreak.text.diagnostics import RefusalError
 from chipbreak.trajectory.linuxcnc_feeds import Found, Wanted, factors_for
 from chipbreak.trajectory.linuxcnc_joints import Bends, Joints
 from chipbreak.trajectory.linuxcnc_planner import Clock
-from chipbreak.trajectory.linuxcnc_runs import Columns, Counts, Parts, kinds_of, parts_of, run_all, run_stretches
+from chipbreak.trajectory.linuxcnc_runs import (
+    Columns,
+    Counts,
+    Parts,
+    kinds_of,
+    parts_of,
+    run_all,
+    run_stretches,
+)
 from chipbreak.trajectory.linuxcnc_strokes import middle_feeds, profile_of
 from chipbreak.units import MS_PER_S
 
@@ -76,7 +84,7 @@ def _joints(asked: Asked, feeds: Floats, clocks: Sequence[Clock]) -> Joints:
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """The parts of a cut, where the joints are known; ``columns`` have the feeds that lengths and times say."""
+    """The parts of a cut, where the joints are known; ``columns`` have the feeds of lengths and times."""
 
     asked: Asked
     columns: Columns
@@ -108,6 +116,7 @@ class _Fit:
         single = self.parts.of_size(1)
         blocks = self.parts.starts[single]
         feeds[blocks] = self._single_feeds(blocks, times[single])
+        self._refuse_several(times)
         for size in np.unique(self.parts.sizes).tolist():
             which = self.parts.of_size(size) if size > 1 else single[:0]
             inner = which[self.parts.stops[which] <= self.asked.plain_from]
@@ -146,10 +155,20 @@ class _Fit:
         for at in [*late.tolist(), int(times.argmin())]:
             self.refuse.too_short(float(ways[at]), float(times[at]), float(accelerations[at]))
 
+    def _refuse_several(self, times: Floats) -> None:
+        """Errors: VIB030 and VIB032 for parts of several blocks that not even one block could run."""
+        several = np.flatnonzero((self.parts.sizes > 1) & (self.parts.stops <= self.asked.plain_from))
+        if not len(several):
+            return
+        stop = int(self.parts.stops[-1])
+        ways = np.add.reduceat(self.columns.lengths[:stop], self.parts.starts)
+        has = np.minimum.reduceat(self.columns.accelerations[:stop], self.parts.starts)
+        self._refuse_too_short(ways[several], times[several], has[several])
+
     def _wanted(self, which: Counts, size: int, times: Floats, feeds: Floats) -> Wanted:
-        own = self.columns._replace(speeds=feeds)
-        stretches = own.stretches(self.parts, which, size, self.clocks[0])
-        return Wanted(stretches, self.asked.spans[self.parts.blocks_of(which, size)], size, times[which])
+        blocks = self.parts.blocks_of(which, size)
+        stretches = self.columns._replace(speeds=feeds).stretches(blocks, self.clocks[0])
+        return Wanted(stretches, self.asked.spans[blocks], size, times[which])
 
     def _fit_last(self, which: Counts, size: int, times: Floats, feeds: Floats) -> None:
         """The stretch that runs into the blocks that keep their feeds."""
@@ -161,10 +180,6 @@ class _Fit:
     def _fit_alike(self, which: Counts, size: int, times: Floats, feeds: Floats) -> None:
         """Change the feeds of parts of several blocks each, so that they take their times."""
         wanted = self._wanted(which, size, times, feeds)
-        stretches = wanted.stretches
-        self._refuse_too_short(
-            stretches.lengths.sum(axis=1), wanted.time, stretches.accelerations.min(axis=1)
-        )
         blocks = self.parts.blocks_of(which, size)
         nominal = feeds[blocks]
         found = _found_for_kinds(wanted, self.clocks)
@@ -182,7 +197,7 @@ class _Fit:
             feeds[blocks[off]] = nominal[off] * exact.factors
             found.late[off] = exact.late
         for row in np.flatnonzero(found.never).tolist()[:1]:
-            raise _no_factor(stretches.lengths[row], float(wanted.time[row]), float(found.late[row]))
+            raise _no_factor(wanted.stretches.lengths[row], float(wanted.time[row]), float(found.late[row]))
 
 
 def _times_of_parts(asked: Asked, columns: Columns, parts: Parts, period: float) -> Floats:
@@ -203,7 +218,7 @@ def _times_of_parts(asked: Asked, columns: Columns, parts: Parts, period: float)
     for at in np.flatnonzero((counts > 1) | (np.append(0, counts[:-1]) > 1)).tolist():
         run = slice(int(firsts[at]), int(firsts[at] + counts[at]))
         times[run], owed = _shared_out(float(wanted[at]) - owed, columns, parts, run, period)
-    return times * period
+    return np.asarray(times * period)
 
 
 def _shared_out(
@@ -237,8 +252,7 @@ def _missed(wanted: Wanted, clocks: Sequence[Clock]) -> Floats:
     first, kind = kinds_of(np.column_stack(wanted.stretches))
     some = wanted.stretches.rows(first)
     took = [run_stretches(some, clock)[0].sum(axis=1)[kind] for clock in clocks]
-    worst: Floats = np.abs(np.array(took) - wanted.time).max(axis=0)
-    return worst
+    return np.asarray(np.abs(np.array(took) - wanted.time).max(axis=0))
 
 
 def _found_for_kinds(wanted: Wanted, clocks: Sequence[Clock]) -> Found:

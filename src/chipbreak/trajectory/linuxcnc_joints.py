@@ -1,9 +1,9 @@
-"""Which joints of blocks LinuxCNC runs through, and what every bend costs (``tpSetupTangent`` of its planner).
+"""Which joints of blocks LinuxCNC runs through, and what a bend costs (``tpSetupTangent`` of its planner).
 
-A joint where the tool turns back to within 2 degrees is a stop and costs nothing.  At any other one the change
-of velocity within one servo period, and the acceleration of the block behind it, are set against what the axes
-can do.  What takes less than a tenth of an axis is run through, and both blocks lose that share of their
-acceleration; anything else is a stop, and both blocks lose the whole tenth although the tool rests there.
+A joint where the tool turns back to within 2 degrees is a stop and costs nothing.  At any other one the
+change of velocity within one servo period, and the acceleration of the block behind it, are set against what
+the axes can do.  What takes less than a tenth of an axis is run through, and both blocks lose that share of
+their acceleration; anything else is a stop, and both lose the whole tenth although the tool rests there.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _TURNS_BACK_RAD = pi * 2.0 / 180.0
 
 @dataclass(frozen=True, eq=False)
 class Joints:
-    """The joints between n blocks, ``runs_on`` (n - 1,); what each block has left of its acceleration, (n,)."""
+    """The joints between n blocks, ``runs_on`` (n - 1,), and what these have left to speed up with, (n,)."""
 
     runs_on: Bools
     acceleration_mm_s2: Floats
@@ -36,8 +36,8 @@ class Bends:
     """What of the joints of n blocks does not depend on their feeds.
 
     ``lengths_mm`` are not signed, ``velocity_mm_s`` and ``acceleration_mm_s2`` are what the axes allow in the
-    direction of each block, (n,).  ``turns_back`` (n - 1,): to within 2 degrees.  ``bend_s2_mm`` (n - 1,): how
-    far the direction turns, in each axis as a part of its acceleration, the most of any axis.
+    direction of each block, (n,).  ``turns_back`` (n - 1,): to within 2 degrees.  ``bend_s2_mm`` (n - 1,):
+    how far the direction turns, in each axis as a part of its acceleration, the most of any axis.
     """
 
     lengths_mm: Floats
@@ -105,4 +105,5 @@ def _along(ways: Floats, limits: Floats, otherwise: float) -> Floats:
         return np.full(len(ways), otherwise)
     shares = np.abs(ways) / limits
     most = shares.max(axis=1)
-    return np.divide(1.0, most, out=np.full(len(ways), otherwise), where=most > 0.0)
+    along: Floats = np.divide(1.0, most, out=np.full(len(ways), otherwise), where=most > 0.0)
+    return along

@@ -59,7 +59,7 @@ def linuxcnc_many(stretches: Stretches, clock: Clock) -> tuple[Floats, Floats]:
 
 
 def times_of_many(stretches: Stretches, clock: Clock, until: int) -> Floats:
-    """Time of each of the first ``until`` blocks, (m, until): without the places, an even feed takes no time."""
+    """Time of each of the first ``until`` blocks, (m, until); an even feed takes no time without places."""
     blocks = _Blocks(stretches, clock)
     times = np.zeros(stretches.lengths.size)
     rows = _start(blocks, stretches.before)

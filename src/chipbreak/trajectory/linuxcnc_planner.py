@@ -31,25 +31,28 @@ class Clock(NamedTuple):
     override: float = 1.0
 
 
-@lru_cache(maxsize=4096)
-def linuxcnc(
-    lengths: Numbers,
-    speeds: Numbers,
-    tops: Numbers,
-    accelerations: Numbers,
-    clock: Clock,
-    before: float = 0.0,
-) -> tuple[Numbers, Numbers]:
-    """Time of each block as LinuxCNC 2.9 runs it, and the distance covered after each servo period.
+class Stretch(NamedTuple):
+    """Blocks from rest to rest: ``tops`` are the speeds that the axes allow.
 
-    ``tops`` are the speeds that the axes allow.  ``before``: the speed of the block before these, 0 where
-    there was none; it counts with feed per revolution alone.
+    ``before`` is the speed of the block before these, 0 where there was none; it counts with feed per
+    revolution alone.
     """
+
+    lengths: Numbers
+    speeds: Numbers
+    tops: Numbers
+    accelerations: Numbers
+    before: float = 0.0
+
+
+@lru_cache(maxsize=4096)
+def linuxcnc(stretch: Stretch, clock: Clock) -> tuple[Numbers, Numbers]:
+    """Time of each block as LinuxCNC 2.9 runs it, and the distance covered after each servo period."""
     kind = _Stretch if clock.override < inf else _PerRevolution
-    stretch = kind(lengths, speeds, tops, accelerations, clock, before)
-    while not stretch.finished:
-        stretch.advance()
-    return tuple(stretch.times), tuple(stretch.places)
+    run = kind(stretch, clock)
+    while not run.finished:
+        run.advance()
+    return tuple(run.times), tuple(run.places)
 
 
 class _Stretch:
@@ -59,22 +62,13 @@ class _Stretch:
     block's first, shorter step.
     """
 
-    def __init__(
-        self,
-        lengths: Numbers,
-        speeds: Numbers,
-        tops: Numbers,
-        accelerations: Numbers,
-        clock: Clock,
-        before: float,
-    ) -> None:
+    def __init__(self, stretch: Stretch, clock: Clock) -> None:
+        lengths, speeds, tops, self.accelerations, self.feed_before = stretch
         self.lengths = lengths
-        self.accelerations = accelerations
         self.period, self.ramp, self.override = clock
         most = [lengths[0] / self.period, *(way / (LEAST_PERIODS * self.period) for way in lengths[1:])]
         self.caps = [min(pair) for pair in zip(most, tops, strict=True)]
         self.feeds = [min(pair) for pair in zip(speeds, tops, strict=True)]
-        self.feed_before = before
         self.speeds = [min(pair) for pair in zip(self.feeds, self.caps, strict=True)]
         self.reachable = self._reachable()
         self.ends = self._end_speeds()
@@ -101,7 +95,9 @@ class _Stretch:
 
     def _end_speeds(self) -> list[float]:
         """The speed at the end of each block."""
-        return [min(speeds) for speeds in zip(self.reachable, self.speeds, [*self.speeds[1:], inf], strict=True)]
+        return [
+            min(speeds) for speeds in zip(self.reachable, self.speeds, [*self.speeds[1:], inf], strict=True)
+        ]
 
     def advance(self) -> None:
         """One servo period, or as many as pass at an even speed far from the end of the block."""
@@ -203,7 +199,9 @@ class _PerRevolution(_Stretch):
         return [min(pair) for pair in pairwise(self.caps)]
 
     def _end_speeds(self) -> list[float]:
-        return [min(speeds) for speeds in zip(self.reachable, self.speeds, [*self.caps[1:], inf], strict=True)]
+        return [
+            min(speeds) for speeds in zip(self.reachable, self.speeds, [*self.caps[1:], inf], strict=True)
+        ]
 
     def _begin(self, time: float) -> None:
         block = self.block

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from chipbreak.kinematics.floats import Floats
 from chipbreak.trajectory.linuxcnc_joints import Bools
 from chipbreak.trajectory.linuxcnc_many import Stretches, linuxcnc_many
-from chipbreak.trajectory.linuxcnc_planner import Clock, linuxcnc
+from chipbreak.trajectory.linuxcnc_planner import Clock, Stretch, linuxcnc
 from chipbreak.trajectory.linuxcnc_strokes import places_of
 
 Counts = NDArray[np.intp]
@@ -54,11 +54,8 @@ class Columns(NamedTuple):
     tops: Floats
     accelerations: Floats
 
-    def stretches(
-        self, parts: Parts, which: Counts, size: int, clock: Clock, first_before: float = 0.0
-    ) -> Stretches:
-        """Some parts of ``size`` blocks each; of the block before, what counts for them."""
-        blocks = parts.blocks_of(which, size)
+    def stretches(self, blocks: Counts, clock: Clock, first_before: float = 0.0) -> Stretches:
+        """Some parts, by their blocks (m, size); of the block before, what counts for them."""
         starts = blocks[:, 0]
         before = np.where(starts > 0, self.speeds[starts - 1], first_before)
         lengths = self.lengths[blocks]
@@ -120,27 +117,26 @@ def run_all(columns: Columns, parts: Parts, clock: Clock, before: float = 0.0) -
     table = _Table(len(parts.starts))
     for size in np.unique(parts.sizes).tolist():
         which = parts.of_size(size)
+        blocks = parts.blocks_of(which, size)
         if size == 1:
-            _run_single(columns, parts.starts[which], which, clock, times, table)
+            kind, counts, places = _run_single(columns, blocks[:, 0], clock)
+            times[blocks[:, 0]] = counts[kind] * clock.period_s
         else:
-            stretches = columns.stretches(parts, which, size, clock, before)
+            stretches = columns.stretches(blocks, clock, before)
             kinds, kind = kinds_of(np.column_stack(stretches))
             some, counts, places = run_stretches(stretches.rows(kinds), clock)
-            times[parts.blocks_of(which, size)] = some[kind]
-            table.add(which, kind, counts, places)
+            times[blocks] = some[kind]
+        table.add(which, kind, counts, places)
     return table.runs(times)
 
 
-def _run_single(
-    columns: Columns, blocks: Counts, which: Counts, clock: Clock, times: Floats, table: _Table
-) -> None:
-    rows = np.column_stack(
-        [columns.lengths[blocks], np.minimum(columns.speeds, columns.tops)[blocks], columns.accelerations[blocks]]
-    )
+def _run_single(columns: Columns, blocks: Counts, clock: Clock) -> tuple[Counts, Counts, Floats]:
+    """Of which kind each of some blocks is, periods of each kind, and the ways of all kinds in one line."""
+    speeds = np.minimum(columns.speeds[blocks], columns.tops[blocks])
+    rows = np.column_stack([columns.lengths[blocks], speeds, columns.accelerations[blocks]])
     kinds, kind = kinds_of(rows)
-    counts, places = places_of(*rows[kinds].T, clock.period_s)
-    times[blocks] = counts[kind] * clock.period_s
-    table.add(which, kind, counts, places)
+    counts, places = places_of(rows[kinds, 0], rows[kinds, 1], rows[kinds, 2], clock.period_s)
+    return kind, counts, places
 
 
 def run_stretches(stretches: Stretches, clock: Clock) -> tuple[Floats, Counts, Floats]:
@@ -152,8 +148,9 @@ def run_stretches(stretches: Stretches, clock: Clock) -> tuple[Floats, Counts, F
     times = np.empty(stretches.lengths.shape)
     ways: dict[int, Floats] = {}
     for row in np.flatnonzero(alone).tolist():
-        *blocks, before = (column[row] for column in stretches)
-        took, places = linuxcnc(*(tuple(column.tolist()) for column in blocks), clock, float(before))
+        lengths, speeds, tops, accelerations = (tuple(column[row].tolist()) for column in stretches[:4])
+        one = Stretch(lengths, speeds, tops, accelerations, float(stretches.before[row]))
+        took, places = linuxcnc(one, clock)
         times[row] = took
         ways[row] = np.array(places)
     others = np.flatnonzero(~alone)

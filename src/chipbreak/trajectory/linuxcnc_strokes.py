@@ -22,7 +22,7 @@ _HALVINGS = 14
 
 
 class Profile(NamedTuple):
-    """The periods of blocks, (m,): ``rising`` at the full acceleration, one that is ``partial``, ``even`` ones.
+    """The periods of blocks, (m,): ``rising`` at the full acceleration, a ``partial`` one, ``even`` ones.
 
     Then one period runs onto the braking curve and ends at ``onto`` [mm/s], and ``falling`` ones follow.
     """
@@ -100,9 +100,7 @@ def speeds_for_times(lengths: Floats, times: Floats, acceleration: Floats) -> Fl
     return speeds
 
 
-def places_of(
-    lengths: Floats, feeds: Floats, acceleration: Floats, period: float
-) -> tuple[Counts, Floats]:
+def places_of(lengths: Floats, feeds: Floats, acceleration: Floats, period: float) -> tuple[Counts, Floats]:
     """The periods of each block, (m,), and the way after each period, block behind block in one line."""
     profile = profile_of(lengths, feeds, acceleration, period)
     counts = profile.periods

@@ -31,6 +31,7 @@ from chipbreak.vibration.loop_names import LoopNames
 from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.plan import CutPlan
 from chipbreak.vibration.readback import ReadBack
+from chipbreak.vibration.small_returns import Crests, lost_returns, raise_crests, with_rests
 from chipbreak.vibration.tolerances import PLANNED_TIME_SHARE
 
 _LINE_END = b"\n"  # what senders put behind a block
@@ -123,8 +124,15 @@ class _Ends(NamedTuple):
 
 def _ends(cut: CutPlan, form: OutputForm, settings: Settings) -> _Ends:
     """The knots that stay apart when they are rounded; (n,) each, the start included."""
-    time_s, distance_mm, dwells = cut.expander.knots(*_knots(cut, settings.vibration.chord_mm))
+    rest_s = None
+    if not cut.expander.keeps_feed:
+        rest_s = control_along(settings, cut.path, cut.chain.before).rest_at_crest_s
+    knots = with_rests(cut.wave, *_knots(cut, settings.vibration.chord_mm), rest_s or 0.0)
+    time_s, distance_mm, dwells = cut.expander.knots(*knots)
     words = _axis_words(cut, time_s, distance_mm, form, settings)
+    if rest_s is not None:
+        crests = lost_returns(cut.wave, time_s, words, rest_s, _feed_step_mm_s(cut, settings))
+        distance_mm = _raised(cut, crests, distance_mm, words, settings)
     # Of knots that round to one point the last stays, so that the time goes to the move towards it and not
     # to the one behind it, which may be the plain end with a feed of its own.
     keep = np.append(np.any(np.diff(words.absolute, axis=0) != 0.0, axis=1), True)
@@ -150,6 +158,30 @@ def _ends(cut: CutPlan, form: OutputForm, settings: Settings) -> _Ends:
         loops=among_kept(words.loops, keep),
     )
     return _Ends(times, distance_mm[keep], _ending_exactly(kept, cut, settings), counts)
+
+
+def _feed_step_mm_s(cut: CutPlan, settings: Settings) -> float:
+    """What the last digit of F is worth; next to nothing in inverse time."""
+    if settings.output.feed_mode == "inverse":
+        return 0.0
+    per_minute = 10.0 ** -_feed_decimals(cut, settings) * cut.chain.before.mm_per_unit
+    if settings.output.feed_mode == "rev":
+        per_minute *= cut.solution.speed_rpm
+    return float(per_minute / S_PER_MIN)
+
+
+def _raised(cut: CutPlan, crests: Crests, distance_mm: Floats, words: Words, settings: Settings) -> Floats:
+    """Crests a little further, in ``words``; the distances along the path then."""
+    if not len(crests.knots):
+        return distance_mm
+    scale = _units_per_mm(cut, settings)
+    per_unit = steps_per_unit(axis_steps_mm(settings, cut.chain.before), scale, words.decimals)
+    axes = np.array([AXES.index(axis) for axis in _moving_axes(cut)])
+    steps = 1.0 / per_unit[axes]
+    ahead_mm = raise_crests(words, crests, steps, axes, scale)
+    raised_mm = distance_mm.copy()
+    raised_mm[crests.knots] += ahead_mm
+    return raised_mm
 
 
 def _ending_exactly(words: Words, cut: CutPlan, settings: Settings) -> Words:
