@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from chipbreak.kinematics.floats import Floats
 
 Places = NDArray[np.intp]
-CORNER_LIMIT = 0.1  # LinuxCNC's tangent kink ratio; for other controls, radians that count as straight on
+CORNER_LIMIT = 0.1  # radians that count as straight on
 _DIGITS = 9  # of a length in mm: what lies behind them is noise that would make every stretch another one
 
 
@@ -96,14 +96,6 @@ def least_of_parts(parts: Parts, acceleration_mm_s2: Floats) -> Floats:
     """The least of some accelerations of blocks, (n,), in each part, (p,)."""
     least: Floats = np.minimum.reduceat(acceleration_mm_s2[: parts.stops[-1]], parts.starts)
     return least
-
-
-def sharpest_of_parts(parts: Parts, corner_shares: Floats) -> Floats:
-    """The largest share of a corner inside each part, (p,)."""
-    inside = corner_shares[: parts.stops[-1]].copy()
-    inside[parts.stops - 1] = 0.0
-    sharpest: Floats = np.maximum.reduceat(inside, parts.starts)
-    return sharpest
 
 
 def four_digits(values: Floats) -> Floats:

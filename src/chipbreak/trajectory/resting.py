@@ -76,10 +76,6 @@ class RestingLaw(ControlLaw):
             return np.ones(len(blocks.corners))
         return blocks.corners / CORNER_LIMIT
 
-    def in_corners(self, acceleration_mm_s2: Floats, parts: Parts, corner_shares: Floats) -> Floats:
-        """What of the acceleration in each part, (p,), its corners leave."""
-        return acceleration_mm_s2
-
     @property
     def befores_mm_s(self) -> tuple[float, ...]:
         """All that :meth:`counted` says, where these are few, and all kinds can be worked out at once."""
@@ -177,7 +173,7 @@ class RestingLaw(ControlLaw):
         if self.acceleration_mm_s2 == np.inf or not len(parts.starts):
             return np.full(len(parts.starts), self.acceleration_mm_s2)
         least = least_of_parts(parts, blocks.acceleration_mm_s2)
-        return four_digits(self.in_corners(least, parts, corner_shares))
+        return four_digits(least)
 
     def _times_of_parts(self, parts: Parts, ways_mm: Floats, spans_s: Floats, has_mm_s2: Floats) -> Floats:
         """How long each part should take, (p,)."""
