@@ -159,6 +159,7 @@ class Planner(ValueRecord):
     ``corner_velocity_mm_s``, which is meant for a right angle.  ``min_cruise_ratio`` is the share of a short
     move that runs evenly.  The limits of the path count in every direction, beside those of the axes.
     A dwell takes whole ``dwell_step_ms``.  No move makes fewer steps than ``least_steps_per_s``.
+    ``numbers_at`` says to people where these numbers, and those of the axes, are kept on the control.
     """
 
     model: str = _one_of(*LAW_KEYS)
@@ -180,6 +181,7 @@ class Planner(ValueRecord):
     usual_path_mode: str = "G64"
     smoothing_off: str = ""
     smoothing_on: str = ""
+    numbers_at: str = ""
 
 
 class Spindle(ValueRecord):

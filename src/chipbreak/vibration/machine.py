@@ -38,7 +38,7 @@ def control_along(settings: Settings, path: Path, state: State) -> ControlLaw:
     axes = [_limits(name, axis) for name, axis in settings.axes.items()]
     directions = directions_of(path)
     if law.needs_acceleration and settings.planner.path_acceleration_mm_s2 is None:
-        _require_accelerations(axes, directions)
+        _require_accelerations(axes, directions, settings)
     if law.needs_filters:
         _require_filters(settings, directions)
     # An axis that rests has nothing to follow.
@@ -77,14 +77,20 @@ def _with_numbers(law: type[ControlLaw], settings: Settings) -> ControlLaw:
     return law(**said)
 
 
+def numbers_at(settings: Settings) -> str:
+    """Where the numbers of the machine are kept on its control, to be put behind a help; or nothing."""
+    return f" ({settings.planner.numbers_at})" if settings.planner.numbers_at else ""
+
+
 def _require_accelerations(
-    axes: Sequence[AxisLimits], directions: Sequence[tuple[float, float, float]]
+    axes: Sequence[AxisLimits], directions: Sequence[tuple[float, float, float]], settings: Settings
 ) -> None:
     for index, axis in enumerate(axes):
         if axis.acceleration_mm_s2 == inf and any(direction[index] for direction in directions):
             key = f"axes.{axis.axis}.max_acceleration_mm_s2"
             message = f"{axis.axis} moves, and the profile does not say how fast it can speed up ({key})"
-            raise RefusalError("VIB035", message, f"give {key}, or planner.model = {_WITHOUT_ACCELERATION}")
+            help_text = f"give {key}, or planner.model = {_WITHOUT_ACCELERATION}{numbers_at(settings)}"
+            raise RefusalError("VIB035", message, help_text)
 
 
 def _require_filters(settings: Settings, directions: Sequence[tuple[float, float, float]]) -> None:
@@ -100,7 +106,7 @@ def _require_filters(settings: Settings, directions: Sequence[tuple[float, float
                 f"{name} moves, and the profile does not say what the control leaves of its strokes"
                 f" ({' and '.join(missing)})"
             )
-            help_text = f"give {' and '.join(missing)}: the page on control laws says where to read them"
+            help_text = f"give {' and '.join(missing)}{numbers_at(settings)}; see docs/control-laws.md"
             raise RefusalError("VIB035", message, help_text)
 
 
