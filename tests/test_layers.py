@@ -42,6 +42,7 @@ ONLY_IN = {
         "batch_command",
         "profile_commands",
         "figure_commands",
+        "git_commands",
     },
     "matplotlib": {"figures.style"},
     "distributed": {"batch.dask_cluster"},

@@ -15,6 +15,7 @@ import click
 
 from chipbreak.batch_command import batch
 from chipbreak.figure_commands import plot, report
+from chipbreak.git_commands import git_diff, textconv
 from chipbreak.options import (
     DIFFERENT,
     DONE,
@@ -344,6 +345,8 @@ cli.add_command(tools)
 cli.add_command(inspect)
 cli.add_command(batch)
 cli.add_command(plot)
+cli.add_command(git_diff)
+cli.add_command(textconv)
 cli.add_command(report)
 
 

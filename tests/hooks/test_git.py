@@ -1,0 +1,136 @@
+"""git compares programs by what their blocks say, and never fails of it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import chipbreak
+
+PROGRAM = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nM30\n"
+TOOL = f'"{sys.executable}" -m chipbreak'
+
+
+def git(folder: Path, *args: str) -> subprocess.CompletedProcess[str]:
+    env = {k: v for k, v in os.environ.items() if not k.startswith(("CHIPBREAK", "GIT_"))}
+    env |= {"GIT_CONFIG_GLOBAL": os.devnull, "GIT_CONFIG_SYSTEM": os.devnull, "HOME": str(folder)}
+    identity = ["-c", "user.name=Shop", "-c", "user.email=shop@example.com"]
+    return subprocess.run(
+        ["git", *identity, *args],
+        cwd=folder,
+        env=env,
+        capture_output=True,
+        encoding="utf-8",
+        errors="replace",
+        check=False,
+    )
+
+
+@pytest.fixture
+def repository(tmp_path: Path) -> Path:
+    git(tmp_path, "init", "-q")
+    (tmp_path / ".gitattributes").write_text("*.nc diff=nc\n")
+    filtered = chipbreak.rewrite(PROGRAM, chipbreak.load("generic-lathe"), "part.nc").data
+    (tmp_path / "part.nc").write_bytes(filtered)
+    (tmp_path / "plain.nc").write_bytes(PROGRAM)
+    git(tmp_path, "add", ".")
+    assert git(tmp_path, "commit", "-qm", "first").returncode == 0
+    return tmp_path
+
+
+@pytest.fixture
+def driver(repository: Path) -> Path:
+    git(repository, "config", "diff.nc.command", f"{TOOL} git-diff")
+    return repository
+
+
+@pytest.fixture
+def converter(repository: Path) -> Path:
+    git(repository, "config", "diff.nc.textconv", f"{TOOL} textconv")
+    return repository
+
+
+def test_other_spaces_are_no_change(driver: Path) -> None:
+    (driver / "plain.nc").write_bytes(PROGRAM.replace(b"G1 Z-30. F0.05", b"N30 G01 Z-30.000 F.05"))
+    done = git(driver, "diff")
+    assert done.returncode == 0
+    assert done.stdout == "diff --chipbreak a/plain.nc b/plain.nc\nthe same blocks\n"
+
+
+def test_a_cut_that_changed_is_one_line(driver: Path) -> None:
+    other = chipbreak.rewrite(PROGRAM.replace(b"-30.", b"-40."), chipbreak.load("generic-lathe")).data
+    (driver / "part.nc").write_bytes(other)
+    done = git(driver, "diff")
+    assert done.returncode == 0
+    changed = [line for line in done.stdout.splitlines() if line[:1] in "+-" and line[1:2] not in "+-"]
+    assert len(changed) == 2
+    assert changed[0].startswith("-[VIB N1.5 F62.5 S2500 STROKE 0.06: ")
+    assert changed[1].startswith("+[VIB N1.5 F62.5 S2500 STROKE 0.06: ")
+
+
+@pytest.mark.parametrize("damage", [(b"Z-30.", b"Z-31."), (b"(CHIPBREAK END", b"(CHIPBREAK ENT")])
+def test_a_part_edited_by_hand_is_shown(driver: Path, damage: tuple[bytes, bytes]) -> None:
+    edited = (driver / "part.nc").read_bytes().replace(*damage)
+    (driver / "part.nc").write_bytes(edited)
+    for command in (("diff",), ("log", "-p", "--ext-diff"), ("diff", "--stat")):
+        done = git(driver, *command)
+        assert done.returncode == 0, done.stderr
+        assert "Traceback" not in done.stderr
+    assert "compared by its text" in git(driver, "diff").stdout
+
+
+def test_files_that_come_and_go(driver: Path) -> None:
+    (driver / "plain.nc").rename(driver / "moved.nc")
+    (driver / "new.nc").write_bytes(PROGRAM)
+    git(driver, "add", "-A")
+    done = git(driver, "diff", "--cached", "-M")
+    assert done.returncode == 0, done.stderr
+    assert "/dev/null" in done.stdout
+
+
+def test_a_file_in_conflict(driver: Path) -> None:
+    git(driver, "checkout", "-qb", "other")
+    (driver / "plain.nc").write_bytes(PROGRAM.replace(b"S3000", b"S2000"))
+    git(driver, "commit", "-qam", "slower")
+    git(driver, "checkout", "-q", "-")
+    (driver / "plain.nc").write_bytes(PROGRAM.replace(b"S3000", b"S4000"))
+    git(driver, "commit", "-qam", "faster")
+    assert git(driver, "merge", "other").returncode == 1
+    done = git(driver, "diff")
+    assert done.returncode == 0, done.stderr
+
+
+def test_numbers_are_read_by_the_profile_beside_the_program(driver: Path) -> None:
+    (driver / "plain.nc").write_bytes(PROGRAM.replace(b"X20.", b"X20"))
+    assert "+G0 X20 Z2." in git(driver, "diff").stdout
+    (driver / "chipbreak.toml").write_text('base = "linuxcnc-lathe"\n')
+    assert "the same blocks" in git(driver, "diff").stdout
+
+
+def test_the_converter_shows_a_filtered_cut_in_one_line(converter: Path) -> None:
+    shorter = chipbreak.rewrite(PROGRAM.replace(b"-30.", b"-40."), chipbreak.load("generic-lathe")).data
+    (converter / "part.nc").write_bytes(shorter)
+    done = git(converter, "diff")
+    assert done.returncode == 0
+    changed = [line for line in done.stdout.splitlines() if line[:1] in "+-" and line[1:2] not in "+-"]
+    assert len(changed) == 2
+
+
+def test_the_converter_never_fails(converter: Path) -> None:
+    edited = (converter / "part.nc").read_bytes().replace(b"Z-30.", b"Z-31.")
+    (converter / "part.nc").write_bytes(edited)
+    (converter / "plain.nc").write_bytes(b"%\x00\xff(((\n\r\r" * 50)
+    done = git(converter, "diff", "--text")
+    assert done.returncode == 0, done.stderr
+    assert "Traceback" not in done.stderr
+    assert "Z-31." in done.stdout
+
+
+def test_a_rejected_unicode_program_is_shown_as_it_is(driver: Path) -> None:
+    (driver / "plain.nc").write_bytes(PROGRAM.decode().encode("utf-16"))
+    done = git(driver, "diff", "--text")
+    assert done.returncode == 0, done.stderr
