@@ -20,6 +20,7 @@ from chipbreak.options import (
     DIFFERENT,
     DONE,
     LOG,
+    MESSAGES,
     PROFILE,
     READING,
     REJECTED,
@@ -32,6 +33,7 @@ from chipbreak.options import (
     rewrite_program,
     run_filter,
     settings_of,
+    settings_of_filtered,
     verify_program,
 )
 from chipbreak.profile_commands import profile
@@ -85,7 +87,7 @@ def cli() -> None:
 @click.option(
     "--reject-file", is_flag=True, help="With -o or -i: where a program is rejected, say why in OUT.rejected."
 )
-@asking(*READING, LOG)
+@asking(*READING, LOG, MESSAGES)
 def filter_command(
     asked: Asked,
     sources: tuple[str, ...],
@@ -227,8 +229,9 @@ def verify(asked: Asked, source: str) -> None:
     """
     from chipbreak.text.diagnostics import has_errors
 
-    settings = settings_of(asked, source)
-    result = verify_program(read_input(source), settings, source, asked)
+    data = read_input(source)
+    settings = settings_of_filtered(asked, source, data)
+    result = verify_program(data, settings, source, asked)
     _print_report(result, settings, asked)
     broken = not asked.allow_unbroken and any(not cut.verdict.breaks for cut in result.cuts)
     sys.exit(DIFFERENT if broken or has_errors(result.diagnostics) else DONE)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TextIO
@@ -46,6 +46,7 @@ class Asked(NamedTuple):
     quiet: bool = False
     color: str = "never"
     log: str | None = None
+    messages: bool = False
 
     @property
     def reporter(self) -> Reporter:
@@ -96,6 +97,12 @@ REPORTING = (
 LOG = click.option(
     "--log", metavar="FILE", type=click.Path(), help="Add everything that is said to this file as well."
 )
+MESSAGES = click.option(
+    "--operator-messages",
+    "messages",
+    is_flag=True,
+    help="Write warnings into the program as comments too; LinuxCNC shows them to the operator.",
+)
 READING = (PROFILE, SET, TOOLS, STRICT, UNBROKEN, UNROLL, *REPORTING)
 
 
@@ -142,6 +149,42 @@ def settings_for(asked: Asked, source: str) -> Settings:
     if asked.unroll:
         settings = replace(settings, cycles=replace(settings.cycles, unroll="always"))
     return _with_tool_files(settings, asked.tool_files) if asked.tool_files else settings
+
+
+def settings_of_filtered(asked: Asked, source: str, data: bytes) -> Settings:
+    """The profile that filtered a program, by its stamp; without a stamp as :func:`settings_of`.
+
+    Raises click.UsageError where no profile here is the one of the stamp.
+    """
+    from chipbreak.editing.notes import stamp_of
+    from chipbreak.settings import SettingsError
+    from chipbreak.settings.fingerprint import fingerprint
+
+    stamp = None if asked.profile is not None else stamp_of(data)
+    if stamp is None:
+        return settings_of(asked, source)
+    for profile in _profiles_called(stamp.profile, source):
+        try:
+            settings = settings_for(asked._replace(profile=profile), source)
+        except SettingsError:
+            continue
+        if fingerprint(settings) == stamp.fingerprint:
+            return settings
+    raise click.UsageError(
+        escaped(
+            f"{shown(source)} was filtered with profile {stamp.profile} ({stamp.fingerprint}) by chipbreak"
+            f" {stamp.version}, and none here says the same: give it with -p, and what --set changed"
+        )
+    )
+
+
+def _profiles_called(name: str, source: str) -> Iterator[str]:
+    """Profiles whose name in capitals is that of a stamp: beside the program, and shipped."""
+    from chipbreak.settings import profile_names
+
+    folder = Path() if source == "-" else Path(source).parent
+    yield from sorted(str(one) for one in folder.glob("*.toml") if one.stem.upper() == name.upper())
+    yield from (one for one in profile_names() if one.upper() == name.upper())
 
 
 def _profile_for(asked: Asked, source: str) -> str:
@@ -201,7 +244,13 @@ def rewrite_program(data: bytes, settings: Settings, source: str, asked: Asked) 
 
     name = shown(source)
     return _unless_failed(
-        name, asked, outcome_of(lambda: rewrite(data, settings, name, allow_unbroken=asked.allow_unbroken))
+        name,
+        asked,
+        outcome_of(
+            lambda: rewrite(
+                data, settings, name, allow_unbroken=asked.allow_unbroken, messages=asked.messages
+            )
+        ),
     )
 
 

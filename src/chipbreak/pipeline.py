@@ -8,6 +8,7 @@ from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from chipbreak.editing.edits import Edit
+from chipbreak.editing.notes import messages_edit, stamp_edit
 from chipbreak.editing.render import render
 from chipbreak.editing.restore import restore
 from chipbreak.model.findings import findings
@@ -75,18 +76,25 @@ class Result(NamedTuple):
 
 
 def rewrite(
-    data: bytes, settings: Settings, name: str = "<stdin>", *, allow_unbroken: bool = False
+    data: bytes,
+    settings: Settings,
+    name: str = "<stdin>",
+    *,
+    allow_unbroken: bool = False,
+    messages: bool = False,
 ) -> Result:
     """Filter a program.
 
     A program that was filtered before is put back first, so a second run with the same profile changes
-    nothing.  Raises ProgramRejectedError when it has an error in it, and SelfCheckError when the result does
+    nothing.  ``messages``: warnings are written into the program as comments for the operator.
+
+    Raises ProgramRejectedError when it has an error in it, and SelfCheckError when the result does
     not do what was promised; then nothing may be written.  Raises SettingsError for a profile whose rules or
     calls cannot be used, and ToolFileError for a file of tools that cannot be read.
     """
     refuse_utf_16(data, name)
     source = restore(read(data, name))
-    return _run(source, data, settings, None, RunOptions(allow_unbroken))
+    return _run(source, data, settings, None, RunOptions(allow_unbroken, messages))
 
 
 def verify_filtered(data: bytes, settings: Settings, name: str = "<stdin>") -> Result:
@@ -139,6 +147,8 @@ def _run(
     for one in passes:
         diagnostics += one.findings(context, _reports_of(tried.kept, one))
     _reject_wrong(diagnostics)
+    if options.messages:
+        tried = _with_messages(context, tried, diagnostics)
     return Result(
         source=context.interpreted.program.source,
         data=tried.output,
@@ -201,11 +211,24 @@ def _tried(context: Context, passes: Sequence[Pass], output: bytes | None) -> _T
     edits = [edit for one in reversed(planned) for edit in one.edits]
     diagnostics += said_of_comments(interpreted.program, max((edit.last for edit in edits), default=0))
     _reject_wrong(diagnostics)
+    if edits and context.settings.output.stamp:
+        edits.append(stamp_edit(interpreted.program, context.settings))
     source = interpreted.program.source
     if output is None:
         output = b"".join(render(interpreted.program, edits, context.settings)) if edits else source.data
     kept = verify(interpreted, output, edits) if edits or output != source.data else []
     return _Tried(edits, diagnostics, [cut for one in planned for cut in one.left], output, kept)
+
+
+def _with_messages(context: Context, tried: _Tried, diagnostics: Sequence[Diagnostic]) -> _Tried:
+    """The same with the warnings in the program; looked after once more."""
+    program = context.interpreted.program
+    edit = messages_edit(program, context.settings, _ordered(diagnostics))
+    if edit is None:
+        return tried
+    edits = [edit, *tried.edits]
+    output = b"".join(render(program, edits, context.settings))
+    return tried._replace(edits=edits, output=output, kept=verify(context.interpreted, output, edits))
 
 
 def _given_up(context: Context, passes: Iterable[Pass], kept: Sequence[Kept]) -> dict[int, Diagnostic]:

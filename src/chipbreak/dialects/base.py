@@ -199,6 +199,7 @@ class Dialect(NamedTuple):
     ``own_words``     code -> the letters that it takes for itself; F, S, T and M of its block that are not
                       among them act as always
     ``returning_cycles`` cycles (their non-modal values) behind which the tool is back where they began
+    ``message_mark`` what a comment begins with that the control shows to the operator
     ``bare_arc_is_line`` an arc block without R, I, J and K moves in a line; without it, it is refused
     ``settings``      numbers of $ lines (``$11=0.02``) -> the key of the profile that says the same
     ``stops_at``      what it stops at; None where it is not known to
@@ -252,6 +253,7 @@ class Dialect(NamedTuple):
     settings: Mapping[int, str] = FrozenTable({})
     stops_at: Stops | None = None
     repeats_codes: bool = False
+    message_mark: str = ""
 
     def code(self, group: str, value: str, like: Collection[int] = ()) -> str:
         """The G code that sets a modal group, such as ``G95`` for feed_mode, rev.

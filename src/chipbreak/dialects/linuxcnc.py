@@ -102,6 +102,7 @@ LINUXCNC_LATHE = Dialect(
     machine_retract=("G53 G0 X0", "G53 G0 Z0"),
     retract_is_absolute=True,
     reads_comments_in_lower_case=True,
+    message_mark="MSG, ",
     loop=_LOOP,
     place_variables=_PLACES,
     place_settings=frozenset({10.0, 11.0, 20.0}),

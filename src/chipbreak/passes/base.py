@@ -26,10 +26,12 @@ from chipbreak.vibration.left_cut import LeftCut
 class RunOptions(NamedTuple):
     """What the user wants of this run, whatever the machine.
 
-    ``allow_unbroken``: cuts that do not break their chips are let pass, with a warning.
+    ``allow_unbroken``: cuts that do not break their chips are let pass, with a warning.  ``messages``: the
+    warnings are written into the program, for the operator.
     """
 
     allow_unbroken: bool = False
+    messages: bool = False
 
 
 _NO_OPTIONS = RunOptions()

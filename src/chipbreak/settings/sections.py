@@ -106,6 +106,7 @@ class Output(ValueRecord):
     loop_variable: int = field(default=33, metadata={"at_least": 1, "below": 1000})
     decimals: int = _digits(3)
     feed_decimals: int = _digits(5)
+    stamp: bool = False
 
     def decimals_of(self, *, is_inch: bool) -> int:
         """Decimals of a position: inch programs get one more."""
