@@ -33,10 +33,12 @@ demo: $(BIN)/chipbreak
 
 # The fast part of the tests measures coverage, because that takes half as long again; "make test-pythons" runs it on
 # every Python.
-FAST := tests/test_bad.py tests/test_cases.py tests/test_cli.py tests/test_diff.py tests/test_emit.py tests/test_model.py \
-	tests/test_settings.py tests/test_streams.py tests/syntax/test_blocks.py tests/tools tests/model tests/checks/test_plan.py \
-	tests/cycles tests/passes tests/test_messages.py tests/vibration/test_several_paths.py tests/vibration/test_wishes.py \
-	tests/vibration/test_left_cuts.py tests/vibration/test_large_changes.py tests/vibration/test_refusals.py
+FAST := tests/test_api.py tests/test_bad.py tests/test_cases.py tests/test_cli.py tests/test_messages.py \
+	tests/test_outcome.py tests/test_streams.py tests/batch tests/cycles tests/dialects tests/editing tests/figures \
+	tests/model tests/operations tests/passes tests/settings tests/text tests/tools tests/syntax/test_blocks.py \
+	tests/checks/test_clashes.py tests/checks/test_plan.py tests/vibration/test_several_paths.py \
+	tests/vibration/test_wishes.py tests/vibration/test_left_cuts.py tests/vibration/test_large_changes.py \
+	tests/vibration/test_refusals.py
 
 test: $(VENV)/.dev lint
 	@sh tests/linuxcnc/install.sh

@@ -11,7 +11,7 @@ import pytest
 from chipbreak.dialects import DIALECTS, FANUC_MILL, LINUXCNC_MILL
 from chipbreak.dialects.base import MCode
 
-PACKAGE = Path(__file__).parents[1] / "src" / "chipbreak"
+PACKAGE = Path(__file__).parents[2] / "src" / "chipbreak"
 NAMES = {dialect.name for dialect in DIALECTS}
 MODULES = sorted(path for path in PACKAGE.rglob("*.py") if path.parent.name != "dialects")
 
