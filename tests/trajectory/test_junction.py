@@ -35,6 +35,15 @@ def motion_of(law: Junction, points_mm: list[tuple[float, float]], feeds_mm_s: f
     )
 
 
+def single_cosine(one: tuple[float, float], two: tuple[float, float]) -> float:
+    """Of the joint of two moves, x and z, in the single precision of these controls."""
+    ways = []
+    for x, z in (one, two):
+        way = np.array([x, z], np.float32)
+        ways.append(way * (np.float32(1.0) / np.sqrt(way[1] * way[1] + way[0] * way[0])))
+    return float(-(ways[0][1] * ways[1][1]) - ways[0][0] * ways[1][0])
+
+
 def stepped(points_mm: list[tuple[float, float]], feed_mm_s: float, deviation_mm: float) -> Floats:
     """Times of moves by the rules as they are written, one joint after the other."""
     limits = {0: (300.0, 40.0), 1: (500.0, 60.0)}
@@ -44,14 +53,14 @@ def stepped(points_mm: list[tuple[float, float]], feed_mm_s: float, deviation_mm
         way = ((x1 - x0) / length, (z1 - z0) / length)
         has = min(limits[k][0] / abs(way[k]) for k in (0, 1) if way[k])
         top = min([feed_mm_s, *(limits[k][1] / abs(way[k]) for k in (0, 1) if way[k])])
-        moves.append((length, way, has, top))
+        moves.append((length, way, has, top, (x1 - x0, z1 - z0)))
     entries = [0.0]
-    for (_, one, _, top_1), (_, two, _, top_2) in pairwise(moves):
-        cosine = -(one[0] * two[0] + one[1] * two[1])
+    for (_, one, _, top_1, moved_1), (_, two, _, top_2, moved_2) in pairwise(moves):
+        cosine = single_cosine(moved_1, moved_2)
         speed = min(top_1, top_2)
-        if cosine > 0.999999:
+        if cosine > np.float32(0.999999):
             speed = 0.0
-        elif cosine > -0.999999:
+        elif cosine >= np.float32(-0.999999):
             turn = (two[0] - one[0], two[1] - one[1])
             size = sqrt(turn[0] ** 2 + turn[1] ** 2)
             round_it = min(limits[k][0] / abs(turn[k] / size) for k in (0, 1) if turn[k])
@@ -64,7 +73,7 @@ def stepped(points_mm: list[tuple[float, float]], feed_mm_s: float, deviation_mm
     for i in range(len(moves)):
         entries[i + 1] = min(entries[i + 1], sqrt(entries[i] ** 2 + 2.0 * moves[i][2] * moves[i][0]))
     times = []
-    for (length, _, has, top), start, end in zip(moves, entries[:-1], entries[1:], strict=True):
+    for (length, _, has, top, _), start, end in zip(moves, entries[:-1], entries[1:], strict=True):
         peak = min(top, sqrt(has * length + (start**2 + end**2) / 2.0))
         ramps = (2.0 * peak**2 - start**2 - end**2) / (2.0 * has)
         times.append((2.0 * peak - start - end) / has + max(0.0, length - ramps) / peak)

@@ -46,7 +46,7 @@ class Junction(ControlLaw):
     angle, where that is given.  ``min_cruise_ratio`` is the share of a short move that runs evenly.
     ``path_velocity_mm_s`` and ``path_acceleration_mm_s2`` are limits along the path, whatever its direction.
     ``look_ahead_blocks``: how many blocks the control knows at once, None for enough.  However slow a feed,
-    it makes ``least_steps_per_s`` (of the axis that has most to make).
+    it makes ``least_steps_per_s`` (of the axis that has most to make), and ``least_feed_mm_s``.
     """
 
     name: ClassVar[str] = "junction"
@@ -58,6 +58,7 @@ class Junction(ControlLaw):
     path_acceleration_mm_s2: float = inf
     look_ahead_blocks: int | None = None
     least_steps_per_s: float = 0.0
+    least_feed_mm_s: float = 0.0
 
     def along(self, direction: Sequence[float], axes: Sequence[AxisLimits]) -> Self:
         """See :meth:`ControlLaw.along`; the limits along the path count beside those of the axes."""
@@ -209,6 +210,7 @@ class _Plan:
 
     def speeds(self, feeds_mm_s: Floats) -> Speeds:
         """How the control plans them with these feeds, (n,)."""
+        feeds_mm_s = np.maximum(feeds_mm_s, self.law.least_feed_mm_s)
         return self.law._speeds(self.moves, self._limits, np.minimum(feeds_mm_s, self.tops_mm_s))
 
     def spans_s(self, feeds_mm_s: Floats) -> Floats:
@@ -222,13 +224,16 @@ class _Plan:
 
     @cached_property
     def longest_s(self) -> Floats:
-        """How long each takes at most, for its steps, (n,)."""
+        """How long each takes at most, for its steps and the least feed, (n,)."""
+        with np.errstate(divide="ignore"):
+            longest_s: Floats = self.moves.lengths_mm / np.float64(self.law.least_feed_mm_s)
         axes = [(row, axis.step_mm) for row, axis in enumerate(self.law.axes) if axis.step_mm > 0.0]
         if self.law.least_steps_per_s <= 0.0 or not axes:
-            return np.full(len(self.moves), inf)
+            return longest_s
         ways_mm = np.abs(self.moves.ways) * self.moves.lengths_mm[:, np.newaxis]
         steps = np.max([ways_mm[:, row] / step_mm for row, step_mm in axes], axis=0)
-        return np.where(steps > 0.0, steps / self.law.least_steps_per_s, inf)
+        longest: Floats = np.where(steps > 0.0, steps / self.law.least_steps_per_s, inf)
+        return np.minimum(longest, longest_s)
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,6 +15,8 @@ from chipbreak.kinematics.floats import Floats
 from chipbreak.text.named_tuple import NamedTuple
 
 _TURNS_BACK = 0.999999  # the cosine of a joint beyond which the control takes it for a reversal
+_SINGLE_TURNS_BACK = float(np.float32(_TURNS_BACK))
+_FROM_LAST = (2, 1, 0)  # the order in which they go through the axes
 _NO_LIMIT = 1e12  # mm²/s²; what is said of a joint that goes straight on
 _NOTHING = 1e-12
 
@@ -59,16 +61,33 @@ def cosines(ways: Floats) -> Floats:
     return found
 
 
+def single_cosines(moves: Moves) -> Floats:
+    """:func:`cosines` as these controls work them out, in single precision.
+
+    Strokes that go back nearly as they came lie at the very edge of what counts as a reversal, and there the
+    digits that are lost decide.
+    """
+    moved = (moves.ways * moves.lengths_mm[:, np.newaxis]).astype(np.float32)
+    size = np.zeros(len(moves), np.float32)
+    for axis in _FROM_LAST:
+        size += moved[:, axis] * moved[:, axis]
+    ways = moved * (np.float32(1.0) / np.sqrt(size))[:, np.newaxis]
+    found = np.zeros(max(len(moves) - 1, 0), np.float32)
+    for axis in _FROM_LAST:
+        found -= ways[:-1, axis] * ways[1:, axis]
+    return found.astype(np.float64)
+
+
 def deviation_limits(moves: Moves, deviation_mm: float, axes_mm_s2: Floats) -> Floats:
     """What joints allow, (n + 1,), where a circle that leaves them by ``deviation_mm`` sets it.
 
     The acceleration round the circle is what the axes allow along the change of direction.  The motion begins
     and ends at rest.
     """
-    cosine = cosines(moves.ways)
+    cosine = single_cosines(moves)
     limits = np.zeros(len(moves) + 1)
-    limits[1:-1] = np.where(cosine < -_TURNS_BACK, _NO_LIMIT, 0.0)
-    bends = np.flatnonzero(np.abs(cosine) <= _TURNS_BACK)
+    limits[1:-1] = np.where(cosine < -_SINGLE_TURNS_BACK, _NO_LIMIT, 0.0)
+    bends = np.flatnonzero(np.abs(cosine) <= _SINGLE_TURNS_BACK)
     turns = moves.ways[bends + 1] - moves.ways[bends]
     turns /= np.sqrt(np.einsum("ij,ij->i", turns, turns))[:, np.newaxis]
     with np.errstate(divide="ignore"):

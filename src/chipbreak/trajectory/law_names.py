@@ -21,6 +21,7 @@ LAW_KEYS: Final = {
         "path_acceleration_mm_s2",
         "look_ahead_blocks",
         "least_steps_per_s",
+        "least_feed_mm_min",
     ),
     "linuxcnc": ("max_feed_override",),
 }
