@@ -122,6 +122,28 @@ def test_chords_stay_close(radius: float, sweep: float, chord: float) -> None:
     assert away.max() <= chord * 1.0001
 
 
+@given(
+    st.floats(0.1, 200.0), st.floats(0.5, 6.2), st.floats(1e-3, 0.1), st.floats(0.0, 0.4), st.floats(0.6, 1.0)
+)
+def test_a_move_is_cut_into_as_few_chords_as_stay_close(
+    radius: float, sweep: float, chord: float, first: float, last: float
+) -> None:
+    assume(chord < radius / 10.0)
+    end = (radius * math.cos(sweep), radius * math.sin(sweep), 0.0)
+    path = path_of([Leg((radius, 0.0, 0.0), end, 1, "XY", (-radius, 0.0, NAN)), Leg(end, (0.0, 0.0, 50.0))])
+    arc_mm = float(path.ends_mm[1])
+    start_mm, end_mm = np.array([first, last]) * arc_mm
+    for from_mm, to_mm in ((start_mm, end_mm), (end_mm, start_mm)):
+        [pieces] = path.pieces(np.array([from_mm]), np.array([to_mm]), chord).tolist()
+        for count, stays in ((pieces, True), (pieces - 1, False)):
+            if count:
+                away = radius * (1.0 - math.cos((end_mm - start_mm) / count / radius / 2.0))
+                assert away <= chord * 1.001 if stays else away > chord * 0.9
+    assert path.pieces(np.array([arc_mm]), np.array([arc_mm + 20.0]), chord).tolist() == [1], (
+        "a line is one move"
+    )
+
+
 @pytest.mark.parametrize(
     ("leg", "code"),
     [

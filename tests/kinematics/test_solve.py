@@ -46,6 +46,33 @@ def refusal(*args: object, **kwargs: object) -> RefusalError:
     return caught.value
 
 
+@pytest.mark.parametrize(
+    ("given", "resolution", "kept"),
+    [
+        (2500.4, 1.0, True),
+        (2500.6, 1.0, False),
+        (2499.4, 1.0, False),
+        (2500.04, 0.1, True),
+        (2500.06, 0.1, False),
+    ],
+)
+def test_a_speed_within_half_of_what_the_control_can_print_is_right_already(
+    given: float, resolution: float, kept: bool
+) -> None:
+    got = solved(speed=given, per_rev=1.5, rules=SolverRules(resolution_rpm=resolution))
+    assert got.speed_rpm == (given if kept else 2500.0)
+    assert got.changed_speed is not kept
+
+
+@pytest.mark.parametrize(
+    ("per_rev", "edges", "named"),
+    [(1, 1, "N 0.5 or 1.5 "), (2, 1, "N 1.5 or 2.5 "), (3, 1, "N 2.5 or 3.5 "), (4, 2, "N 3 or 5 ")],
+)
+def test_a_whole_count_names_the_good_ones_on_both_sides(per_rev: float, edges: int, named: str) -> None:
+    error = refusal(per_rev=per_rev, frequency=62.5, rules=SolverRules(edges=edges))
+    assert (error.code, error.help.startswith(named)) == ("VIB005", True)
+
+
 # --- the table of the patent -----------------------------------------------------------------------------
 
 
