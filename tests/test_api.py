@@ -143,7 +143,7 @@ def test_macro_programs() -> None:
     where = ["beam_x_mm=0", "beam_y_mm=0", "beam_z_mm=0", "safe_z_mm=0", "master_length_mm=100"]
     options = [f"macros.{one}" for one in [*where, "master_diameter_mm=10"]]
     files = chipbreak.macro_programs(chipbreak.load("fanuc-mill", options))
-    assert "O9810.nc" in files
+    assert "O8900.nc" in files
     with pytest.raises(chipbreak.SettingsError, match="fanuc-mill: "):
         chipbreak.macro_programs(chipbreak.load("fanuc-mill"))
 

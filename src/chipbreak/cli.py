@@ -327,6 +327,7 @@ def macros(asked: Asked, output: str) -> None:
     What they must know about the laser barrier stands in [macros] of the profile, their limits in [checks].
     """
     from chipbreak.api import macro_programs
+    from chipbreak.macros import foreign_files, makers_numbers
     from chipbreak.settings import SettingsError
 
     settings = settings_of(asked, "-")
@@ -336,6 +337,15 @@ def macros(asked: Asked, output: str) -> None:
         asked.reporter.show([error.diagnostic])
         sys.exit(USAGE)
     folder = Path(output)
+    there = {name: (folder / name).read_bytes() for name in files if (folder / name).is_file()}
+    macros = settings.dialect.macros
+    foreign = foreign_files(macros, there) if macros else []
+    if foreign:
+        raise click.UsageError(
+            f"{output}: {', '.join(foreign)} is not a file of chipbreak; nothing was written"
+        )
+    warning = makers_numbers(settings.dialect, settings.macros.first_program)
+    asked.reporter.show([warning] if warning else [])
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -27,10 +27,10 @@ def texts(profile: str, *options: str, is_inch: bool = False) -> dict[str, tuple
 
 def test_fanuc_calls_macros_with_letters() -> None:
     assert texts("fanuc-mill") == {
-        "calibrate": ("G65 P9810",),
-        "tool_check": ("G65 P9814 T2 K1 D12. R0. H38. E70. Q4 B45.", "G65 P9811 T2 S5300"),
-        "trace": ("G65 P9812 T2 Z20.",),
-        "chip_check": ("G65 P9813 T2 W0.02 Z20.",),
+        "calibrate": ("G65 P8900",),
+        "tool_check": ("G65 P8904 T2. K1. D12. R0. H38. E70. Q4. B45.", "G65 P8901 T2. S5300."),
+        "trace": ("G65 P8902 T2. Z20.",),
+        "chip_check": ("G65 P8903 T2. W0.02 D1.",),
     }
 
 
@@ -43,7 +43,7 @@ def test_linuxcnc_calls_o_words() -> None:
             "o<cb_tool_check> call [2] [5300]",
         ),
         "trace": ("o<cb_trace> call [2] [20.]",),
-        "chip_check": ("o<cb_chip_check> call [2] [0.02] [20.]",),
+        "chip_check": ("o<cb_chip_check> call [2] [0.02] [1]",),
     }
 
 
@@ -153,16 +153,16 @@ def test_the_number_of_workpieces_and_the_sister_are_handed_over() -> None:
         return [calls.text(event, values, is_inch=False)[-1] for event in CheckKind]
 
     assert written("fanuc-mill", "checks.every=3") == [
-        "G65 P9810 K3",
-        "G65 P9811 T2 S5300 K3 U0",
-        "G65 P9812 T2 Z20. K3",
-        "G65 P9813 T2 W0.02 Z20. K3 U0",
+        "G65 P8900 K3.",
+        "G65 P8901 T2. S5300. K3. U0.",
+        "G65 P8902 T2. Z20. K3.",
+        "G65 P8903 T2. W0.02 D1. K3. U0.",
     ]
     assert written("linuxcnc-mill", "checks.every=3", "checks.sister.2=14") == [
         "o<cb_calibrate> call [3]",
         "o<cb_tool_check> call [2] [5300] [3] [14]",
         "o<cb_trace> call [2] [20.] [0] [3]",
-        "o<cb_chip_check> call [2] [0.02] [20.] [3] [14]",
+        "o<cb_chip_check> call [2] [0.02] [1] [3] [14]",
     ]
     own = 'calls.own={chip_check="G65 P1 T{tool} A{every} B{sister}"}'
     assert texts("fanuc-mill", own, "checks.calls=own", "checks.every=4", "checks.sister.9=19")

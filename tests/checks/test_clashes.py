@@ -8,6 +8,7 @@ from importlib import resources
 import pytest
 
 import chipbreak
+from beam import BEAM
 from chipbreak.dialects.check_programs import MACRO_B, MACRO_B_SETS
 
 BODY = "T1 M6\nS1000 M3\nG0 X1. Y2.\nG43 Z15. H1\n{line}\nG1 Z-1. F100.\n{cut}\nG0 Z15.\nM30\n"
@@ -15,7 +16,7 @@ BODY = "T1 M6\nS1000 M3\nG0 X1. Y2.\nG43 Z15. H1\n{line}\nG1 Z-1. F100.\n{cut}\n
 
 def rewritten(line: str, cut: str, profile: str, *options: str) -> chipbreak.Result:
     data = BODY.format(line=line, cut=cut).encode()
-    return chipbreak.rewrite(data, chipbreak.load(profile, options))
+    return chipbreak.rewrite(data, chipbreak.load(profile, (*BEAM, *options)))
 
 
 def told(result: chipbreak.Result) -> list[str]:
@@ -49,7 +50,8 @@ def test_a_program_with_a_variable_of_the_macros_gets_no_check(
     ("profile", "line", "options"),
     [
         ("fanuc-mill", "#99=4.", ()),
-        ("fanuc-mill", "#151=4.", ()),
+        ("fanuc-mill", "#180=4.", ()),
+        ("fanuc-mill", "#105=4.", ("macros.first_variable=200",)),
         ("fanuc-mill", "#600=4.", ("macros.store_first=700",)),
         ("fanuc-mill", "#105=4.", ("checks.calls=haas",)),
         ("linuxcnc-mill", "#105=4", ()),
@@ -84,7 +86,7 @@ def test_the_shipped_macros_work_in_no_other_variables() -> None:
 
 def numbers_told(program: str, profile: str, *options: str) -> list[chipbreak.Diagnostic]:
     """What is said of program numbers, in a program that gets no check where anything is."""
-    result = chipbreak.rewrite(program.encode(), chipbreak.load(profile, options))
+    result = chipbreak.rewrite(program.encode(), chipbreak.load(profile, (*BEAM, *options)))
     found = [d for d in result.diagnostics if d.code == "CHK010"]
     assert result.changed != bool(found)
     return found
@@ -93,17 +95,15 @@ def numbers_told(program: str, profile: str, *options: str) -> list[chipbreak.Di
 @pytest.mark.parametrize(
     ("call", "what"),
     [
-        ("G65 P9810 Z10. F3000", "P9810 with F, Z"),
-        ("G65 P9811 Z0. S1", "P9811 with S, Z"),
-        ("G65 P9811 S1000", "P9811 with S,"),
-        ("G65 P9812 Z-5. X20.", "P9812 with X, Z"),
-        ("G65 P9814 D20.", "P9814 with D,"),
-        ("G65 P9815", "P9815 without arguments"),
-        ("G66 P9823 A1.\nG67", "P9823 with A,"),
-        ("M98 P9810", "P9810 without arguments"),
-        ("M98 P39811", "P9811 without arguments"),
-        ("G65 P9832", "P9832, a number of probe makers (Renishaw, Blum, Haas)"),
-        ("G65 P9853 T1 B0. H0.1", "P9853, a number of probe makers"),
+        ("G65 P8900 Z10. F3000", "P8900 with F, Z"),
+        ("G65 P8901 Z0. S1", "P8901 with S, Z"),
+        ("G65 P8901 S1000", "P8901 with S,"),
+        ("G65 P8902 Z-5. X20.", "P8902 with X, Z"),
+        ("G65 P8904 D20.", "P8904 with D,"),
+        ("G65 P8905", "P8905 without arguments"),
+        ("G66 P8913 A1.\nG67", "P8913 with A,"),
+        ("M98 P8900", "P8900 without arguments"),
+        ("M98 P38901", "P8901 without arguments"),
     ],
 )
 def test_a_program_that_calls_another_maker_s_programs_gets_no_call_of_ours(call: str, what: str) -> None:
@@ -120,15 +120,31 @@ def test_a_program_that_calls_another_maker_s_programs_gets_no_call_of_ours(call
     assert numbers_told(program, "fanuc-mill", "checks.calls=renishaw") == []
 
 
+@pytest.mark.parametrize(
+    ("call", "what"),
+    [
+        ("G65 P9842", "P9842, a number of probe makers (Renishaw, Blum, Haas)"),
+        ("G65 P9853 T1 B0. H0.1", "P9853, a number of probe makers"),
+    ],
+)
+def test_a_maker_s_program_is_on_the_control_instead_of_ours_where_the_numbers_are_the_same(
+    call: str, what: str
+) -> None:
+    program = BODY.format(line="G0 Z50.", cut="X4.").replace("T1 M6", f"{call}\nT1 M6", 1)
+    assert numbers_told(program, "fanuc-mill") == []
+    (found,) = numbers_told(program, "fanuc-mill", "macros.first_program=9810")
+    assert f"this program calls {what}" in found.message
+
+
 def test_a_number_of_ours_is_named_before_one_beside_ours() -> None:
     program = BODY.format(line="G0 Z50.", cut="X4.")
-    program = program.replace("T1 M6", "G65 P9832\nG65 P9810 Z10.\nT1 M6", 1)
-    (found,) = numbers_told(program, "fanuc-mill")
+    program = program.replace("T1 M6", "G65 P9842\nG65 P9810 Z10.\nT1 M6", 1)
+    (found,) = numbers_told(program, "fanuc-mill", "macros.first_program=9810")
     assert found.place is not None and found.place.line == 2
 
 
 @pytest.mark.parametrize(
-    "call", ["G65 P9829 T2", "G65 P9810", "G65 P9811 T1 S1000 K3", "G65 P1234 X1.", "M98 P1234", "M97 P9811"]
+    "call", ["G65 P8919 T2", "G65 P8900", "G65 P8901 T1 S1000 K3", "G65 P1234 X1.", "M98 P1234", "M97 P8901"]
 )
 def test_calls_as_the_checks_call_do_not_matter(call: str) -> None:
     program = BODY.format(line="G0 Z50.", cut="X4.").replace("T1 M6", f"{call}\nT1 M6", 1)
@@ -138,8 +154,8 @@ def test_calls_as_the_checks_call_do_not_matter(call: str) -> None:
 @pytest.mark.parametrize(
     ("profile", "program", "name"),
     [
-        ("fanuc-mill", "{body}O9811\nG0 X1.\nM99\n", "O9811"),
-        ("fanuc-mill", "O9813 (MINE)\n{body}", "O9813"),
+        ("fanuc-mill", "{body}O8901\nG0 X1.\nM99\n", "O8901"),
+        ("fanuc-mill", "O8903 (MINE)\n{body}", "O8903"),
         ("haas-mill", "{body}O9853\nG0 X1.\nM99\n", "O9853"),
         ("linuxcnc-mill", "o<CB_Trace> sub\nG0 X1\no<CB_Trace> endsub\n{body}", "o<CB_Trace>"),
     ],
@@ -150,21 +166,21 @@ def test_a_program_that_defines_what_a_check_would_call_gets_none(
     body = BODY.format(line="G0 Z50.", cut="X4.")
     (found,) = numbers_told(program.format(body=body), profile)
     assert f"{name} is defined in this program" in found.message
-    other = program.replace("98", "78").replace("CB_", "MINE_")
+    other = program.replace("O8", "O7").replace("O9", "O7").replace("CB_", "MINE_")
     assert numbers_told(other.format(body=body), profile) == []
 
 
 def test_the_letters_of_our_calls_are_those_of_the_templates() -> None:
     """What a program may call by hand is what the checks write, and the release of a locked tool."""
     sets = MACRO_B_SETS["builtin"]
-    written: dict[int, set[str]] = {9829: {"T"}}
+    written: dict[int, set[str]] = {8919: {"T"}}
     for kind, blocks in sets.blocks.items():
         for block in blocks:
             text = block + (sets.tails.get(kind, "") if block == blocks[-1] else "")
             written.setdefault(int(text[5:9]), set()).update(re.findall(r" ([A-Z])\{", text))
     assert {number: set(letters) for number, letters in MACRO_B.arguments.items()} == {
         **written,
-        9812: written[9812] | {"S"},  # a TRACE by hand may say its speed
+        8902: written[8902] | {"S"},  # a TRACE by hand may say its speed
     }
     files = {int(file.name[1:5]) for file in (resources.files("chipbreak") / "macros" / "fanuc").iterdir()}
     files |= {int(name[1:5]) for name in MACRO_B.written}

@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 import chipbreak
+from beam import BEAM, OPTIONS
 from chipbreak.cli import cli
 
 SAMPLE = Path(__file__).parents[2] / "samples" / "fusion-mill.nc"
@@ -85,44 +86,54 @@ def test_a_cycle_that_may_end_the_length_offset_waits_where_it_can_be_put_back()
 
 def test_every_third_workpiece() -> None:
     _, out, said = filtered(
-        "-p", "fanuc-mill", "--set", "checks.every=3", "--tools", TOOLS[0], "--tools", TOOLS[1], str(SAMPLE)
+        "-p",
+        "fanuc-mill",
+        *OPTIONS,
+        "--set=checks.every=3",
+        "--tools",
+        TOOLS[0],
+        "--tools",
+        TOOLS[1],
+        str(SAMPLE),
     )
     assert said == ""
-    found = [call for call in calls(out) if "P9814" not in call]
+    found = [call for call in calls(out) if "P8904" not in call]
     assert found[:4] == [
-        "G65 P9810 K3",
-        "G65 P9811 T1 S2200 K3 U0",
-        "G65 P9812 T1 Z20. K3",
-        "G65 P9813 T1 W0.02 Z20. K3 U0",
+        "G65 P8900 K3.",
+        "G65 P8901 T1. S2200. K3. U0.",
+        "G65 P8902 T1. Z20. K3.",
+        "G65 P8903 T1. W0.02 D1. K3. U0.",
     ]
     assert all(" K3" in call for call in found)
 
 
 def test_nobody_counts_where_the_beam_is_not_measured() -> None:
     program = b"T1 M6\nS1000 M3\nG0 X1. Y1.\nG43 H1 Z10.\nG1 Z-1. F100.\nG0 Z10.\nM30\n"
-    settings = chipbreak.load("fanuc-mill", ["checks.every=3"])
+    settings = chipbreak.load("fanuc-mill", [*BEAM, "checks.every=3"])
     with_beam = chipbreak.rewrite(program, settings).data
-    assert b"P9810 K3" in with_beam
+    assert b"P8900 K3" in with_beam
     without = chipbreak.rewrite(b"G68 X0. Y0. R9.\n" + program.replace(b"S1000", b"G69\nS1000"), settings)
-    assert b"P9810" not in without.data
-    assert b"P9811 T1 S1000\n" in without.data
+    assert b"P8900" not in without.data
+    assert b"P8901 T1. S1000.\n" in without.data
     assert "CHK002" in [d.code for d in without.diagnostics]
 
 
 def test_a_sister_is_named_in_the_calls_of_its_tool() -> None:
-    _, out, _ = filtered("-p", "fanuc-mill", "--set", "checks.sister.2=12", str(SAMPLE))
+    _, out, _ = filtered("-p", "fanuc-mill", *OPTIONS, "--set", "checks.sister.2=12", str(SAMPLE))
     assert [call for call in calls(out) if " U" in call] == [
-        "G65 P9811 T2 S5300 K1 U12",
-        "G65 P9813 T2 W0.02 Z20. K1 U12",
-        "G65 P9813 T2 W0.05 Z20. K1 U12",
+        "G65 P8901 T2. S5300. K1. U12.",
+        "G65 P8903 T2. W0.02 D1. K1. U12.",
+        "G65 P8903 T2. W0.05 D1. K1. U12.",
     ]
-    _, out, said = filtered("-p", "fanuc-mill", "--set", "checks.sister.2=3", str(SAMPLE))
+    _, out, said = filtered("-p", "fanuc-mill", *OPTIONS, "--set", "checks.sister.2=3", str(SAMPLE))
     assert "warning CHK008: T3 is the sister of T2, and this program cuts with it as well" in said
-    assert "U3" in out
+    assert "U3." in out
 
 
 def test_the_program_still_calls_the_tool_that_it_called() -> None:
-    found = chipbreak.rewrite(SAMPLE.read_bytes(), chipbreak.load("fanuc-mill", ["checks.sister.2=12"]))
+    found = chipbreak.rewrite(
+        SAMPLE.read_bytes(), chipbreak.load("fanuc-mill", [*BEAM, "checks.sister.2=12"])
+    )
     assert b"T12" not in found.data
     assert "T12 may take its place" in next(
         e.reason for e in found.edits if e.title.startswith("TOOL CHECK T2")

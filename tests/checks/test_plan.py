@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import chipbreak
+from beam import BEAM
 from checks.filtered import Filtered, check, filtered
 
 SAMPLE = (Path(__file__).parents[2] / "samples" / "fusion-mill.nc").read_bytes()
@@ -188,7 +189,7 @@ def test_a_probe_is_not_checked() -> None:
 @pytest.mark.parametrize("name", ["T14 - CHIP FAN", "T14 - AIR NOZZLE", "T14 | BLOW-OFF FAN | H14"])
 def test_what_has_no_edge_is_not_measured_and_that_is_said(name: str, options: tuple[str, ...]) -> None:
     program = f"({name})\n{HEAD}" + visit(1, "FACE1") + visit(14, "FACE2") + END
-    found = chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-mill", options))
+    found = chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-mill", (*BEAM, *options)))
     assert not [edit.title for edit in found.edits if "T14" in edit.title]
     assert [edit.title for edit in found.edits if "T1 " in edit.title + " "]
     (told,) = (d.message for d in found.diagnostics if d.code == "CHK005")

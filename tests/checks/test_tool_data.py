@@ -8,6 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 import chipbreak
+from beam import BEAM
 from chipbreak.cli import cli
 from chipbreak.tools.data import ToolFileError
 
@@ -18,13 +19,13 @@ TOOLS = f"tools.files={FILES}".replace("'", '"')
 
 
 def result(*options: str, data: bytes = SAMPLE, profile: str = "fanuc-mill") -> chipbreak.Result:
-    return chipbreak.rewrite(data, chipbreak.load(profile, options), "part.nc")
+    return chipbreak.rewrite(data, chipbreak.load(profile, (*BEAM, *options)), "part.nc")
 
 
 @pytest.mark.parametrize(
     ("profile", "block"),
     [
-        ("fanuc-mill", b"G65 P9814 T3 K3 D6.8 R118. H62. E60. Q2 B30."),
+        ("fanuc-mill", b"G65 P8904 T3. K3. D6.8 R118. H62. E60. Q2. B30."),
         ("linuxcnc-mill", b"o<cb_tool> call [3] [3] [6.8] [118.] [2] [30.]"),
     ],
 )
@@ -36,8 +37,8 @@ def test_the_macros_are_told_about_the_tool(profile: str, block: bytes) -> None:
 
 def test_what_nobody_gave_is_left_to_the_control() -> None:
     found = result()
-    assert found.data.count(b"P9811") == 3
-    assert b"P9814" not in found.data
+    assert found.data.count(b"P8901") == 3
+    assert b"P8904" not in found.data
     said = [d for d in found.diagnostics if d.code == "CHK007"]
     assert [d.severity.value for d in said] == ["warning"] * 3
     assert "length_mm, holder_mm, teeth, helix_deg of T1" in said[0].message
@@ -56,8 +57,8 @@ def test_or_rejects_the_program() -> None:
 
 def test_or_leaves_the_check_out() -> None:
     found = result("checks.missing=skip")
-    assert b"P9811" not in found.data
-    assert b"P9813" not in found.data
+    assert b"P8901" not in found.data
+    assert b"P8903" not in found.data
     missing = [d for d in found.diagnostics if d.code == "TOL010"]
     assert missing
     assert {d.severity.value for d in missing} == {"warning"}
@@ -67,9 +68,9 @@ def test_one_tool_that_is_known_is_checked_all_the_same(tmp_path: Path) -> None:
     table = tmp_path / "t.csv"
     table.write_text("number,type,teeth,diameter_mm,length_mm,helix_deg,holder_mm\n2,,4,,38,45,70\n")
     found = result(f'tools.files=["{table}"]', "checks.missing=skip")
-    assert b"G65 P9811 T2 S5300" in found.data
-    assert found.data.count(b"P9811") == 1
-    assert found.data.count(b"P9813 T2") == 2
+    assert b"G65 P8901 T2. S5300." in found.data
+    assert found.data.count(b"P8901") == 1
+    assert found.data.count(b"P8903 T2.") == 2
 
 
 def test_a_call_that_says_nothing_of_the_tool_needs_nothing() -> None:
@@ -90,11 +91,11 @@ def test_a_check_of_edges_may_need_tool_data_too() -> None:
 def test_what_stands_still_is_not_checked() -> None:
     probing = SAMPLE.replace(b"ZMIN=-17.043 - DRILL", b"ZMIN=-17.043 - TURNING TOOL")
     found = result(f'tools.files=["{FILES[0]}"]', "checks.only=[3]", data=probing)
-    assert b"P9811" not in found.data
+    assert b"P8901" not in found.data
 
 
 def test_ignored_tools_need_nothing() -> None:
-    assert b"P9811" not in result("checks.ignore=[1,2,3]").data
+    assert b"P8901" not in result("checks.ignore=[1,2,3]").data
 
 
 def test_a_bad_file_is_an_error_even_where_no_check_is_made(tmp_path: Path) -> None:

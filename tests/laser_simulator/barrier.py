@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from laser_simulator.tool import SimulatedTool
+
+# A tolerance far below any measurement: the beam at a whole micrometre is met at that micrometre.
+_EXACT_MM = 1e-7
 
 
 @dataclass(frozen=True)
@@ -25,31 +28,34 @@ class Beam:
 
 
 def is_broken(
-    beam: Beam, tool: SimulatedTool, angle_deg: float | None, points: NDArray[np.float64]
+    beam: Beam,
+    tool: SimulatedTool,
+    points: NDArray[np.float64],
+    begin_deg: ArrayLike,
+    end_deg: ArrayLike | None = None,
 ) -> NDArray[np.bool_]:
-    """True where the tool breaks the beam, for positions of the spindle nose; (n, 3) -> (n,).
+    """True where the tool breaks the beam at some moment, for positions of the spindle nose; (n, 3) -> (n,).
 
-    ``points`` are machine coordinates [mm].  ``angle_deg`` is where the spindle stands, counted the way M3
-    turns it; None: it turns, and the tool counts with all it sweeps.
+    ``points`` are machine coordinates [mm].  The spindle turns from ``begin_deg`` to ``end_deg`` (one or n
+    of them, the second not smaller; left out: it stands), counted the way M3 turns it.
     """
     x, y, z = points.T
     if beam.is_blocked or tool.is_missing:
         return np.full(x.shape, beam.is_blocked)
     height = beam.z_mm - (z - tool.gauge_mm)
-    if len(z) and np.all(z == z[0]):
+    if len(z) == 0 or np.all(height < 0.0):
+        return np.zeros(x.shape, np.bool_)
+    if np.all(z == z[0]):
         height = height[:1]  # most moves are level, and one look at the tool is enough for them
     off = beam.y_mm - y
-    if angle_deg is None:
-        reach = tool.envelope(height)
-    else:
-        front = tool.reach(height, angle_deg, 90.0)
-        back = tool.reach(height, angle_deg, -90.0)
-        reach = np.where(off >= 0.0, front, back)
+    last_deg = begin_deg if end_deg is None else end_deg
+    front = tool.reach_between(height, begin_deg, last_deg, 90.0)
+    back = tool.reach_between(height, begin_deg, last_deg, -90.0)
+    reach = np.where(off >= 0.0, front, back)
     aside = np.abs(beam.x_mm - x)
     nearest = np.hypot(off, np.maximum(aside - beam.focus_half_mm, 0.0))
     farthest = np.hypot(off, aside + beam.focus_half_mm)
-    # A tolerance far below any measurement: the beam at a whole micrometre is met at that micrometre.
-    found: NDArray[np.bool_] = (nearest <= reach + 1e-9) & (farthest >= tool.hollow(height) - 1e-9)
+    found: NDArray[np.bool_] = (nearest <= reach + _EXACT_MM) & (farthest >= tool.hollow(height) - _EXACT_MM)
     return found
 
 
@@ -60,7 +66,17 @@ class Station:
     beam: Beam
     tools: dict[int, SimulatedTool]
 
-    def broken(self, tool: int, angle_deg: float | None, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def broken(
+        self,
+        tool: int,
+        points: NDArray[np.float64],
+        begin_deg: ArrayLike,
+        end_deg: ArrayLike | None = None,
+    ) -> NDArray[np.bool_]:
         """True where this tool breaks the beam; arguments as of :func:`is_broken`."""
         found = self.tools.get(tool, SimulatedTool(is_missing=True))
-        return is_broken(self.beam, found, angle_deg, points)
+        return is_broken(self.beam, found, points, begin_deg, end_deg)
+
+    def teeth(self, tool: int) -> int:
+        """How often a revolution of this tool may break the beam."""
+        return self.tools[tool].teeth if tool in self.tools else 1

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
+# Below this height above the tip there are only the edges of the end, and nothing between them.
+GASH_MM = 0.3
 # The core between two edges, as a share of the radius: thinner than the core of any usual tool, so that a
 # reading between two edges is as low as it can be.
 CORE_SHARE = 0.4
@@ -121,6 +123,29 @@ class SimulatedTool:
         shift = self.runout_mm * np.cos(np.radians(self.runout_deg - aim))
         return np.where(height >= 0.0, best + shift, NO_TOOL)
 
+    def reach_between(
+        self, height_mm: ArrayLike, begin_deg: ArrayLike, end_deg: ArrayLike, toward_deg: float
+    ) -> Floats:
+        """The farthest [mm] that the tool reaches toward an angle while the spindle turns between two angles.
+
+        Each edge is where it is at that moment: one that passes the direction reaches as far as it is long,
+        one that does not as far as the nearer end of its way brings it.  Shapes are broadcast.
+        """
+        height = np.asarray(height_mm, np.float64)
+        begin = np.asarray(begin_deg, np.float64)
+        turn = np.asarray(end_deg, np.float64) - begin
+        whole = np.where(height >= 0.0, self.profile(height), 0.0)
+        runout = np.radians(self.runout_deg - toward_deg)
+        best = self._core_at(height) * whole + self.runout_mm * _most(np.degrees(runout) - begin, turn)
+        for tooth in range(self.teeth):
+            radius = self._chipped(tooth, height, whole)
+            about = np.radians(self.tooth_angle(tooth, height) - toward_deg)
+            x = radius * np.cos(about) + self.runout_mm * np.cos(runout)
+            y = radius * np.sin(about) + self.runout_mm * np.sin(runout)
+            reached = np.hypot(x, y) * _most(np.degrees(np.arctan2(y, x)) - begin, turn)
+            best = np.maximum(best, reached)
+        return np.where(height >= 0.0, best, NO_TOOL)
+
     def envelope(self, height_mm: ArrayLike) -> Floats:
         """Radius [mm] that the turning tool sweeps at heights."""
         height = np.asarray(height_mm, np.float64)
@@ -139,6 +164,12 @@ class SimulatedTool:
             return np.zeros(height.shape)
         return np.where(height >= 0.0, self.radius_mm * np.clip(1.0 - height / self.dish_mm, 0.0, 1.0), 0.0)
 
+    def _core_at(self, height: Floats) -> Floats:
+        """The share of the radius that is solid all round."""
+        if self.kind is Kind.BAR:
+            return np.ones_like(height)
+        return np.where(height < GASH_MM, 0.0, self._core)
+
     @property
     def _core(self) -> float:
         return 1.0 if self.kind is Kind.BAR else CORE_SHARE
@@ -151,6 +182,14 @@ class SimulatedTool:
         slope = np.where(height >= 0.0, rise / np.maximum(height + step - low, step), 0.0)
         share: Floats = 1.0 / np.hypot(1.0, slope)
         return share
+
+
+def _most(off_deg: Floats, turn_deg: Floats) -> Floats:
+    """The largest cosine of an angle that goes down from ``off_deg`` by ``turn_deg`` (>= 0)."""
+    first = np.mod(off_deg, 360.0)
+    ends = np.maximum(np.cos(np.radians(first)), np.cos(np.radians(first - turn_deg)))
+    most: Floats = np.where(turn_deg >= first, 1.0, ends)
+    return most
 
 
 def table(tool: SimulatedTool, heights_mm: Iterable[float]) -> list[tuple[float, ...]]:

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import chipbreak
+from beam import BEAM
 from chipbreak.editing.restore import regions
 from chipbreak.text.source import read
 from macros.lc_stand import LC_SETTINGS, subroutines
@@ -40,7 +41,7 @@ def filtered(program: bytes, folder: Path) -> chipbreak.Result:
     head = "number,type,teeth,diameter_mm,length_mm,holder_mm,helix_deg"
     table.write_text("\n".join([head, *(f"{number},{row}" for number in range(100)), ""]))
     options = [f'tools.files=["{table}"]', "checks.every=2", "checks.sister.1=51"]
-    return chipbreak.rewrite(program, chipbreak.load("linuxcnc-mill", options), "program.ngc")
+    return chipbreak.rewrite(program, chipbreak.load("linuxcnc-mill", (*BEAM, *options)), "program.ngc")
 
 
 def cuts(judgement: rs274.Judgement) -> list[tuple[object, ...]]:

@@ -17,6 +17,7 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 import chipbreak
+from beam import BEAM
 
 from . import rs274
 from .actions import actions, difference
@@ -64,7 +65,7 @@ def _folder() -> tempfile.TemporaryDirectory[str]:
 def compared(program: bytes, *options: str, block_delete: bool = False) -> str:
     """ "checked" for a program with checks that does what it did; else why there is nothing to compare."""
     folder = Path(_folder().name)
-    profile = chipbreak.load("linuxcnc-mill", [f'tools.files=["{folder / "tools.csv"}"]', *options])
+    profile = chipbreak.load("linuxcnc-mill", [*BEAM, f'tools.files=["{folder / "tools.csv"}"]', *options])
     result = chipbreak.rewrite(program, profile, "program.ngc")
     if not result.edits:
         return "no check"

@@ -12,7 +12,10 @@ from macro_interpreter.modes import GROUP_OF, Modes
 
 # M codes after which nothing more is read before they are done.
 STOPS_READING = {0, 1, 2, 6, 30}
-_KNOWN_M = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 19, 30}
+# Of the machine builder: shutter open and closed, air on and off, looks for a missing edge and for a broken
+# beam, single block and overrides locked and free.
+SHUTTER, AIR, GAP_ON, GAP_OFF, LOCKS = {71, 72}, {73, 74}, 75, 76, {77, 78}
+_KNOWN_M = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 19, 30, GAP_ON, GAP_OFF, *SHUTTER, *AIR, *LOCKS}
 _ONCE = {4, 9, 10, 28, 31, 53}
 # Any of these in force turns or bends what an axis word means.
 _BENDING = {7: 40, 9: 80, 11: 50, 16: 69, 17: 15, 22: 50.1}
@@ -24,9 +27,11 @@ class BlockRunner:
 
     def __init__(self, machine: Machine, modes: Modes, length_offsets_mm: dict[int, float]) -> None:
         self.machine, self.modes, self.length_offsets_mm = machine, modes, length_offsets_mm
+        self.m_codes: list[int] = []  # all that ran, for those who want to know
 
     def run(self, block: Block, words: Words) -> None:
         """Run the words of a block, in the order in which controls act on them."""
+        self.machine.do(lambda: self.machine.wait(self.machine.control.block_s))
         codes = [value for address, value in words if address == "G"]
         non_modal = [code for code in codes if code in _ONCE]
         self._set_modes(block, codes)
@@ -54,15 +59,19 @@ class BlockRunner:
         if code not in _KNOWN_M:
             raise fault(UNSUPPORTED, f"M{code} is not known here: {block.text}")
         self.modes.words["M"] = float(code)
+        self.m_codes.append(code)
+        self.machine.do(lambda: self.machine.wait(self.machine.control.m_code_s))
         if code in (3, 4):
-            self.machine.turn(is_turning=self.modes.words.get("S", 0.0) > 0.0)
+            self.machine.turn(float(round(self.modes.words.get("S", 0.0))))
         elif code == 5:
-            self.machine.turn(is_turning=False)
+            self.machine.turn(0.0)
+        elif code in (GAP_ON, GAP_OFF):
+            self.machine.look_for_gap(is_on=code == GAP_ON)
         elif code == 6:
             self.machine.load(round(self.modes.words.get("T", 0.0)))
         elif code == 19:
             angles = [value for address, value in words if address in "RPQ"]
-            self.machine.turn(is_turning=False, angle_deg=angles[-1] if angles else 0.0)
+            self.machine.turn(0.0, angle_deg=angles[-1] if angles else 0.0)
 
     def _length_offset(self, codes: Sequence[float]) -> None:
         if 49 in codes:
@@ -78,7 +87,10 @@ class BlockRunner:
         if 53 in non_modal:
             self._move_by_machine(block, axes)
             return
-        if 4 in non_modal or 10 in non_modal or not axes:
+        if 4 in non_modal:
+            self._dwell(words)
+            return
+        if 10 in non_modal or not axes:
             return
         self._check_straight(block)
         target = self._target(axes)
@@ -88,17 +100,23 @@ class BlockRunner:
         elif 31 in non_modal:
             self.machine.skip(target, self._feed(scale, block))
         elif self.modes.codes[1] in (0, 1):
-            if self.modes.codes[1] == 1:
-                self._feed(scale, block)
-            self.machine.move(target)
+            feed = self._feed(scale, block) if self.modes.codes[1] == 1 else 0.0
+            self.machine.move(target, feed)
         else:
             raise fault(UNSUPPORTED, f"only straight moves are known here: {block.text}")
+
+    def _dwell(self, words: Words) -> None:
+        """G4: X or U in seconds, P in milliseconds; nothing is read ahead over it."""
+        for address, value in words:
+            if address in "XUP":
+                seconds = value / 1000.0 if address == "P" else value
+                self.machine.do(lambda seconds=seconds: self.machine.wait(seconds))  # type: ignore[misc]
 
     def _move_by_machine(self, block: Block, axes: dict[str, float]) -> None:
         """G53: machine coordinates, and nothing is read ahead."""
         if axes and not self.modes.is_absolute:
             raise fault(MOTION, f"G53 under G91 moves nothing: {block.text}")
-        self.machine.move(self._with(axes, self.machine.planned))
+        self.machine.move(self._with(self._rounded(axes), self.machine.planned))
         self.machine.catch_up()
 
     def _check_straight(self, block: Block) -> None:
@@ -116,11 +134,17 @@ class BlockRunner:
     def _target(self, axes: dict[str, float]) -> Position:
         """Where a move ends, in machine coordinates."""
         planned = self.machine.planned
+        axes = self._rounded(axes)
         if not self.modes.is_absolute:
             return self._with({axis: planned[AXES.index(axis)] + way for axis, way in axes.items()}, planned)
         offsets = dict(zip(AXES, self.machine.work_mm, strict=True))
         offsets["Z"] += self.modes.length_mm
         return self._with({axis: value + offsets[axis] for axis, value in axes.items()}, planned)
+
+    def _rounded(self, axes: dict[str, float]) -> dict[str, float]:
+        """What is commanded is a multiple of the least input increment."""
+        grid = self.machine.control.grid_mm(is_inch=self.modes.is_inch)
+        return {axis: round(value / grid) * grid for axis, value in axes.items()}
 
     @staticmethod
     def _with(axes: dict[str, float], position: Position) -> Position:

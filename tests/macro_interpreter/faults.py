@@ -14,6 +14,7 @@ UNREADABLE = "MAC007"  # a block that cannot be read
 UNSUPPORTED = "MAC008"  # a code that this machine does not have
 ARGUMENT = "MAC009"  # a call without a program number, a letter that takes no argument
 MOTION = "MAC010"  # a move that cannot be made: no feed, an offset in force that the machine does not know
+TEXT = "MAC011"  # an alarm or a stop that the control does not show
 
 
 def fault(code: str, message: str, help: str = "") -> RefusalError:

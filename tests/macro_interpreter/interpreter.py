@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from chipbreak.syntax.nodes import Block, Control, Expression, Word
@@ -12,6 +13,7 @@ from macro_interpreter.faults import (
     ENDLESS,
     NO_LOOP,
     NO_PROGRAM,
+    TEXT,
     TOO_DEEP,
     UNSUPPORTED,
     Alarm,
@@ -23,8 +25,6 @@ from macro_interpreter.modes import Modes
 from macro_interpreter.programs import Library, MacroProgram
 from macro_interpreter.variables import ALARM, ARGUMENTS, STOP, Variables
 
-DEEPEST_MACRO_CALL = 4  # levels of local variables below the main program
-DEEPEST_CALL = 8
 # Beyond this a loop is taken to be endless.
 MOST_BLOCKS = 500_000
 
@@ -42,7 +42,8 @@ class Outcome:
 class Interpreter:
     """A control with programs in its memory, in front of a machine.
 
-    ``beam_input`` is the signal variable of the skip input.  Common variables stay from run to run.
+    ``beam_input`` is the signal variable of the skip input, ``at_stop`` what somebody does at the machine
+    while the program waits.  Common variables stay from run to run.
     """
 
     library: Library
@@ -51,6 +52,7 @@ class Interpreter:
     most_blocks: int = MOST_BLOCKS
     modes: Modes = field(default_factory=Modes)
     length_offsets_mm: dict[int, float] = field(default_factory=dict)
+    at_stop: Callable[[str], None] | None = None
 
     def __post_init__(self) -> None:
         self.variables = Variables(self.machine, self.modes, self.beam_input)
@@ -78,8 +80,9 @@ class Interpreter:
 
     def _run(self, program: MacroProgram, depth: int) -> None:
         """Run a program to its M99 or its end."""
-        if depth > DEEPEST_CALL:
-            raise fault(TOO_DEEP, f"calls are nested deeper than {DEEPEST_CALL}")
+        deepest = self.machine.control.levels
+        if depth > deepest:
+            raise fault(TOO_DEEP, f"calls are nested deeper than {deepest}")
         at = 0
         while 0 <= at < len(program.blocks):
             self.block_count += 1
@@ -127,7 +130,8 @@ class Interpreter:
 
     def _words(self, block: Block, at: int, depth: int) -> int | None:
         """Calls, returns, and the codes of a block."""
-        words = [(word, self._word(word)) for word in block.words]
+        codes = {(word.address, word.number) for word in block.words}
+        words = [(word, self._word(word, is_dwell=("G", 4.0) in codes)) for word in block.words]
         codes = {(word.address, value) for word, value in words if word.address in "GM"}
         if ("G", 65.0) in codes:
             self._call(block, words, depth)
@@ -146,14 +150,19 @@ class Interpreter:
 
     def _call_subprogram(self, block: Block, words: list[tuple[Word, Value]], depth: int) -> None:
         """``M98 P.. L..``: L times."""
+        if depth + 1 - (len(self.variables.levels) - 1) > self.machine.control.sub_levels:
+            raise fault(
+                TOO_DEEP, f"M98 is nested deeper than {self.machine.control.sub_levels}: {block.text}"
+            )
         times = [value for word, value in words if word.address == "L" and value is not None]
         for _ in range(round(times[-1]) if times else 1):
             self._run(self.library.get(self._program_number(block, words)), depth + 1)
 
     def _call(self, block: Block, words: list[tuple[Word, Value]], depth: int) -> None:
         """``G65 P.. A..``: a new level of local variables."""
-        if len(self.variables.levels) > DEEPEST_MACRO_CALL:
-            raise fault(TOO_DEEP, f"G65 is nested deeper than {DEEPEST_MACRO_CALL}: {block.text}")
+        deepest = self.machine.control.macro_levels
+        if len(self.variables.levels) > deepest:
+            raise fault(TOO_DEEP, f"G65 is nested deeper than {deepest}: {block.text}")
         number = self._program_number(block, words)
         behind = [word.address for word, _ in words].index("G") + 1
         given: dict[int, Value] = {}
@@ -189,21 +198,36 @@ class Interpreter:
             number = variable_number(assignment.target, self.variables.read)
             value = self._value(assignment.value)
             comments = [c.text for c in block.comments if c.start >= assignment.end]
-            if number == ALARM:
-                raise Alarm(round(value or 0.0), comments[0] if comments else "")
-            if number == STOP:
-                self.machine.catch_up()
-                self.stops.append(comments[0] if comments else "")
+            if number in (ALARM, STOP):
+                self._say(number, round(value or 0.0), comments[0] if comments else "", block)
                 continue
             self.variables.write(number, value)
+
+    def _say(self, variable: int, number: int, text: str, block: Block) -> None:
+        """An alarm ends the program, a stop waits until somebody has looked."""
+        control = self.machine.control
+        if len(text) > control.text_chars:
+            raise fault(TEXT, f"{len(text)} characters, and {control.text_chars} are shown: {block.text}")
+        if variable == ALARM:
+            if not 0 <= number <= control.last_alarm:
+                raise fault(TEXT, f"alarm {number}; there are 0 to {control.last_alarm}: {block.text}")
+            raise Alarm(number, text)
+        self.machine.catch_up()
+        self.stops.append(text)
+        if self.at_stop is not None:
+            self.at_stop(text)
 
     def _is_true(self, control: Control) -> bool:
         return bool(self._value(control.arguments[0]))
 
-    def _word(self, word: Word) -> Value:
-        if word.number is not None or word.expression is None:
+    def _word(self, word: Word, *, is_dwell: bool) -> Value:
+        """The value of a word; one without a decimal point may count increments."""
+        if word.expression is not None:
+            return self._value(word.expression)
+        if word.number is None or word.has_point:
             return word.number
-        return self._value(word.expression)
+        scale = self.machine.control.scale(word.address, is_inch=self.modes.is_inch, is_dwell=is_dwell)
+        return word.number * scale
 
     def _value(self, expression: Expression) -> Value:
         return evaluate(expression, self.variables.read)

@@ -10,6 +10,7 @@ from macro_interpreter.modes import Modes
 
 LOCAL_COUNT = 33
 ALARM, STOP = 3000, 3006
+SINGLE_BLOCK, OVERRIDE = 3003, 3004
 # Argument letters of G65, specification I.
 _LETTERS, _NUMBERS = "ABCIJKDEFHMQRSTUVWXYZ", (*range(1, 10), 11, 13, *range(17, 27))
 ARGUMENTS = dict(zip(_LETTERS, _NUMBERS, strict=True))
@@ -18,7 +19,7 @@ ARGUMENTS = dict(zip(_LETTERS, _NUMBERS, strict=True))
 class Variables:
     """All that ``#`` can name.
 
-    ``commons`` are #100 to #199 and #500 to #999 (and #98000 to #98499), vacant until written.  ``inputs``
+    ``commons`` are those that the control has, vacant until written.  ``inputs``
     are signals #1000 to #1031 other than the beam, which is ``beam_input``.
     """
 
@@ -27,6 +28,7 @@ class Variables:
         self.levels: list[dict[int, Value]] = [{}]
         self.commons: dict[int, Value] = {}
         self.inputs: dict[int, float] = {}
+        self.locks: dict[int, Value] = {}  # single block, overrides
 
     def read(self, number: int) -> Value:
         """The value of a variable; None is vacant."""
@@ -34,7 +36,7 @@ class Variables:
             return None
         if 1 <= number <= LOCAL_COUNT:
             return self.levels[-1].get(number)
-        if _is_common(number):
+        if self._is_common(number):
             return self.commons.get(number)
         return self._system(number)
 
@@ -42,16 +44,24 @@ class Variables:
         """Give a local or common variable a value."""
         if 1 <= number <= LOCAL_COUNT:
             self.levels[-1][number] = value
-        elif _is_common(number):
+        elif number in (SINGLE_BLOCK, OVERRIDE):
+            self.locks[number] = value
+        elif self._is_common(number):
             self.commons[number] = value
         else:
             raise fault(VARIABLE, f"#{number} cannot be written here")
+
+    def _is_common(self, number: int) -> bool:
+        return any(first <= number <= last for first, last in self.machine.control.commons)
 
     def _system(self, number: int) -> Value:
         if 1000 <= number <= 1031:
             if number == self.beam_input:
                 return float(self.machine.is_broken())
             return self.inputs.get(number, 0.0)
+        if 3001 <= number <= 3002:  # a clock: milliseconds, hours
+            scale = 1000.0 if number == 3001 else 1.0 / 3600.0
+            return self.machine.clock_s * scale
         if 4001 <= number <= 4130:
             return self.modes.readout(number)
         kind, axis = divmod(number - 5001, 20)
@@ -66,8 +76,6 @@ class Variables:
         value = places[kind][axis] - (0.0 if kind == 1 else machine.work_mm[axis])
         if kind == 0 and axis == 2:
             value -= self.modes.length_mm
+        grid = machine.control.machine_grid_mm()
+        value = round(value / grid) * grid
         return value / (MM_PER_INCH if self.modes.is_inch else 1.0)
-
-
-def _is_common(number: int) -> bool:
-    return 100 <= number <= 199 or 500 <= number <= 999 or 98000 <= number <= 98499

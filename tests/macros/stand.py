@@ -10,9 +10,10 @@ import numpy as np
 from chipbreak.dialects import FANUC_MILL, MacroSet
 from chipbreak.dialects.check_programs import MACRO_B
 from chipbreak.macros import MacroSettings, ToolValues, macro_files
+from chipbreak.syntax.numbers import print_number
 from laser_simulator.barrier import Beam, Station
 from laser_simulator.tool import Kind, SimulatedTool
-from macro_interpreter import Interpreter, Library, Machine, Outcome
+from macro_interpreter import FANUC_0I_F, FanucControl, Interpreter, Library, Machine, Outcome
 
 BEAM = Beam(x_mm=120.0, y_mm=-35.0, z_mm=-400.0)
 BAR = SimulatedTool(Kind.BAR, diameter_mm=20.0, length_mm=150.0, holder_mm=0.0)
@@ -26,12 +27,15 @@ SETTINGS = MacroSettings(
     master_diameter_mm=BAR.diameter_mm,
     master_tool=BAR_NUMBER,
     trace_step_mm=2.0,
+    gap_ms=15.0,
+    gap_on="M75",
+    gap_off="M76",
 )
 KINDS = {Kind.FLAT: 1, Kind.BALL: 2, Kind.DRILL: 3, Kind.REAMER: 4}
 ALARMS = {
     0: "", 100: "CALL", 101: "RUNOUT", 102: "SHORT", 103: "LONG", 104: "THIN", 105: "THICK", 106: "CHIP",
     107: "NO CONTACT", 108: "BEAM", 109: "NOT CALIBRATED", 110: "NO EDGE", 111: "NO ROOM", 112: "MODES",
-    113: "ENTRY", 114: "LOCKED",
+    113: "ENTRY", 114: "LOCKED", 115: "NOT THE BAR",
 }  # fmt: skip
 
 
@@ -89,14 +93,21 @@ class Stand:
         *,
         settings: MacroSettings = SETTINGS,
         beam: Beam = BEAM,
-        reads_ahead: bool = False,
+        control: FanucControl = FANUC_0I_F,
+        is_inch: bool = False,
+        rpm: int = 5000,
+        reads_ahead: bool = True,
         programs: Library | None = None,
     ) -> None:
-        self.nominal = nominal
+        self.nominal, self.rpm = nominal, rpm
         self.station = Station(beam, {1: real, BAR_NUMBER: BAR})
-        self.machine = Machine(self.station, at=(10.0, 20.0, 0.0), reads_ahead=reads_ahead)
+        self.machine = Machine(self.station, at=(10.0, 20.0, 0.0), control=control, reads_ahead=reads_ahead)
         self.machine.work_mm = (-200.0, -150.0, -300.0)
+        settings = replace(settings, increment_mm=control.increment_mm)
         self.control = Interpreter(programs or library(settings), self.machine)
+        self.unit_mm = 25.4 if is_inch else 1.0
+        if is_inch:
+            self.control.run("G20")
 
     def run(self, text: str) -> str:
         """Run blocks; the name of the alarm, empty when there was none."""
@@ -108,17 +119,28 @@ class Stand:
         return self.control.run(text)
 
     def calibrate(self) -> None:
-        assert self.run("T90 M6\nG65 P9810") == ""
+        assert self.run("T90 M6\nG65 P8900") == ""
 
     def check_alone(self) -> str:
         """Tool change and TOOL CHECK."""
-        return self.run(f"T1 M6\n{self.nominal.data(1)}\nG65 P9811 T1 S5000")
+        return self.run(f"T1 M6\n{self.nominal.data(1)}\nG65 P8901 T1. S{self.rpm}.")
 
     def trace(self, height: float = 20.0) -> str:
-        return self.run(f"{self.nominal.data(1)}\nG65 P9812 T1 Z{height:g} S5000")
+        height_in_units = self._number(height)
+        return self.run(f"{self.nominal.data(1)}\nG65 P8902 T1. Z{height_in_units} S{self.rpm}.")
 
-    def chip_check(self, limit: float) -> str:
-        return self.run(f"G65 P9813 T1 W{limit:g} Z20.")
+    def chip_check(self, limit: float, depth: int = 1) -> str:
+        return self.run(f"G65 P8903 T1. W{self._number(limit)} D{depth}.")
+
+    def _number(self, length_mm: float) -> str:
+        """A length as the filter writes it, in units of the program."""
+        return print_number(length_mm / self.unit_mm, 6)
+
+    def seconds(self, text: str) -> float:
+        """How long blocks take; they must not alarm."""
+        begin = self.machine.clock_s
+        assert self.run(text) == ""
+        return self.machine.clock_s - begin
 
     def stored(self) -> tuple[np.ndarray, np.ndarray]:
         """Heights (n,) and radii (n, teeth) of the first record, in mm."""
@@ -127,10 +149,11 @@ class Stand:
         assert first is not None
         at = int(first) + 4
         steps, height, teeth = (float(commons[at + n] or 0.0) for n in (10, 11, 6))
-        heights = np.linspace(0.1, height, int(steps) + 1)
+        heights = 0.1 + (height - 0.1) * np.linspace(0.0, 1.0, int(steps) + 1) ** 2
         count = len(heights) * int(teeth)
-        radii = np.array([commons[at + 12 + n] for n in range(count)], np.float64)
-        return heights, radii.reshape(len(heights), -1)
+        differs = np.array([commons[at + 12 + n] for n in range(count)], np.float64)
+        profile = self.nominal.real().profile(heights)
+        return heights, differs.reshape(len(heights), -1) + profile[:, np.newaxis]
 
     def change(self, real: SimulatedTool) -> None:
         """Something happens to the tool."""

@@ -17,7 +17,7 @@ from .stand import BAR, BEAM, SETTINGS, Stand
 GOOD = STRAIGHT.real()
 BAD = STRAIGHT.real(diameter_mm=10.2)
 BLOCKED = replace(BEAM, is_blocked=True)
-CHECK = f"{STRAIGHT.data(1)}\nG65 P9811 T1 S5000"
+CHECK = f"{STRAIGHT.data(1)}\nG65 P8901 T1 S5000"
 
 
 @pytest.fixture
@@ -31,10 +31,10 @@ def stand() -> Stand:
 def workpiece(stand: Stand, every: int) -> str:
     """What a program does at its start: whether anything was measured."""
     before = stand.machine.skip_count
-    assert stand.run(f"T90 M6\nG65 P9810 K{every}\nT1 M6") == ""
+    assert stand.run(f"T90 M6\nG65 P8900 K{every}.\nT1 M6") == ""
     calibrated = stand.machine.skip_count > before
     between = stand.machine.skip_count
-    said = stand.run(f"{CHECK} K{every}\nG65 P9812 T1 Z4. K{every}\nG65 P9813 T1 W0.02 Z4. K{every}")
+    said = stand.run(f"{CHECK} K{every}.\nG65 P8902 T1 Z4. K{every}.\nG65 P8903 T1 W0.02 Z4. K{every}.")
     assert (stand.machine.skip_count > between) == calibrated
     return said if calibrated else "not its turn"
 
@@ -71,20 +71,20 @@ def test_behind_an_alarm_the_next_workpiece_is_checked(stand: Stand) -> None:
 
 def test_a_tool_with_a_sister_stays_locked_until_it_is_released(stand: Stand) -> None:
     stand.change(BAD)
-    assert stand.run(f"{CHECK} K1 U14") == "RUNOUT"
+    assert stand.run(f"{CHECK} K1. U14.") == "RUNOUT"
     stand.change(GOOD)
     touched = stand.machine.skip_count
-    outcome = stand.outcome(f"{CHECK} K1 U14")
-    assert (outcome.alarm, outcome.text) == (114, "TOOL #103 LOCKED SISTER #105")
+    outcome = stand.outcome(f"{CHECK} K1. U14.")
+    assert (outcome.alarm, outcome.text) == (114, "T#103 LOCKED SISTER #105")
     commons = stand.control.variables.commons
     assert (commons[103], commons[105], stand.machine.skip_count) == (1.0, 14.0, touched)
     assert stand.machine.at[2] == SETTINGS.safe_z_mm
     # Whoever calls it, and whatever workpiece it is.
-    for call in (CHECK, f"{CHECK} K9", f"{STRAIGHT.data(1)}\nG65 P9812 T1 Z4.", "G65 P9813 T1 W0.02"):
+    for call in (CHECK, f"{CHECK} K9.", f"{STRAIGHT.data(1)}\nG65 P8902 T1 Z4.", "G65 P8903 T1 W0.02"):
         assert stand.run(call) == "LOCKED"
     assert stand.run(CHECK.replace("T1", "T2")) == ""
-    assert stand.run("G65 P9829 T1") == ""
-    assert stand.run(f"{CHECK} K1 U14") == ""
+    assert stand.run("G65 P8919 T1") == ""
+    assert stand.run(f"{CHECK} K1. U14.") == ""
 
 
 def test_every_kind_of_failure_locks(stand: Stand) -> None:
@@ -93,23 +93,23 @@ def test_every_kind_of_failure_locks(stand: Stand) -> None:
         (STRAIGHT.real(is_missing=True), "NO CONTACT"),
     ):
         stand.change(real)
-        assert stand.run(f"{CHECK} K1 U14") == alarm
+        assert stand.run(f"{CHECK} K1. U14.") == alarm
         assert stand.run(CHECK) == "LOCKED"
-        stand.run("G65 P9829 T1")
+        stand.run("G65 P8919 T1")
     stand.change(GOOD)
     assert stand.trace(4.0) == ""
     stand.change(STRAIGHT.real(length_mm=50.9))
     assert stand.chip_check(0.02) == "CHIP"
-    assert stand.run("G65 P9813 T1 W0.02 Z4. K1 U14") == "CHIP"
+    assert stand.run("G65 P8903 T1 W0.02 Z4. K1. U14.") == "CHIP"
     assert stand.run(CHECK) == "LOCKED"
 
 
 def test_a_tool_without_a_sister_is_never_locked(stand: Stand) -> None:
     stand.change(BAD)
-    for call in (CHECK, f"{CHECK} K1 U0", CHECK):
+    for call in (CHECK, f"{CHECK} K1. U0.", CHECK):
         assert stand.run(call) == "RUNOUT"
     stand.station.beam = BLOCKED
-    assert stand.run(f"{CHECK} K1 U14") == "BEAM"  # no fault of the tool
+    assert stand.run(f"{CHECK} K1. U14.") == "BEAM"  # no fault of the tool
     stand.station.beam = BEAM
     assert stand.run(CHECK) == "RUNOUT"
 
@@ -117,10 +117,10 @@ def test_a_tool_without_a_sister_is_never_locked(stand: Stand) -> None:
 def test_ten_tools_are_remembered(stand: Stand) -> None:
     stand.change(BAD)
     for tool in range(21, 33):
-        assert stand.run(f"{CHECK.replace('T1', f'T{tool}')} K1 U{tool + 100}") == "RUNOUT"
+        assert stand.run(f"{CHECK.replace('T1', f'T{tool}')} K1. U{tool + 100}.") == "RUNOUT"
     said = [stand.run(CHECK.replace("T1", f"T{tool}")) for tool in range(21, 33)]
     assert said == ["LOCKED"] * 10 + ["RUNOUT"] * 2
-    assert stand.run("G65 P9829") == "CALL"
+    assert stand.run("G65 P8919") == "CALL"
 
 
 @pytest.mark.linuxcnc("machine")

@@ -31,7 +31,7 @@ from .cases import (
     Case,
     verdict_table,
 )
-from .stand import SETTINGS, Nominal, Stand
+from .stand import BEAM, SETTINGS, Nominal, Stand
 
 NAMED = {case.name: case for case in CASES}
 
@@ -84,18 +84,20 @@ def mutated(name: str, old: str, new: str) -> Library:
 @pytest.mark.parametrize(
     ("name", "old", "new", "shown_by"),
     [
-        ("O9811.nc", "LE ROUND[#105/#135]] GOTO 3", "LT ROUND[#105/#135]] GOTO 3", "runout 0.005"),
-        ("O9811.nc", "LE ROUND[#109/#135]", "LT ROUND[#109/#135]", "length L+0.000"),
-        ("O9811.nc", "GT ROUND[[#109+#137]/#135]", "GE ROUND[[#109+#137]/#135]", "length L+3.000"),
-        ("O9811.nc", "LE ROUND[[#107*2.-#138]", "LT ROUND[[#107*2.-#138]", "diameter OD-0.500"),
-        ("O9811.nc", "N4 G65 P9819 U#116 C#4", "N4 G65 P9819 C#4", "length L+0.001"),
-        ("O9819.nc", "IF [#106 EQ 3] GOTO 1", "#108=0", "drill, a little longer"),
-        ("O9819.nc", "IF [#106 EQ 2] GOTO 1", "#108=0", "ball, a little longer"),
-        ("O9814.nc", "IF [#6 EQ 2] THEN #108=#107", "", "good ball"),
-        ("O9813.nc", "GOTO 26", "GOTO 4", "chip: shortened by 0.03"),
-        ("O9825.nc", "LT ROUND[#23/#135]", "LE ROUND[#23/#135]", "chip: exactly 0.02"),
-        ("O9825.nc", "#17=#19/#22", "#17=1", "chip: too small on a ball"),
-        ("O9811.nc", "A[#112+#13*360./#113]", "A0.", "diameter OD-0.499"),
+        ("O8901.nc", "#11=#118-#105-#135", "#11=#118-#105-0.002", "runout 0.006"),
+        ("O8901.nc", "LE ROUND[#109/#135]", "LT ROUND[#109/#135]", "length L+0.000"),
+        ("O8901.nc", "GT ROUND[[#109+#137]/#135]", "GE ROUND[[#109+#137]/#135]", "length L+3.000"),
+        ("O8901.nc", "LE ROUND[[#107*2.-#138]", "LT ROUND[[#107*2.-#138]", "diameter OD-0.500"),
+        ("O8901.nc", "N5 G65 P8909 U#107 C#4", "N5 G65 P8909 C#4", "length L+0.001"),
+        ("O8921.nc", "IF [#106 EQ 3] GOTO 1", "#108=0", "drill, a little longer"),
+        ("O8921.nc", "IF [#106 EQ 2] GOTO 1", "#108=0", "ball, a little longer"),
+        ("O8904.nc", "IF [#6 EQ 2] THEN #108=#107", "", "good ball"),
+        ("O8903.nc", "GOTO 26", "GOTO 4", "chip: shortened by 0.03"),
+        ("O8915.nc", "LT ROUND[#23/#135]", "LE ROUND[#23/#135]", "chip: exactly 0.02"),
+        ("O8923.nc", "#176=#108-#170", "GOTO 9", "chip: too small on a ball"),
+        ("O8901.nc", "A[#112+#13*360./#113]", "A0.", "diameter OD-0.498"),
+        ("O8920.nc", "IF [ABS[#5021*#100-#160] LT 0.004] THEN #102=0", "#102=0", "runout 0.006"),
+        ("O8925.nc", "IF [ABS[#5023*#100-#110+#7] GT 0.004] GOTO 9", "", "chip: 0.03 on one of four"),
     ],
 )
 def test_a_broken_macro_is_noticed(name: str, old: str, new: str, shown_by: str) -> None:
@@ -104,7 +106,7 @@ def test_a_broken_macro_is_noticed(name: str, old: str, new: str, shown_by: str)
 
 
 def test_a_macro_that_asks_too_early_is_caught_by_reading_ahead() -> None:
-    naive = mutated("O9818.nc", "G90 G53 X[#120/#100]", "").programs
+    naive = mutated("O8908.nc", "N1 #11=0\nG90 G53 X[#120/#100]", "N1 #11=0").programs
     asks = Library([b"O9001\nG91 G0 Z-5.\n#500=#5023\nG90\nM99\n"])
     asks.programs |= naive
     seen = {}
@@ -120,7 +122,7 @@ def test_the_stored_shape_is_the_shape_of_each_tooth(nominal: Nominal) -> None:
     """The angle follows the helix, and no tooth is taken for another."""
     chips = (Chip(0, 6.0, 0.11), Chip(nominal.teeth - 1, 12.0, 0.07))
     real = nominal.real(chips=chips)
-    stand = Stand(nominal, real)
+    stand = Stand(nominal, real, settings=replace(SETTINGS, trace_step_mm=0.5))
     stand.calibrate()
     assert stand.run("T1 M6") == stand.trace() == ""
     heights, radii = stand.stored()
@@ -129,7 +131,7 @@ def test_the_stored_shape_is_the_shape_of_each_tooth(nominal: Nominal) -> None:
     expected = np.column_stack([real.tooth_radius(k, heights) for k in range(nominal.teeth)])
     # The macro calls that tooth the first which it finds first.
     errors = [np.abs(np.roll(expected, k, axis=1) - radii).max() for k in range(nominal.teeth)]
-    assert min(errors) < 0.001
+    assert min(errors) < 0.003  # the tip is known to a micrometre, and a point is flat
     assert max(errors) > 0.05
 
 
@@ -141,7 +143,7 @@ def test_a_chip_is_as_deep_as_the_measures_of_the_filter_say(nominal: Nominal) -
     assert stand.run("T1 M6") == stand.trace(6.0) == ""
     heights, radii = stand.stored()
     stored = np.column_stack([heights, radii[:, 0]])
-    for height in heights[[0, 1, 6, 9, -1] if nominal is BALL else [6, 9, -1]]:
+    for height in heights[[4, 6, 9, -1] if nominal is BALL else [9, -1]]:
         for depth in (0.004, 0.021, 0.06):
             later = nominal.real(chips=(Chip(0, height, depth, 0.4),))
             stand.change(later)
@@ -172,9 +174,9 @@ def test_everything_is_as_it_was_and_the_tool_is_up(before: str) -> None:
     stand.control.length_offsets_mm[1] = 131.0
     stand.run(f"T90 M6\n{before}")
     unit = 25.4 if "G20" in before else 1.0
-    calls = ["G65 P9810", f"T1 M6\n{STRAIGHT.data(1)}", "G65 P9811 T1 S5000", f"G65 P9812 T1 Z{4 / unit:g}"]
-    for call in [*calls, f"G65 P9813 T1 W{0.02 / unit:g} Z{4 / unit:g}"]:
-        stand.run("T1") if "P9810" in call else None
+    calls = ["G65 P8900", f"T1 M6\n{STRAIGHT.data(1)}", "G65 P8901 T1 S5000", f"G65 P8902 T1 Z{4 / unit:g}"]
+    for call in [*calls, f"G65 P8903 T1 W{0.02 / unit:g} Z{4 / unit:g}"]:
+        stand.run("T1") if "P8900" in call else None
         was = in_force(stand)
         assert stand.run(call) == ""
         now = in_force(stand)
@@ -194,20 +196,20 @@ def test_no_check_runs_with_compensation_or_a_cycle_on(mode: str) -> None:
 
 def test_what_a_call_lacks_is_an_alarm() -> None:
     stand = Stand(STRAIGHT, STRAIGHT.real())
-    assert stand.run(f"{STRAIGHT.data(1)}\nG65 P9811 T1 S5000") == "NOT CALIBRATED"
+    assert stand.run(f"{STRAIGHT.data(1)}\nG65 P8901 T1 S5000") == "NOT CALIBRATED"
     stand.calibrate()
     stand.run("T1 M6")
     for call in (
-        "G65 P9811 T2 S5000",
-        "G65 P9811 T1",
-        "G65 P9812 T1 S5000",
-        "G65 P9812 T1 Z20.",
-        "G65 P9813 T1",
+        "G65 P8901 T2 S5000",
+        "G65 P8901 T1",
+        "G65 P8902 T1 S5000",
+        "G65 P8902 T1 Z20.",
+        "G65 P8903 T1",
     ):
         assert stand.run(f"{STRAIGHT.data(1)}\n{call}") == "CALL", call
-    for missing in (" K1", " D10.", " H50.", " Q4"):
-        assert stand.run(STRAIGHT.data(1).replace(missing, "")) == "CALL", missing
-    assert stand.run("G65 P9813 T1 W0.02") == "NO EDGE"
+    for missing in (" K1.", " D10.", " H50.", " Q4"):
+        assert stand.run(STRAIGHT.data(1).replace(f"{missing} ", " ")) == "CALL", missing
+    assert stand.run("G65 P8903 T1 W0.02") == "NO EDGE"
 
 
 def test_a_shape_that_finds_no_room_is_an_alarm() -> None:
@@ -216,7 +218,7 @@ def test_a_shape_that_finds_no_room_is_an_alarm() -> None:
     stand.run("T1 M6")
     for height in (20.0, 4.0, 20.0):  # another size takes another place, the same size the same place
         assert stand.trace(height) == ""
-    assert stand.run(f"{STRAIGHT.data(1)}\nG65 P9812 T1 S5000 Z500.") == "NO ROOM"
+    assert stand.run(f"{STRAIGHT.data(1)}\nG65 P8902 T1 S5000 Z500.") == "NO ROOM"
 
 
 def test_a_fault_that_goes_away_is_measured_again_before_an_alarm() -> None:
@@ -226,16 +228,16 @@ def test_a_fault_that_goes_away_is_measured_again_before_an_alarm() -> None:
     stand.run("T1 M6")
     count, real = 0, stand.station.broken
 
-    def broken(tool: int, angle_deg: float | None, points: np.ndarray) -> np.ndarray:
+    def broken(tool: int, points: np.ndarray, *angles: np.ndarray) -> np.ndarray:
         nonlocal count
-        count += tool == 1 and len(points) > 1 and bool(np.ptp(points[:, 1]) > 1.9)
-        if count > 3:
+        count += tool == 1 and stand.machine.at[1] == BEAM.y_mm - 5.1
+        if count:
             stand.change(STRAIGHT.real())
-        return real(tool, angle_deg, points)
+        return real(tool, points, *angles)
 
     stand.station.broken = broken  # type: ignore[method-assign]
     assert stand.check_alone() == ""
-    assert count > 3
+    assert count
 
 
 @pytest.mark.parametrize("dialect", [FANUC_MILL, LINUXCNC_MILL], ids=lambda dialect: dialect.name)
@@ -254,5 +256,5 @@ def test_alarms_fit_the_screen_and_their_range() -> None:
         for match in re.findall(r"#3000=#131(?:\+(\d+))?\((.*)\)", data.decode())
     ]
     assert len(texts) > 15
-    assert all(int(number or 0) < 100 and len(text) <= 31 for number, text in texts), texts
-    assert all("TOOL" in text or number in ("9", "12") for number, text in texts)
+    assert all(int(number or 0) < 100 and len(text) <= 26 for number, text in texts), texts
+    assert all("T#103" in text or number in ("9", "12") for number, text in texts)

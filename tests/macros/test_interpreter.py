@@ -7,11 +7,78 @@ import pytest
 from chipbreak.text.diagnostics import RefusalError
 from laser_simulator.barrier import Beam, Station
 from laser_simulator.tool import SimulatedTool
-from macro_interpreter import Interpreter, Library, Machine, Outcome
+from macro_interpreter import FANUC_0I_F, FanucControl, Interpreter, Library, Machine, Outcome
+from macro_interpreter.controls import FANUC_0I_F_DPI, FANUC_31I_C
 
 
 def control(*programs: str, **machine: object) -> Interpreter:
     return Interpreter(Library(programs), Machine(**machine), most_blocks=2000)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("made", "text", "expected"),
+    [
+        (FANUC_0I_F, "#100=#6", 0.001),
+        (FANUC_31I_C, "#100=#6", 0.0001),
+        (FANUC_0I_F_DPI, "#100=#6", 1.0),
+        (FANUC_0I_F, "#100=#20", 1.0),
+    ],
+)
+def test_an_argument_without_a_decimal_point_may_count_increments(
+    made: FanucControl, text: str, expected: float
+) -> None:
+    ran = control(f"O9001\n{text}\nM99\n", control=made)
+    ran.run("G65 P9001 K1 T1")
+    assert ran.variables.commons[100] == pytest.approx(expected)
+    ran.run("G65 P9001 K1. T1.")
+    assert ran.variables.commons[100] == 1.0
+
+
+def test_a_dwell_without_a_decimal_point_counts_milliseconds() -> None:
+    ran = control(reads_ahead=False)
+    ran.run("G4 X500\nG4 P500")
+    assert ran.machine.clock_s == pytest.approx(1.0, abs=0.05)
+
+
+def test_places_in_inches_are_whole_increments() -> None:
+    ran = control()
+    ran.run("G20\nG53 X0.00007\n#100=#5021")
+    assert ran.machine.at[0] == pytest.approx(0.00254)
+    ran.run("G53 X0.00004")
+    assert ran.machine.at[0] == 0.0
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "#3000=1(THE CONTROL SHOWS NO MORE THAN 26)",
+        "#3006=1(THE CONTROL SHOWS NO MORE THAN 26)",
+        "#3000=201(TOO HIGH)",
+    ],
+)
+def test_an_alarm_that_the_control_does_not_show_is_refused(text: str) -> None:
+    with pytest.raises(RefusalError) as caught:
+        control().run(text)
+    assert caught.value.code == "MAC011"
+
+
+def test_the_beam_sees_each_edge_when_it_passes() -> None:
+    """Between two edges the signal is off, and a fast touch of a slow spindle runs past the edge."""
+    made = at_the_beam()
+    made.machine.pulse_s = 0.0
+    made.run("G91 G31 Z-60. F1000.\nS150 M3\nG31 Y30. F600.\n#100=#5022\nG90")
+    assert -5.0 <= made.variables.commons[100] <= -4.0  # type: ignore[operator]
+    slow = at_the_beam()
+    slow.machine.pulse_s = 0.0
+    slow.run("G91 G31 Z-60. F1000.\nS150 M3\nG31 Y14. F600.\nG31 Y30. F0.6\n#100=#5022\nG90")
+    assert -5.0 <= slow.variables.commons[100] <= -4.998  # type: ignore[operator]
+
+
+def test_the_signal_stays_for_a_while() -> None:
+    made = at_the_beam()
+    made.machine.pulse_s = 0.2
+    made.run("G91 G31 Z-60. F1000.\nG31 Y30. F60.\nG90 G53 Y-10.\n#100=#1000\nG4 X0.3\nG53\n#101=#1000")
+    assert (made.variables.commons[100], made.variables.commons[101]) == (1.0, 0.0)
 
 
 def value(expression: str) -> float | None:
@@ -105,7 +172,8 @@ def test_alarm_and_stop() -> None:
 
 def at_the_beam() -> Interpreter:
     station = Station(Beam(0.0, 0.0, -100.0), {1: SimulatedTool(length_mm=50.0, holder_mm=0.0)})
-    machine = Machine(station, at=(0.0, -20.0, 0.0), work_mm=(10.0, 10.0, 10.0), is_turning=True, tool=1)
+    machine = Machine(station, at=(0.0, -20.0, 0.0), work_mm=(10.0, 10.0, 10.0), tool=1)
+    machine.angle_deg = 90.0
     return Interpreter(Library(), machine)
 
 
@@ -127,6 +195,7 @@ def test_a_skip_move_in_inches() -> None:
 
 def test_a_skip_signal_that_is_looked_at_now_and_then_comes_late() -> None:
     made = at_the_beam()
+    made.machine.reads_ahead = False
     made.machine.sample_s = 0.001
     made.run("G91 G31 Z-60. F100.\nG31 Y30. F1259.")
     late = made.machine.at[1] + 5.0
@@ -140,7 +209,7 @@ def test_a_move_that_breaks_the_beam_is_on_record() -> None:
 
 
 def test_offsets_and_home() -> None:
-    made = control(at=(1.0, 2.0, -3.0), work_mm=(0.0, 0.0, -50.0))
+    made = control(at=(1.0, 2.0, -3.0), work_mm=(0.0, 0.0, -50.0), reads_ahead=False)
     made.length_offsets_mm[4] = 30.0
     made.run("G90 G43 H4 G0 Z5.\n#100=#5003\n#101=#5043\n#102=#4111\n#103=#4003\nG91 G28 Z0.\nG90 G49")
     commons = made.variables.commons
@@ -177,7 +246,7 @@ def test_reading_ahead_ends_at_moves_in_machine_coordinates_skips_and_tool_chang
         ("MAC007", "#1=POW[2]"),
         ("MAC008", "G2 X1. R1."),
         ("MAC008", "G7.1 C1."),
-        ("MAC008", "M77"),
+        ("MAC008", "M88"),
         ("MAC008", "M99 P10"),
         ("MAC009", "G65 A1."),
         ("MAC009", "G65 P9001 N1."),

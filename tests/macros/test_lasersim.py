@@ -22,7 +22,8 @@ def edge_y(
     """How far from the beam the spindle's axis is when a tool from one side first breaks it."""
     y = side * np.arange(12.0, -0.001, -0.001)
     points = np.column_stack([np.full(len(y), x), y, np.full(len(y), z)])
-    hits = np.flatnonzero(is_broken(BEAM, tool, angle_deg, points))
+    begin, end = (0.0, 360.0) if angle_deg is None else (angle_deg, angle_deg)
+    hits = np.flatnonzero(is_broken(BEAM, tool, points, begin, end))
     return abs(float(y[hits[0]])) if len(hits) else -1.0
 
 
@@ -53,7 +54,7 @@ def test_nothing_is_below_the_tip_or_in_an_empty_holder() -> None:
     assert edge_y(FLAT, None, TIP_Z + 0.001) == -1.0
     assert edge_y(replace(FLAT, is_missing=True), None, TIP_Z - 5.0) == -1.0
     station = Station(replace(BEAM, is_blocked=True), {})
-    assert station.broken(1, 0.0, np.array([[0.0, 99.0, 99.0]])).all()
+    assert station.broken(1, np.array([[0.0, 99.0, 99.0]]), 0.0).all()
 
 
 def test_a_standing_tool_shows_the_edge_that_is_turned_to_the_beam() -> None:
@@ -78,8 +79,8 @@ def test_a_right_hand_helix_is_followed_by_turning_the_way_m3_does() -> None:
 def test_a_hollow_end_is_seen_in_focus_only() -> None:
     dished = replace(FLAT, dish_mm=0.1)
     at = np.array([[0.0, 0.0, TIP_Z - 0.03], [0.0, -4.8, TIP_Z - 0.03], [3.0, 0.0, TIP_Z - 0.03]])
-    assert is_broken(BEAM, dished, None, at).tolist() == [False, True, True]
-    assert is_broken(BEAM, dished, None, at - [0.0, 0.0, 0.05]).tolist() == [True, True, True]
+    assert is_broken(BEAM, dished, at, 0.0, 360.0).tolist() == [False, True, True]
+    assert is_broken(BEAM, dished, at - [0.0, 0.0, 0.05], 0.0, 360.0).tolist() == [True, True, True]
     assert edge_y(FLAT, None, TIP_Z - 1.0, x=6.0) == pytest.approx(4.0, abs=0.0011)
 
 

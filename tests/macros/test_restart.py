@@ -14,8 +14,8 @@ from .cases import STRAIGHT
 from .lc_stand import LC_SETTINGS, alarms, subroutines
 from .stand import BAR, BAR_NUMBER, BEAM, SETTINGS, Stand
 
-CHECK = "G65 P9811 T{tool} S5000"
-TRACE = "G65 P9812 T{tool} Z4. S5000"
+CHECK = "G65 P8901 T{tool} S5000"
+TRACE = "G65 P8902 T{tool} Z4. S5000"
 
 
 @pytest.fixture
@@ -27,14 +27,14 @@ def stand() -> Stand:
 
 def test_the_tool_that_waits_for_m6_still_waits_behind_the_master_bar(stand: Stand) -> None:
     """T1, CALIBRATE, M6: without its T again the master bar would be back in the spindle."""
-    assert stand.run("T2 M6\nT1\nG65 P9810\nM6") == ""
+    assert stand.run("T2 M6\nT1\nG65 P8900\nM6") == ""
     assert stand.machine.tool == 1
-    assert stand.run("G65 P9810\nT2 M6") == ""
+    assert stand.run("G65 P8900\nT2 M6") == ""
     assert stand.machine.tool == 2
 
 
 def test_where_no_tool_was_called_yet_none_waits(stand: Stand) -> None:
-    assert stand.run("G65 P9810") == ""
+    assert stand.run("G65 P8900") == ""
     assert stand.machine.tool == BAR_NUMBER
     assert stand.control.modes.words["T"] == BAR_NUMBER
 
@@ -58,7 +58,7 @@ def test_behind_a_chip_check_the_length_of_another_tool_does_not_count(stand: St
     for tool in (1, 2):
         calls = f"{data[tool]}\n{CHECK.format(tool=tool)}\n{TRACE.format(tool=tool)}"
         assert stand.run(f"T{tool} M6\n{calls}") == ""
-    assert stand.run("T1 M6\nG65 P9813 T1 W0.02 Z4.") == ""
+    assert stand.run("T1 M6\nG65 P8903 T1 W0.02 Z4.") == ""
     assert stand.run(CHECK.format(tool=1)) == "CALL"
     assert stand.run(f"{data[1]}\n{CHECK.format(tool=1)}") == ""
 
@@ -69,7 +69,7 @@ def test_a_tool_that_the_cut_has_pulled_out_does_not_cross_the_beam(stand: Stand
     stand.calibrate()
     assert stand.run(f"T1 M6\n{STRAIGHT.data(1)}\n{CHECK.format(tool=1)}\n{TRACE.format(tool=1)}") == ""
     stand.change(STRAIGHT.real(length_mm=STRAIGHT.length_mm + 1.0 + pulled_mm))
-    assert stand.run("G65 P9813 T1 W0.02 Z4.") == ""
+    assert stand.run("G65 P8903 T1 W0.02 Z4.") == ""
 
 
 @pytest.mark.linuxcnc("machine")

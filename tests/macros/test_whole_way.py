@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import chipbreak
+from beam import BEAM as NAMED
 from laser_simulator.tool import Chip
 from linuxcnc import laser
 
@@ -41,7 +42,7 @@ def parts(folder: Path, name: str, *options: str) -> list[str]:
     tools.write_text(
         "number,type,teeth,diameter_mm,length_mm,holder_mm,helix_deg\n1,flat end mill,4,10,50,80,30\n"
     )
-    settings = chipbreak.load(name, [f'tools.files=["{tools}"]', *options])
+    settings = chipbreak.load(name, [*NAMED, f'tools.files=["{tools}"]', *options])
     result = chipbreak.rewrite(PROGRAM, settings, "program.nc")
     assert not result.diagnostics
     begin = "(CHIPBREAK BEGIN CHIP CHECK"
@@ -94,7 +95,7 @@ def test_every_second_workpiece_until_a_tool_with_a_sister_fails(tmp_path: Path)
     # Whoever starts again without looking: the beam is measured, but this tool does not cut.
     assert [workpiece() for _ in range(2)] == [(True, "LOCKED")] * 2
     stand.change(FLAT.real())
-    assert stand.outcome("G65 P9829 T1").alarm == 0
+    assert stand.outcome("G65 P8919 T1.").alarm == 0
     assert workpiece() == (True, "")
     assert not stand.machine.crossings
 

@@ -41,10 +41,38 @@ def test_the_command_writes_macros_that_run(tmp_path: Path) -> None:
     done = invoke("-o", str(tmp_path / "new"), "-p", "fanuc-mill", *OPTIONS)
     assert (done.exit_code, done.output) == (0, "")
     files = sorted((tmp_path / "new").iterdir())
-    assert len(files) == 20
+    assert len(files) == 30
     stand = Stand(FLAT_OK, FLAT_OK.real(), programs=Library(file.read_bytes() for file in files))
     stand.calibrate()
     assert stand.check_alone() == ""
+
+
+def test_another_s_file_is_not_written_over(tmp_path: Path) -> None:
+    mine = tmp_path / "O8901.nc"
+    mine.write_text("%\nO8901(MY OWN)\nM99\n%\n")
+    done = invoke("-o", str(tmp_path), "-p", "fanuc-mill", *OPTIONS)
+    assert done.exit_code == 2
+    assert "O8901.nc is not a file of chipbreak; nothing was written" in done.output
+    assert [file.name for file in tmp_path.iterdir()] == [mine.name]
+    mine.unlink()
+    for _ in range(2):
+        assert invoke("-o", str(tmp_path), "-p", "fanuc-mill", *OPTIONS).exit_code == 0
+
+
+def test_numbers_of_probe_makers_are_warned_about(tmp_path: Path) -> None:
+    moved = ["--set=macros.first_program=9810", "--set=macros.first_variable=110"]
+    done = invoke("-o", str(tmp_path), "-p", "fanuc-mill", *OPTIONS, *moved)
+    assert done.exit_code == 0
+    assert (
+        "warning MCR005: O9810 to O9839 are also numbers of programs of Renishaw, Blum, Haas" in done.output
+    )
+    files = sorted(tmp_path.iterdir())
+    assert (files[0].name, len(files)) == ("O9810.nc", 30)
+    text = "".join(file.read_text() for file in files)
+    assert "P89" not in text and "#103" not in text
+    stand = Stand(FLAT_OK, FLAT_OK.real(), programs=Library(file.read_bytes() for file in files))
+    assert stand.run("T90 M6\nG65 P9810") == ""
+    assert stand.run(f"T1 M6\n{FLAT_OK.data(1)}\nG65 P9811 T1. S5000.".replace("P8904", "P9814")) == ""
 
 
 def test_the_command_writes_subroutines(tmp_path: Path) -> None:
@@ -106,7 +134,7 @@ def test_a_profile_says_all_that_the_macros_need(tmp_path: Path) -> None:
     profile.write_text(PROFILE)
     done = invoke("-o", str(tmp_path / "new"), "-p", str(profile), "--set=macros.clear_mm=3")
     assert (done.exit_code, done.output) == (0, "")
-    settings = (tmp_path / "new" / "O9815.nc").read_text()
+    settings = (tmp_path / "new" / "O8905.nc").read_text()
     for line in ("#120=120.(", "#128=3.(", "#131=140(", "#132=3(", "#136=0.008(", "#137=2.(", "#138=0.4("):
         assert f"\n{line}" in settings
     assert "\n#139=1.5(" in settings
@@ -124,10 +152,10 @@ def test_the_machine_builder_s_codes_stand_in_the_macros() -> None:
         SETTINGS, orient="M219 S{angle}", laser_on="M70\nG4 P500", laser_off="M71", beam_input=3
     )
     files = {name: data.decode() for name, data in macro_files(FANUC_MILL, settings).items()}
-    assert "M219 S#1\nM99" in files["O9822.nc"]
-    assert "M70\nG4 P500\nM99" in files["O9823.nc"]
-    assert "M71\nM99" in files["O9826.nc"]
-    assert "#124=1003(" in files["O9815.nc"]
+    assert "M219 S#1\nM99" in files["O8912.nc"]
+    assert "M70\nG4 P500\nM99" in files["O8913.nc"]
+    assert "M71\nM99" in files["O8916.nc"]
+    assert "#124=1003(" in files["O8905.nc"]
 
 
 def test_no_line_is_longer_than_a_screen_and_every_line_is_read() -> None:

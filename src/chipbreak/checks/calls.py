@@ -30,6 +30,8 @@ UNKNOWN_FIELD: Final = "SET032"
 UNREADABLE_BLOCK: Final = "SET033"
 LONG_BLOCK: Final = "SET034"
 NOT_HANDED_OVER: Final = "SET035"
+# How much of an edge a CHIP CHECK looks at; its calls count these from 0.
+DEPTHS: Final = ("breakage", "limit-line", "full")
 # No inserted block is longer, whatever the control takes: people read them on its screen.
 LONGEST_BLOCK = 80
 _DECIMALS = 6  # of a limit: 0.02 mm in inches is 0.000787
@@ -52,7 +54,8 @@ class CheckKind(enum.Enum):
 class CallValues(NamedTuple):
     """The values of the fields of a call; None where a check has no such value.
 
-    ``every`` is 1 where each workpiece is checked, ``sister`` 0 where no tool may take this one's place.
+    ``every`` is 1 where each workpiece is checked, ``sister`` 0 where no tool may take this one's place,
+    ``depth`` the place of ``checks.depth`` in DEPTHS.
     """
 
     tool: int | None = None
@@ -63,6 +66,7 @@ class CallValues(NamedTuple):
     data: ToolData | None = None
     every: int = 1
     sister: int = 0
+    depth: int = DEPTHS.index("limit-line")
 
     def fields(self, *, is_inch: bool) -> dict[str, str]:
         """The texts of all fields that have a value; lengths without ``_mm`` are in program units."""
@@ -72,11 +76,11 @@ class CallValues(NamedTuple):
             if value is not None:
                 texts[f"{name}_mm"] = print_number(value, _DECIMALS)
                 texts[name] = print_number(value / scale, _DECIMALS)
-        texts |= {"every": str(self.every), "sister": str(self.sister)}
+        texts |= {"every": str(self.every), "sister": str(self.sister), "depth": str(self.depth)}
         if self.tool is not None:
             texts["tool"] = str(self.tool)
         if self.speed_rpm is not None:
-            texts["speed_rpm"] = print_number(self.speed_rpm, 3, point=False)
+            texts["speed_rpm"] = print_number(self.speed_rpm, 0, point=False)
         if self.operation is not None:
             texts["operation"] = self.operation
         return texts
@@ -86,7 +90,7 @@ class CallValues(NamedTuple):
 _LONGEST_DATA = ToolData(
     number=99999999,
     type="bull nose end mill",
-    teeth=200,
+    teeth=99,
     diameter_mm=1999.9999,
     length_mm=1999.9999,
     corner_radius_mm=999.9999,
@@ -101,7 +105,7 @@ _FIELDS_OF: Final[Mapping[CheckKind, tuple[str, ...]]] = {
     CheckKind.CALIBRATE: ("every",),
     CheckKind.TOOL_CHECK: ("tool", "speed_rpm", "every", "sister", *_LIMIT, *DATA_FIELDS),
     CheckKind.TRACE: ("tool", "speed_rpm", "every", *_HEIGHT, *DATA_FIELDS),
-    CheckKind.CHIP_CHECK: ("tool", "every", "sister", *_LIMIT, *_HEIGHT, *DATA_FIELDS),
+    CheckKind.CHIP_CHECK: ("tool", "depth", "every", "sister", *_LIMIT, *_HEIGHT, *DATA_FIELDS),
 }
 
 
@@ -202,7 +206,7 @@ def _shipped(name: str, settings: Settings) -> CallTemplates:
         return CallTemplates(settings.call_sets[name])
     dialect = settings.dialect
     if name in dialect.call_sets:
-        return dialect.call_sets[name]
+        return _moved(dialect.call_sets[name], settings) if name == BUILT_IN else dialect.call_sets[name]
     others = {one: other.name for other in DIALECTS for one in other.call_sets}
     if name not in others:
         message = f'checks.calls: there is no set of calls "{name}"'
@@ -213,6 +217,18 @@ def _shipped(name: str, settings: Settings) -> CallTemplates:
         why = "the macros measure tools that turn"
         message = f"there are no built-in calls for the dialect {dialect.name}: {why}"
     raise RefusalError(UNKNOWN_SET, message, "describe your own in [calls.NAME], and set checks.calls")
+
+
+def _moved(templates: CallTemplates, settings: Settings) -> CallTemplates:
+    """The built-in calls with the program numbers of the profile."""
+    macros, own = settings.dialect.macros, settings.macros
+    if macros is None:
+        return templates
+    blocks = {
+        kind: tuple(macros.moved(text, own.first_program, own.first_variable) for text in texts)
+        for kind, texts in templates.blocks.items()
+    }
+    return templates._replace(blocks=blocks)
 
 
 def _check(where: str, template: str, kind: CheckKind, limit: int, settings: Settings) -> None:

@@ -89,10 +89,24 @@ def clash_of(interpreted: InterpretedProgram) -> Clash | None:
     macros = settings.dialect.macros
     if settings.checks.calls != BUILT_IN or macros is None:
         return _defined_number(interpreted, _numbers_of(settings), "")
+    macros = _moved(macros, settings)
     return (
         _defined_number(interpreted, macros.numbers, macros.name_prefix)
         or _called_number(interpreted, macros)
         or _shared_variable(interpreted, macros)
+    )
+
+
+def _moved(macros: MacroSet, settings: Settings) -> MacroSet:
+    """The programs with the numbers that the profile gives them."""
+    if not macros.numbers:
+        return macros
+    programs = settings.macros.first_program - macros.numbers[0]
+    first_variable = settings.macros.first_variable
+    return macros._replace(
+        numbers=range(settings.macros.first_program, settings.macros.first_program + len(macros.numbers)),
+        arguments={number + programs: letters for number, letters in macros.arguments.items()},
+        working=range(first_variable, first_variable + len(macros.working)),
     )
 
 
@@ -146,14 +160,23 @@ def _called_number(interpreted: InterpretedProgram, macros: MacroSet) -> Clash |
             said = f"this program calls P{call.number}{call.how}"
             return _not_ours(call, f"{said}, as no check does: another program has that number")
     for call in others:
-        makers = [maker for maker, numbers in PROBE_MAKERS.items() if call.number in numbers]
-        if makers and macros.numbers:
+        makers = makers_of(call.number, macros.numbers)
+        if makers:
             why = (
                 f"this program calls P{call.number}, a number of probe makers ({', '.join(makers)}), whose"
                 f" programs also take P{macros.numbers[0]} to P{macros.numbers[-1]}"
             )
             return _not_ours(call, why)
     return None
+
+
+def makers_of(number: int, ours: range) -> list[str]:
+    """The makers among whose programs a number is, where some of ours are among theirs."""
+    return [
+        maker
+        for maker, theirs in PROBE_MAKERS.items()
+        if number in theirs and any(one in theirs for one in ours)
+    ]
 
 
 def _not_ours(call: _Call, why: str) -> Clash:

@@ -17,8 +17,11 @@ LEFT_TO_CONTROL: Final = "CHK007"
 SISTER_IS_CALLED: Final = "CHK008"
 SHARED_VARIABLE: Final = "CHK009"
 SHARED_NUMBER: Final = "CHK010"
+NO_BEAM: Final = "CHK011"
 # A check that is left out; a strict profile makes an error of it.
-_LEFT_OUT: Final = frozenset({NO_SAFE_POINT, NO_SPEED, NO_SHAPE, WHICH_TOOL, SHARED_VARIABLE, SHARED_NUMBER})
+_LEFT_OUT: Final = frozenset(
+    {NO_SAFE_POINT, NO_SPEED, NO_SHAPE, WHICH_TOOL, SHARED_VARIABLE, SHARED_NUMBER, NO_BEAM}
+)
 
 
 class Findings:

@@ -13,15 +13,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-from chipbreak.checks.calls import CallSet, CallValues, CheckKind, calls_of
+from chipbreak.checks.calls import DEPTHS, CallSet, CallValues, CheckKind, calls_of
 from chipbreak.checks.clashes import clash_of
-from chipbreak.checks.findings import NO_SAFE_POINT, NO_SHAPE, Findings
+from chipbreak.checks.findings import NO_BEAM, NO_SAFE_POINT, NO_SHAPE, Findings
 from chipbreak.checks.limits import Uses, limit_before
 from chipbreak.checks.not_checked import WholeProgram, say_what_is_not_checked
 from chipbreak.checks.tool_data_coverage import ToolDataCoverage
-from chipbreak.checks.ways_out import SEE_ITS_TRACE
+from chipbreak.checks.ways_out import NAME_THE_BEAM, SEE_ITS_TRACE
+from chipbreak.dialects import BUILT_IN
 from chipbreak.insertion.obstacles import Obstacles
 from chipbreak.insertion.safe_points import NoSafePoint, Range, SafePoint, SafePointFinder
+from chipbreak.macros.parameters import missing_of
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.main_program import MainProgram
 from chipbreak.operations.operations import Operation
@@ -57,12 +59,25 @@ def plan_checks(
     """
     planner = _Planner(operations, interpreted, main, settings, tools)
     planner.run()
-    clash = clash_of(interpreted) if planner.planned else None
-    if clash is not None:
-        findings = Findings(interpreted.program, is_strict=settings.checks.strict)
+    if not planner.planned:
+        return [], planner.findings.diagnostics
+    findings = Findings(interpreted.program, is_strict=settings.checks.strict)
+    missing = _missing_of_beam(settings)
+    clash = None if missing else clash_of(interpreted)
+    if missing:
+        message = f"left out: all checks; nothing says where the beam is: no {', '.join(missing)}"
+        findings.say(planner.planned[0].point.line, NO_BEAM, message, NAME_THE_BEAM)
+    elif clash is not None:
         findings.say(clash.line, clash.code, clash.message, clash.help)
+    if findings.diagnostics:
         return [], findings.diagnostics
     return planner.planned, planner.findings.diagnostics
+
+
+def _missing_of_beam(settings: Settings) -> list[str]:
+    """The keys that the programs behind the built-in calls cannot do without, and that have no value."""
+    is_built_in = settings.checks.calls == BUILT_IN and BUILT_IN not in settings.call_sets
+    return [f"macros.{key}" for key in missing_of(settings.macros)] if is_built_in else []
 
 
 class _Wish(NamedTuple):
@@ -177,6 +192,8 @@ class _Planner:
             self.every,
             self._sister(tool),
         )
+        if self.checks.depth == "breakage" and self.calls.hands_over("depth"):
+            values = values._replace(height_mm=0.0)  # no edge is looked at
         called = f"called in line {self.interpreted.program.source.place(call).line}"
         wishes = []
         if self.coverage.allows(CheckKind.TOOL_CHECK, values, operation.first_cut):
@@ -213,6 +230,7 @@ class _Planner:
             data=self.tools.get(tool),
             every=self.every,
             sister=self._sister(tool),
+            depth=DEPTHS.index(self.checks.depth),
         )
         if not self.coverage.allows(CheckKind.CHIP_CHECK, values, operation.last_cut):
             return

@@ -21,6 +21,10 @@ RENAME_THE_PROGRAM: Final = (
     "give that program another number or name, or choose other calls with checks.calls or [calls.NAME]"
 )
 SEE_ITS_TRACE: Final = "see why its TRACE was left out"
+NAME_THE_BEAM: Final = (
+    "give them under [macros] in the profile; or choose the cycles of a maker with checks.calls (haas,"
+    " renishaw, ...); or, with no tool setter on the machine, checks.enabled=false"
+)
 
 
 def call_a_tool(where: str) -> str:

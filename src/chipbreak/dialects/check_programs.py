@@ -6,6 +6,7 @@ are in mm, whatever the program counts in.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
@@ -32,8 +33,8 @@ class MacroSet(NamedTuple):
     """The check programs of a control.
 
     ``folder``     where those lie that never change: in ``macros/``, or the path of another folder
-    ``written``    file name -> lines of a program that the settings make; a line ``{settings}``,
-                   ``{orient}``, ``{laser_on}`` or ``{laser_off}`` stands for those of the profile
+    ``written``    file name -> lines of a program that the settings make; a line ``{settings}``, ``{orient}``
+                   or one of LINES in braces stands for those of the profile
     ``setting``    the line of one setting: ``{number}`` or ``{name}`` of its variable, ``{value}``, and what
                    it is, as ``{title}`` or in lower case as ``{small_title}``
     ``angle``      the variable in which the angle stands to which the spindle is turned
@@ -42,9 +43,11 @@ class MacroSet(NamedTuple):
     ``working``    variables in which the programs work, beside those of the store
     ``prefix``     of the names of variables that are theirs; empty where variables have no names
     ``tool_data``  the blocks that hand the data of a tool over, before its check
-    ``numbers``    the program numbers of all of them; empty where programs have names
+    ``numbers``    the program numbers of all of them, before a profile moves them; empty where programs
+                   have names
     ``arguments``  number -> the letters with which a program may call it; the others are called by these
     ``name_prefix`` of the names of the programs; empty where programs have numbers
+    ``mark``       what each file of ours holds, and no other
     """
 
     folder: str | Path
@@ -59,6 +62,31 @@ class MacroSet(NamedTuple):
     numbers: range = range(0)
     arguments: Mapping[int, str] = FrozenTable({})
     name_prefix: str = ""
+    mark: str = "(CHIPBREAK "
+
+    def moved(self, text: str, first_program: int, first_variable: int) -> str:
+        """A text of these programs or of their calls, with other program numbers and working variables."""
+        if not self.numbers:
+            return text
+        programs, variables = first_program - self.numbers[0], first_variable - self.working[0]
+
+        def program(hit: re.Match[str]) -> str:
+            number = int(hit[2])
+            return f"{hit[1]}{number + programs:04d}" if number in self.numbers else hit[0]
+
+        def variable(hit: re.Match[str]) -> str:
+            number = int(hit[1])
+            return f"#{number + variables}" if number in self.working else hit[0]
+
+        return _VARIABLE.sub(variable, _PROGRAM.sub(program, text))
+
+
+_PROGRAM = re.compile(r"\b([OP])(\d{4})\b")
+_VARIABLE = re.compile(r"#(\d+)")
+# Keys of a profile whose lines stand in the programs.
+LINES: Final = (
+    "laser_on", "laser_off", "air_on", "air_off", "lock_on", "lock_off", "spin_off", "gap_on", "gap_off",
+)  # fmt: skip
 
 
 # The program numbers of makers of probes and tool setters.  Some of ours are among them: a control that has
@@ -80,30 +108,33 @@ MACRO_B: Final = MacroSet(
     folder="fanuc",
     written=FrozenTable(
         {
-            **_program(9815, "SETTINGS", "{settings}"),
+            **_program(8905, "SETTINGS", "{settings}"),
             **_program(
-                9822,
+                8912,
                 "ORIENT",
                 "(A ANGLE)",
                 "#1=#1-FIX[#1/360.]*360.",
                 "IF [#1 LT 0] THEN #1=#1+360.",
                 "{orient}",
             ),
-            **_program(9823, "LASER ON", "{laser_on}"),
-            **_program(9826, "LASER OFF", "{laser_off}"),
+            **_program(8913, "LASER ON", "{lock_on}", "{laser_on}", "{air_on}"),
+            **_program(8916, "LASER OFF", "{air_off}", "{laser_off}", "{lock_off}"),
+            **_program(8927, "LOOK FOR A MISSING EDGE", "{gap_on}"),
+            **_program(8928, "LOOK FOR A BROKEN BEAM", "{gap_off}"),
+            **_program(8929, "SPIN OFF", "{spin_off}"),
         }
     ),
     setting="#{number}={value}({title})",
     angle="#1",
     tool_data=(
-        "G65 P9814 T{tool} K{kind} D{diameter_mm} R{tip} H{length_mm} E{holder_mm} Q{teeth} B{helix}",
+        "G65 P8904 T{tool}. K{kind}. D{diameter_mm} R{tip} H{length_mm} E{holder_mm} Q{teeth}. B{helix}",
     ),
     frame="%\n{program}%\n",  # a memory card wants each program between two marks
     first_signal=1000,
-    working=range(100, 151),
-    numbers=range(9810, 9830),
+    working=range(100, 180),
+    numbers=range(8900, 8930),
     arguments=FrozenTable(
-        {9810: "K", 9811: "TSKU", 9812: "TZSK", 9813: "TWZKU", 9814: "TKDRHEQB", 9829: "T"}
+        {8900: "K", 8901: "TSKU", 8902: "TZSK", 8903: "TWDKU", 8904: "TKDRHEQB", 8919: "T"}
     ),
 )
 O_WORDS: Final = MacroSet(
@@ -112,8 +143,11 @@ O_WORDS: Final = MacroSet(
         {
             **_sub("settings", "{settings}"),
             **_sub("orient", "#<angle> = [#1 - FIX[#1 / 360] * 360]", "{orient}"),
-            **_sub("laser_on", "{laser_on}"),
-            **_sub("laser_off", "{laser_off}"),
+            **_sub("laser_on", "{lock_on}", "{laser_on}", "{air_on}"),
+            **_sub("laser_off", "{air_off}", "{laser_off}", "{lock_off}"),
+            **_sub("gap_on", "{gap_on}"),
+            **_sub("gap_off", "{gap_off}"),
+            **_sub("spin_off", "{spin_off}"),
         }
     ),
     setting="#<_cb_{name}> = {value} ({small_title})",
@@ -124,24 +158,25 @@ O_WORDS: Final = MacroSet(
     ),
     prefix="_cb_",
     name_prefix="cb_",
+    mark="o<cb_",
 )
 
 # Tool data lasts for the TRACE straight behind the check.
 _MACRO_B_CALLS = CallTemplates(
     FrozenTable(
         {
-            "calibrate": ("G65 P9810",),
-            "tool_check": (*MACRO_B.tool_data, "G65 P9811 T{tool} S{speed_rpm}"),
-            "trace": ("G65 P9812 T{tool} Z{height}",),
-            "chip_check": ("G65 P9813 T{tool} W{limit} Z{height}",),
+            "calibrate": ("G65 P8900",),
+            "tool_check": (*MACRO_B.tool_data, "G65 P8901 T{tool}. S{speed_rpm}."),
+            "trace": ("G65 P8902 T{tool}. Z{height}",),
+            "chip_check": ("G65 P8903 T{tool}. W{limit} D{depth}.",),
         }
     ),
     FrozenTable(
         {
-            "calibrate": " K{every}",
-            "tool_check": " K{every} U{sister}",
-            "trace": " K{every}",
-            "chip_check": " K{every} U{sister}",
+            "calibrate": " K{every}.",
+            "tool_check": " K{every}. U{sister}.",
+            "trace": " K{every}.",
+            "chip_check": " K{every}. U{sister}.",
         }
     ),
 )
@@ -151,7 +186,7 @@ _O_WORD_CALLS = CallTemplates(
             "calibrate": ("o<cb_calibrate> call",),
             "tool_check": (*O_WORDS.tool_data, "o<cb_tool_check> call [{tool}] [{speed_rpm}]"),
             "trace": ("o<cb_trace> call [{tool}] [{height}]",),
-            "chip_check": ("o<cb_chip_check> call [{tool}] [{limit}] [{height}]",),
+            "chip_check": ("o<cb_chip_check> call [{tool}] [{limit}] [{depth}]",),
         }
     ),
     FrozenTable(

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 
-from chipbreak.settings.sections import Checks, Macros, Settings
+from chipbreak.settings.sections import Checks, Control, Macros, Settings
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.units import MM_PER_INCH
 
 NOT_SET = "MCR001"
 # Names as they stand in a profile, with what people need to measure or look up for each.
@@ -17,6 +18,11 @@ _NEEDED = {
     "master_length_mm": "from the spindle nose to the end of the master bar",
     "master_diameter_mm": "diameter of the master bar",
 }
+
+
+def missing_of(macros: Macros) -> list[str]:
+    """The keys of [macros] that nobody may guess and that have no value, in their order."""
+    return [name for name in _NEEDED if getattr(macros, name) is None]
 
 
 class UnsetError(RefusalError):
@@ -32,20 +38,32 @@ class MacroSettings(Macros):
     length_over_mm: float = Checks.length_over_mm
     diameter_mm: float = Checks.diameter_mm
     trace_step_mm: float = Checks.trace_step_mm
+    trace_chip_mm: float = Checks.trace_chip_mm
+    increment_mm: float = Control.increment_mm
+
+    @property
+    def inch_step_mm(self) -> float:
+        """What can be commanded in inches: a tenth of the number in mm [mm]."""
+        return self.increment_mm / 10.0 * MM_PER_INCH
+
+    @property
+    def gap_s(self) -> float:
+        """``gap_ms`` in seconds."""
+        return self.gap_ms / 1000.0
 
     @classmethod
     def of(cls, settings: Settings) -> MacroSettings:
         """Those of a profile."""
         given = {
             field.name: getattr(section, field.name)
-            for section in (settings.macros, settings.checks)
+            for section in (settings.macros, settings.checks, settings.control)
             for field in dataclasses.fields(section)
         }
         return cls(**{field.name: given[field.name] for field in dataclasses.fields(cls)})
 
     def checked(self) -> MacroSettings:
         """These settings; raises UnsetError (MCR001) when something is missing that nobody may guess."""
-        missing = [name for name in _NEEDED if getattr(self, name) is None]
+        missing = missing_of(self)
         if missing:
             lines = "; ".join(f"macros.{name}: {_NEEDED[name]}" for name in missing)
             raise UnsetError(NOT_SET, f"the macros need {len(missing)} more values", lines)

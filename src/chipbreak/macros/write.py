@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib import resources
 
 from chipbreak.dialects import DIALECTS, Dialect, MacroSet
+from chipbreak.dialects.check_programs import LINES, PROBE_MAKERS
 from chipbreak.macros.parameters import MacroSettings
 from chipbreak.settings.axis_words import AxisWords
 from chipbreak.syntax.numbers import print_number
-from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.text.named_tuple import NamedTuple
 
 NO_MACROS = "MCR004"
+MAKERS_NUMBERS = "MCR005"
 _DECIMALS = 4
 # Behind the stored edges: the count of workpieces, and ten locked tools.
 _KEPT = 11
@@ -54,6 +57,12 @@ _NUMBERED = (
     (143, "master_tool", "master_tool", "MASTER BAR, TOOL NUMBER"),
     (144, "turn_sign", "turn_sign", "1 = ANGLES COUNT WITH M3"),
     (145, "store_first", "store", "FIRST VARIABLE OF STORED VALUES"),
+    (149, "bar_within_mm", "bar_within", "MASTER BAR WITHIN, THICKNESS"),
+    (151, "settle_s", "settle", "SECONDS UNTIL THE SIGNAL IS OFF"),
+    (152, "beam_within_mm", "beam_within", "BEAM WITHIN"),
+    (153, "trace_chip_mm", "trace_chip", "NO CHIP AS LONG AS THIS IS MISSED"),
+    (154, "gap_s", "gap", "SECONDS TO A MISSING EDGE, 0: CANNOT"),
+    (159, "inch_step_mm", "inch_step", "LEAST STEP IN INCHES, IN MM"),
 )
 
 
@@ -75,7 +84,30 @@ def macro_files(dialect: Dialect, settings: MacroSettings) -> dict[str, bytes]:
     for name, template in macros.written.items():
         lines = [line for text in template for line in parts.get(text, [text])]
         files[name] = "\n".join([*lines, ""])
-    return {name: macros.frame.format(program=files[name]).encode("ascii") for name in sorted(files)}
+
+    def moved(text: str) -> str:
+        return macros.moved(text, settings.first_program, settings.first_variable)
+
+    return {
+        moved(name): macros.frame.format(program=moved(files[name])).encode("ascii") for name in sorted(files)
+    }
+
+
+def foreign_files(macros: MacroSet, existing: Mapping[str, bytes]) -> list[str]:
+    """The names of those files that another hand has written, sorted."""
+    return sorted(name for name, data in existing.items() if macros.mark.encode() not in data)
+
+
+def makers_numbers(dialect: Dialect, first_program: int) -> Diagnostic | None:
+    """A warning where the programs lie among those of probe makers, None where they do not."""
+    count = len(dialect.macros.numbers) if dialect.macros else 0
+    ours = range(first_program, first_program + count)
+    makers = [maker for maker, theirs in PROBE_MAKERS.items() if any(one in theirs for one in ours)]
+    if not makers:
+        return None
+    message = f"O{ours[0]} to O{ours[-1]} are also numbers of programs of {', '.join(makers)}"
+    help_text = "look whether they are on the control, or choose others with macros.first_program"
+    return Diagnostic(MAKERS_NUMBERS, Severity.WARNING, message, help_text)
 
 
 def check_axes(words: AxisWords) -> None:
@@ -91,9 +123,7 @@ def _parts(macros: MacroSet, settings: MacroSettings) -> dict[str, list[str]]:
     return {
         "{settings}": [_setting(macros, settings, _Variable(*one)) for one in _NUMBERED],
         "{orient}": [settings.orient.format(angle=macros.angle)],
-        "{laser_on}": settings.laser_on.splitlines(),
-        "{laser_off}": settings.laser_off.splitlines(),
-    }
+    } | {f"{{{key}}}": getattr(settings, key).splitlines() for key in LINES}
 
 
 def _setting(macros: MacroSet, settings: MacroSettings, variable: _Variable) -> str:

@@ -220,6 +220,8 @@ class Checks(ValueRecord):
     diameter_mm: float = _above(0.5)
     trace_height_mm: float = _above(20.0)
     trace_step_mm: float = _above(0.5)
+    trace_chip_mm: float = _above(0.2)
+    depth: str = _one_of("limit-line", "breakage", "full")
     last_use: float | str = field(
         default="next-part", metadata={"choices": ("next-part", "none"), "above": 0.0}
     )
@@ -258,17 +260,30 @@ class Macros(ValueRecord):
     fast_feed: float = _above(600.0)
     slow_feed: float = _above(12.0)
     clear_mm: float = _above(2.0)
-    back_mm: float = _above(0.2)
+    back_mm: float = _above(0.02)
+    settle_s: float = _at_least(0.03)
+    gap_ms: float = _at_least(0.0)
+    beam_within_mm: float = _above(2.0)
+    bar_within_mm: float = _above(0.1)
     search_mm: float = _above(10.0)
     above_mm: float = _above(0.1)
-    inset_mm: float = _above(0.2)
+    inset_mm: float = _above(0.3)
     resolution_mm: float = _above(0.001)
     turn_sign: int = field(default=1, metadata={"values": (1, -1)})
     store_first: int = _at_least(500, 1)
     store_last: int = _at_least(999, 1)
+    first_program: int = _between(8900, 1, 9970)
+    first_variable: int = _between(100, 100, 900)
     orient: str = "M19 R{angle}"
     laser_on: str = ""
     laser_off: str = ""
+    air_on: str = ""
+    air_off: str = ""
+    lock_on: str = ""
+    lock_off: str = ""
+    spin_off: str = ""
+    gap_on: str = ""
+    gap_off: str = ""
 
 
 class Tools(ValueRecord):

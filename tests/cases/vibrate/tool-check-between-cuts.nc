@@ -1,4 +1,4 @@
-; flags: -p fanuc-mill --set checks.last_use=none --set output.segments=stroke
+; flags: -p fanuc-mill --set macros.beam_x_mm=120 --set macros.beam_y_mm=-35 --set macros.beam_z_mm=-400 --set macros.safe_z_mm=0 --set macros.master_length_mm=150 --set macros.master_diameter_mm=20 --set macros.master_tool=90 --set checks.last_use=none --set output.segments=stroke
 T2 M6
 S1300 M3
 (ROUGH POCKET)
@@ -19,15 +19,15 @@ G0 Z15.
 M5
 M30
 ; --- output
-; flags: -p fanuc-mill --set checks.last_use=none --set output.segments=stroke
+; flags: -p fanuc-mill --set macros.beam_x_mm=120 --set macros.beam_y_mm=-35 --set macros.beam_z_mm=-400 --set macros.safe_z_mm=0 --set macros.master_length_mm=150 --set macros.master_diameter_mm=20 --set macros.master_tool=90 --set checks.last_use=none --set output.segments=stroke
 G91 G28 Z0.
 G90
-G65 P9810
+G65 P8900
 T2 M6
 G91 G28 Z0.
 G90
-G65 P9811 T2 S1300
-G65 P9812 T2 Z20.
+G65 P8901 T2. S1300.
+G65 P8902 T2. Z20.
 S1300 M3
 (ROUGH POCKET)
 G0 X10. Y20.
@@ -58,7 +58,7 @@ S1300
 G91 G28 Z0.
 G90
 M5
-G65 P9813 T2 W0.02 Z20.
+G65 P8903 T2. W0.02 D1.
 S1300 M3
 G0 X12. Y20.
 G0 G43 H2 Z15.
