@@ -39,7 +39,7 @@ def words_of_corner(effect: BlockEffect, settings: Settings) -> tuple[Word, ...]
     """The words of a straight move that say its corner or its angle."""
     if effect.move is None and not effect.block.has_any(ANGLES):
         return ()
-    if effect.after.modes.motion not in ("line", "rapid"):
+    if effect.after.modes.motion not in ("line", "rapid") or not settings.dialect.contour_cycles:
         return ()
     known = _WITH_COMMA | _PLAIN if settings.cycles.plain_corners else _WITH_COMMA
     return effect.block.words_of(known)

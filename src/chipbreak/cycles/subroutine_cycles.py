@@ -115,6 +115,9 @@ def subroutine_edit(interpreted: InterpretedProgram, line: int) -> Edit:
     _refuse_state(state, block)
     _refuse_next_move(interpreted, line)
     call = _read(block, state, interpreted.settings)
+    if math.isnan(call.start.x + call.start.z):
+        why = f"where this cycle starts is not known: {state.unknown_why}"
+        raise RefusalError(UNREAD_FORM, why, "say X and Z in the cycle, or move there with G0 before it")
     first, last = _body(interpreted, block, line)
     started = state._replace(position=call.start)
     effects = effects_of_contour(interpreted, started, first, last)
@@ -133,8 +136,6 @@ def _refuse_state(state: State, block: Block) -> None:
         why = "the cycle does not stand alone in its block, with plain numbers"
     elif state.modes.compensation != "off":
         why = "nose compensation is in force at this cycle"
-    elif math.isnan(state.position.x + state.position.z):
-        why = f"where this cycle starts is not known: {state.unknown_why}"
     if why:
         raise RefusalError(UNREAD_FORM, why, "write G40 and a move to its start before the cycle")
 
@@ -169,7 +170,7 @@ def _read(block: Block, state: State, settings: Settings) -> _Call:
         length("U", 0.0),
         length("W", 0.0),
     )
-    if any(math.isnan(value) for value in (*call.start[::2], *call[3:5], *call[6:])):
+    if any(math.isnan(value) for value in (*call[3:5], *call[6:])):
         message = "a length of this cycle cannot be known"
         raise RefusalError(UNREAD_FORM, message, "write plain numbers")
     if call.depth_mm <= 0.0 or not 1 <= call.times <= _MOST_TIMES:

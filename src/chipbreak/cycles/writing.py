@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 from chipbreak.cycles.contour import Frame, Segment
@@ -23,7 +24,10 @@ class BlockWriter:
         self.state = state
         self.settings = settings
         self.words = settings.axis_words
-        self.at = {axis: self._place(axis, getattr(state.position, axis.lower())) for axis in "XZ"}
+        places = {axis: getattr(state.position, axis.lower()) for axis in "XZ"}
+        self.at = {
+            axis: "" if math.isnan(place) else self._place(axis, place) for axis, place in places.items()
+        }
         self.code = ""
 
     def block(self, code: str, z_mm: float, radius_mm: float, behind: str = "") -> str:
