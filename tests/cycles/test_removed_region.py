@@ -12,6 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
 
 import chipbreak
 from chipbreak.settings import load
@@ -89,6 +91,11 @@ def outline_of(shape: Sequence[Step]) -> Floats:
     return np.concatenate(rows)
 
 
+def top_of(shape: Sequence[Step], over: float) -> float:
+    """How high the stock is, as far as the digits of the program go."""
+    return round(float(outline_of(shape)[:, 1].max()) + over, 3)
+
+
 def words_of(place: Place, point: Sequence[float], letters: str = "XZ") -> str:
     z, x = place.lathe(np.array([point]))[0]
     return " ".join(f"{letter}{value:.3f}" for letter, value in (("X", 2 * x), ("Z", z)) if letter in letters)
@@ -96,7 +103,7 @@ def words_of(place: Place, point: Sequence[float], letters: str = "XZ") -> str:
 
 def program_of(shape: Sequence[Step], place: Place, depth: float, over: float, *, one_block: bool) -> str:
     """A G71 or G72 with its contour, as a user writes it; the first block names both axes (type II)."""
-    top = float(outline_of(shape)[:, 1].max()) + over
+    top = top_of(shape, over)
     blocks = []
     at = np.zeros(2)
     for t, h, radius in shape:
@@ -119,7 +126,7 @@ def program_of(shape: Sequence[Step], place: Place, depth: float, over: float, *
 def check(shape: Sequence[Step], place: Place, depth: float, blocks: Sequence[str], over: float) -> None:
     """Run the blocks of a cycle against the stock."""
     outline = np.add(outline_of(shape), (-T_ALLOWANCE, H_ALLOWANCE))
-    top = float(outline_of(shape)[:, 1].max()) + over
+    top = top_of(shape, over)
     start = place.lathe(np.array([[-BEFORE, top]]))[0]
     ways = ways_of(blocks, (start[0], start[1]), place.turned)
     columns = Columns(ways, outline, float(outline[0, 0]), top)
@@ -208,3 +215,35 @@ def test_an_undercut_is_refused(shape: list[Step], place: str) -> None:
     result = chipbreak.rewrite(program, load("fanuc-lathe", ['cycles.unroll="always"']))
     assert result.data == program
     assert [d.code for d in result.diagnostics if d.code.startswith("CYC")] == ["CYC003"]
+
+
+MANY = 40 if settings.default and settings.default.derandomize else 1000  # in a search
+# Whole micrometres, and many steps of a few of them: the digits of the output are no finer.
+SIZES = st.one_of(st.integers(0, 9000), st.integers(0, 6), st.integers(0, 9000))
+DROPS = st.one_of(st.integers(-3000, 5000), st.integers(-5, 6), st.integers(0, 5000))
+STEPS = st.lists(st.tuples(SIZES, DROPS, st.sampled_from([0, 0, 1, -1])), min_size=2, max_size=7)
+
+
+def shape_of(steps: list[tuple[int, int, int]]) -> list[Step]:
+    """Steps in micrometres; an arc has twice the larger way as its radius, so it seldom turns back."""
+    return [
+        (t / 1000.0, h / 1000.0, turn * 2.0 * max(t, abs(h)) / 1000.0 if min(t, abs(h)) > 100 else 0.0)
+        for t, h, turn in steps
+        if t or h
+    ]
+
+
+@settings(max_examples=MANY)
+@given(STEPS, st.sampled_from(sorted(PLACES)), st.integers(150, 4000), st.integers(600, 5000))
+def test_the_region_of_any_contour(
+    steps: list[tuple[int, int, int]], name: str, depth: int, over: int
+) -> None:
+    shape = shape_of(steps)
+    assume(sum(t for t, _, _ in shape) > 0.5)
+    place = PLACES[name]
+    program = program_of(shape, place, depth / 1000.0, over / 1000.0, one_block=False)
+    result = chipbreak.rewrite(program.encode(), load("fanuc-lathe", ['cycles.unroll="always"']))
+    refused = {d.code for d in result.diagnostics if d.code.startswith(("CYC", "VIB022"))}
+    assert refused <= {"CYC003"}, "an arc may turn back"
+    if not refused:
+        check(shape, place, depth / 1000.0, blocks_of(program), over / 1000.0)
