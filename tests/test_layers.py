@@ -39,6 +39,7 @@ ONLY_IN = {
         "options",
         "cli",
         "tool_commands",
+        "advise_command",
         "batch_command",
         "profile_commands",
         "figure_commands",

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from chipbreak.advise_command import advise
 from chipbreak.batch_command import batch
 from chipbreak.figure_commands import plot, report
 from chipbreak.git_commands import git_diff, textconv
@@ -360,6 +361,7 @@ cli.add_command(batch)
 cli.add_command(plot)
 cli.add_command(git_diff)
 cli.add_command(textconv)
+cli.add_command(advise)
 cli.add_command(report)
 
 

@@ -97,6 +97,13 @@ class Chooser:
             self.worked[kind] = found.conditions
         return found.made
 
+    def candidates(self, chain: Chain) -> Iterator[Conditions]:
+        """What closed forms and the law of the control find for a chain, the best first, untried.
+
+        Errors: those of :meth:`cut`.
+        """
+        return self._candidates(_cut_of(chain, self.settings))
+
     def _tried(self, cut: _Cut, make: MakeCut) -> _Tried:
         """The first choice with margin to spare, else that with the most."""
         enough = 1.0 + _PLENTY * (cut.wanted.margin - 1.0)
