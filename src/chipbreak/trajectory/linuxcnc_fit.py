@@ -301,6 +301,7 @@ def _no_factor(lengths_mm: Floats, wanted_s: float, late_s: float) -> RefusalErr
 
 def three_digits(values: Floats) -> Floats:
     """Rounded, so that what hardly differs is one kind; all above zero."""
-    unit = 10.0 ** (np.floor(np.log10(values)) - 2.0)
-    rounded: Floats = np.rint(values / unit) * unit
+    known = np.where(np.isfinite(values), values, 1.0)  # an axis whose speed nobody said has any
+    unit = 10.0 ** (np.floor(np.log10(known)) - 2.0)
+    rounded: Floats = np.where(np.isfinite(values), np.rint(known / unit) * unit, values)
     return rounded
