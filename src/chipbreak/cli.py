@@ -17,6 +17,7 @@ from chipbreak.advise_command import advise
 from chipbreak.batch_command import batch
 from chipbreak.figure_commands import plot, report
 from chipbreak.git_commands import git_diff, textconv
+from chipbreak.hook_commands import hooks
 from chipbreak.options import (
     DIFFERENT,
     DONE,
@@ -360,6 +361,7 @@ cli.add_command(inspect)
 cli.add_command(batch)
 cli.add_command(plot)
 cli.add_command(git_diff)
+cli.add_command(hooks)
 cli.add_command(textconv)
 cli.add_command(advise)
 cli.add_command(report)

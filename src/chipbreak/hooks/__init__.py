@@ -1,0 +1,1 @@
+"""Files by which other programs call this one: CAM systems, LinuxCNC, git, editors."""

@@ -1,0 +1,209 @@
+"""Every hook is tried the way its caller really calls it."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import chipbreak
+from chipbreak.hook_commands import _NAMES
+from chipbreak.hooks.write import HOOKS
+
+PROGRAM = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nM30\n"
+WRONG = PROGRAM.replace(b"N1.5", b"N2")
+
+
+def run(*args: str, cwd: Path, **env: str) -> subprocess.CompletedProcess[str]:
+    clean = {k: v for k, v in os.environ.items() if not k.startswith("CHIPBREAK")} | env
+    return subprocess.run(args, capture_output=True, text=True, cwd=cwd, env=clean, check=False)
+
+
+def written(name: str, folder: Path, profile: str = "generic-lathe") -> Path:
+    out = folder / "hooks"
+    done = run(
+        sys.executable, "-m", "chipbreak", "hooks", "write", name, "-p", profile, "-o", str(out), cwd=folder
+    )
+    assert done.returncode == 0, done.stderr
+    return out
+
+
+def test_the_names_are_those_of_the_hooks() -> None:
+    assert tuple(hook.name for hook in HOOKS) == _NAMES
+
+
+@pytest.mark.parametrize("name", _NAMES)
+def test_no_mark_is_left_in_a_file(name: str, tmp_path: Path) -> None:
+    for file in written(name, tmp_path).iterdir():
+        text = file.read_text("utf-8")
+        assert "@CHIPBREAK" not in text
+        assert "@PROFILE" not in text
+        assert "@FOLDER" not in text
+        assert os.access(file, os.X_OK) == text.startswith("#!")
+
+
+def test_a_file_of_somebody_is_kept(tmp_path: Path) -> None:
+    out = written("linuxcnc", tmp_path)
+    (out / "machine.ini.part").write_text("mine")
+    command = [sys.executable, "-m", "chipbreak", "hooks", "write", "linuxcnc", "-p", "fanuc-mill"]
+    done = run(*command, "-o", str(out), cwd=tmp_path)
+    assert done.returncode == 2
+    assert (out / "machine.ini.part").read_text() == "mine"
+
+
+def test_a_profile_that_cannot_be_read_is_said_at_once(tmp_path: Path) -> None:
+    done = run(
+        sys.executable, "-m", "chipbreak", "hooks", "write", "cam", "-p", "no-such", "-o", "out", cwd=tmp_path
+    )
+    assert done.returncode == 2
+    assert not (tmp_path / "out").exists()
+
+
+# --- LinuxCNC ---------------------------------------------------------------------------------------------
+
+
+def test_linuxcnc_opens_what_comes_out(tmp_path: Path) -> None:
+    """The program is the only argument, standard output is opened, and an error ends with another code."""
+    script = written("linuxcnc", tmp_path) / "chipbreak-filter"
+    (tmp_path / "a part.nc").write_bytes(PROGRAM)
+    done = run(str(script), str(tmp_path / "a part.nc"), cwd=tmp_path, AXIS_PROGRESS_BAR="1")
+    assert done.returncode == 0
+    assert done.stdout.encode() == chipbreak.rewrite(PROGRAM, chipbreak.load("generic-lathe")).data
+    (tmp_path / "a part.nc").write_bytes(WRONG)
+    done = run(str(script), str(tmp_path / "a part.nc"), cwd=tmp_path)
+    assert done.returncode == 3
+    assert done.stdout == ""
+    assert "VIB005" in done.stderr
+
+
+def test_the_lines_for_the_ini_file_name_the_script(tmp_path: Path) -> None:
+    folder = written("linuxcnc", tmp_path)
+    lines = (folder / "machine.ini.part").read_text().splitlines()
+    assert "[FILTER]" in lines
+    assert f"ngc = {folder}/chipbreak-filter" in lines
+
+
+# --- CAM systems ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a shell script")
+def test_a_cam_system_filters_in_place(tmp_path: Path) -> None:
+    script = written("cam", tmp_path) / "chipbreak-in-place.sh"
+    program = tmp_path / "my part.nc"
+    program.write_bytes(PROGRAM)
+    done = run(str(script), "--some-option", str(program), cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert program.read_bytes() == chipbreak.rewrite(PROGRAM, chipbreak.load("generic-lathe")).data
+    assert (tmp_path / "my part.nc.unfiltered").read_bytes() == PROGRAM
+    assert "1 cut vibrates" in (tmp_path / "chipbreak.log").read_text()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a shell script")
+def test_a_rejected_program_is_taken_from_its_place(tmp_path: Path) -> None:
+    script = written("cam", tmp_path) / "chipbreak-in-place.sh"
+    program = tmp_path / "part.nc"
+    program.write_bytes(WRONG)
+    done = run(str(script), str(program), cwd=tmp_path)
+    assert done.returncode == 3
+    assert not program.exists()
+    assert (tmp_path / "part.nc.unfiltered").read_bytes() == WRONG
+    assert "VIB005" in (tmp_path / "part.nc.rejected").read_text()
+    assert "VIB005" in (tmp_path / "chipbreak.log").read_text()
+
+
+def test_the_windows_script_has_the_line_ends_of_windows(tmp_path: Path) -> None:
+    data = (written("cam", tmp_path) / "chipbreak-in-place.bat").read_bytes()
+    assert data.startswith(b"@echo off\r\n")
+    assert data.count(b"\n") == data.count(b"\r\n")
+
+
+# --- git --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a shell script")
+def test_git_is_set_up(tmp_path: Path) -> None:
+    script = written("git", tmp_path) / "set-up.sh"
+    repository = tmp_path / "programs"
+    repository.mkdir()
+    run("git", "init", "-q", cwd=repository)
+    assert run(str(script), cwd=repository).returncode == 0
+    (repository / "O0001").write_bytes(PROGRAM)
+    run("git", "add", "-A", cwd=repository)
+    (repository / "O0001").write_bytes(PROGRAM.replace(b"G1 Z-30.", b"G01 Z-30.0"))
+    done = run("git", "diff", cwd=repository)
+    assert done.returncode == 0, done.stderr
+    assert "the same blocks" in done.stdout
+
+
+# --- editors ----------------------------------------------------------------------------------------------
+
+
+def test_tasks_of_an_editor_read_our_messages(tmp_path: Path) -> None:
+    tasks = json.loads((written("editors", tmp_path) / "vscode-tasks.json").read_text())["tasks"]
+    (tmp_path / "part.nc").write_bytes(WRONG)
+    check = tasks[0]
+    args = [one.replace("${file}", str(tmp_path / "part.nc")) for one in check["args"]]
+    done = run(check["command"], *args, cwd=tmp_path)
+    pattern = check["problemMatcher"]["pattern"]["regexp"]
+    import re
+
+    match = re.search(pattern, done.stderr, re.MULTILINE)
+    assert match is not None
+    assert match.group(2, 4) == ("3", "error")
+
+
+# --- FreeCAD ----------------------------------------------------------------------------------------------
+
+FREECAD = shutil.which("freecadcmd") or shutil.which("FreeCADCmd")
+JOB = """
+import json, sys, traceback
+import FreeCAD, PathScripts.PathUtil as PathUtil, PathScripts.PathToolController as PathToolController
+import PathScripts.PathPreferences as Preferences
+from PathScripts.PathPostProcessor import PostProcessor
+from PathScripts.PathPost import CommandPathPost
+try:
+    FreeCAD.ParamGet("User parameter:BaseApp/Preferences/Macro").SetString("MacroPath", FOLDER)
+    document = FreeCAD.open(FreeCAD.getHomePath() + "Mod/Path/PathTests/boxtest.fcstd")
+    job = document.getObject("Job")
+    operations = [o for o in job.Operations.Group if hasattr(o, "ToolController")]
+    second = PathToolController.Create("second", tool=operations[0].ToolController.Tool, toolNumber=2)
+    job.Proxy.addToolController(second)
+    operations[-1].ToolController = second
+    document.recompute()
+    postlist = CommandPathPost().buildPostList(job)
+    objects = [o for section in postlist for o in (section[1] if isinstance(section, tuple) else section)]
+    assert "chipbreak" in Preferences.allAvailablePostProcessors()
+    post = PostProcessor.load("chipbreak")
+    text = post.export(objects, TARGET, "--base=linuxcnc --no-show-editor ARGUMENTS")
+    told = {"text": text}
+except BaseException as error:
+    told = {"error": "%s: %s" % (type(error).__name__, error), "where": traceback.format_exc()}
+json.dump(told, open(RESULT, "w"))
+"""
+
+
+def posted(folder: Path, profile: str, arguments: str = "") -> dict[str, str]:
+    """What FreeCAD gives back when a job with two tools is posted through the hook."""
+    assert FREECAD is not None
+    hooks = written("freecad", folder, profile)
+    result = folder / "result.json"
+    places = {"FOLDER": hooks, "TARGET": folder / "job.ngc", "RESULT": result}
+    script = folder / "job.py"
+    text = JOB.replace("ARGUMENTS", arguments)
+    script.write_text("".join(f"{name} = {str(path)!r}\n" for name, path in places.items()) + text)
+    run(FREECAD, str(script), cwd=folder, HOME=str(folder), QT_QPA_PLATFORM="offscreen")
+    told: dict[str, str] = json.loads(result.read_text())
+    return told
+
+
+@pytest.mark.skipif(FREECAD is None, reason="needs FreeCAD")
+def test_freecad_posts_a_job_with_two_tools(tmp_path: Path) -> None:
+    told = posted(tmp_path, "linuxcnc-mill")
+    assert "error" not in told, told
+    assert told["text"] == (tmp_path / "job.ngc").read_text()
+    assert "T2 M6" in told["text"] or "M6 T2" in told["text"]
