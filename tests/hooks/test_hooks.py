@@ -173,7 +173,10 @@ try:
     operations = [o for o in job.Operations.Group if hasattr(o, "ToolController")]
     second = PathToolController.Create("second", tool=operations[0].ToolController.Tool, toolNumber=2)
     job.Proxy.addToolController(second)
-    operations[-1].ToolController = second
+    import PathScripts.PathProfile as PathProfile
+    other = PathProfile.Create("Other", None, job)
+    other.Base = operations[0].Base
+    other.ToolController = second
     document.recompute()
     postlist = CommandPathPost().buildPostList(job)
     objects = [o for section in postlist for o in (section[1] if isinstance(section, tuple) else section)]
@@ -206,4 +209,6 @@ def test_freecad_posts_a_job_with_two_tools(tmp_path: Path) -> None:
     told = posted(tmp_path, "linuxcnc-mill")
     assert "error" not in told, told
     assert told["text"] == (tmp_path / "job.ngc").read_text()
-    assert "T2 M6" in told["text"] or "M6 T2" in told["text"]
+    changes = [line.strip() for line in told["text"].splitlines() if line.startswith("M6")]
+    assert len(changes) == 2
+    assert changes[-1] == "M6 T2"

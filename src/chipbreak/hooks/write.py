@@ -48,7 +48,8 @@ def hook_files(name: str, *, program: str, profile: str, folder: str) -> dict[st
             text = text.replace(mark, value)
         if Path(file.name).suffix == ".bat":
             text = text.replace("\n", "\r\n")
-        found[file.name] = (text.encode("utf-8"), text.startswith("#!"))
+        # Python that FreeCAD runs is no module of this package.
+        found[file.name.removesuffix(".in")] = (text.encode("utf-8"), text.startswith("#!"))
     return found
 
 
