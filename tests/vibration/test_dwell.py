@@ -264,3 +264,22 @@ def test_klipper_counts_milliseconds() -> None:
     text = filtered_by.data.decode()
     (each,) = {float(found) for found in re.findall(r"G4 P([0-9.]+)", text)}
     assert each == pytest.approx(1000.0 * cut.each_dwell_s)
+
+
+def test_legs_along_axes_that_are_not_alike_take_their_own_times() -> None:
+    """As long a way takes longer along the slower axis, also where it looks like one before."""
+    program = "G21 G90 G94\nS1250 M3\nG0 X10. Z2.\n(VIB E6)\nG1 Z-3. F125.\nX13.\n(VIB OFF)\nG0 X30.\nM30\n"
+    slow = ("axes.X.max_acceleration_mm_s2=100", "axes.Z.max_acceleration_mm_s2=1000", DWELL)
+    (cut,) = result(program, "grbl", *slow).cuts
+    ways_mm = np.diff(cut.expansion.distance_mm, prepend=0.0)
+    feed_mm_s = 125.0 / 60.0
+    spans_s = []
+    rest = True
+    for end_mm, way_mm, dwell_s in zip(
+        cut.expansion.distance_mm, ways_mm, cut.expansion.dwell_s, strict=True
+    ):
+        has = 1000.0 if end_mm <= 5.0 + 1e-6 else 100.0
+        ramps = (1.0 if rest else 0.0) + (1.0 if dwell_s > 0.0 else 0.0)
+        spans_s.append(way_mm / feed_mm_s + ramps * feed_mm_s / has / 2.0 + dwell_s)
+        rest = dwell_s > 0.0
+    assert cut.duration_s == pytest.approx(sum(spans_s), rel=0.003)

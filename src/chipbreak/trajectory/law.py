@@ -28,6 +28,7 @@ from chipbreak.units import S_PER_MIN
 
 _NOTHING_MM = 1e-12  # of a length that counts as none
 _SOON_S = 1e-9
+_DIGITS = 9  # of a way in mm that count
 
 
 class AxisLimits(NamedTuple):
@@ -294,13 +295,15 @@ def _motion_with_dwells(
         ends = np.append(ends, len(dwell_s))
     spans_s = np.empty(len(dwell_s))
     known: dict[tuple[bytes, bytes], Motion] = {}
+    # Of as long ways in another direction the axes make something else.
+    moved_mm = np.round(blocks.moved_mm, _DIGITS) + 0.0
     times = list[Floats]()
     places = list[Floats]()
     now_s = 0.0
     first = 0
     for last in ends.tolist():
         run = slice(first, last)
-        key = (blocks.lengths_mm[run].tobytes(), feeds_mm_s[run].tobytes())
+        key = (moved_mm[run].tobytes(), feeds_mm_s[run].tobytes())
         if key not in known:
             known[key] = _from_rest_to_rest(law, blocks.part(run), feeds_mm_s[run])
         motion = known[key]

@@ -210,7 +210,8 @@ def _report(plan: CutPlan, expansion: Expansion, timed: _Timed) -> CutReport:
         float(time_s[-1]),
         len(moves.feed_mm_s),
         verdict,
-        is_late or (off_count and verdict.per_rev > 0.0),
+        # A dwell ends the chip whatever N is; legs along axes that are not alike take other times.
+        plan.wave.shape.turns_back and (is_late or (off_count and verdict.per_rev > 0.0)),
         motion.peak_acceleration_mm_s2
         if is_filtered
         else least_acceleration_mm_s2(plan.wave, plan.solution.per_rev),
