@@ -41,6 +41,7 @@ ONLY_IN = {
         "tool_commands",
         "advise_command",
         "batch_command",
+        "completion_command",
         "hook_commands",
         "profile_commands",
         "figure_commands",

@@ -15,6 +15,7 @@ import click
 
 from chipbreak.advise_command import advise
 from chipbreak.batch_command import batch
+from chipbreak.completion_command import completion
 from chipbreak.figure_commands import plot, report
 from chipbreak.git_commands import git_diff, textconv
 from chipbreak.hook_commands import hooks
@@ -190,7 +191,7 @@ def check(asked: Asked, sources: tuple[str, ...]) -> None:
 
 
 @cli.command()
-@click.argument("source", metavar="[INPUT]", default="-")
+@click.argument("source", metavar="[INPUT]", default="-", type=click.Path(allow_dash=True))
 @asking(*READING)
 def explain(asked: Asked, source: str) -> None:
     """Show each vibrated cut, operation and check, with its reasons."""
@@ -221,7 +222,7 @@ def _print_report(result: Result, settings: Settings, asked: Asked) -> None:
 
 
 @cli.command()
-@click.argument("source", metavar="[INPUT]", default="-")
+@click.argument("source", metavar="[INPUT]", default="-", type=click.Path(allow_dash=True))
 @asking(*READING)
 def verify(asked: Asked, source: str) -> None:
     """Judge a filtered program as it stands: end points, times, states and chips.
@@ -240,8 +241,8 @@ def verify(asked: Asked, source: str) -> None:
 
 
 @cli.command()
-@click.argument("a")
-@click.argument("b")
+@click.argument("a", type=click.Path(allow_dash=True))
+@click.argument("b", type=click.Path(allow_dash=True))
 @click.option("--ignore-comments", is_flag=True, help="Comments do not count.")
 @click.option(
     "--tolerance",
@@ -300,7 +301,7 @@ def _coloured(line: str) -> str:
 
 
 @cli.command()
-@click.argument("source", metavar="[INPUT]", default="-")
+@click.argument("source", metavar="[INPUT]", default="-", type=click.Path(allow_dash=True))
 @click.option("-o", "--output", metavar="OUT", help="Write to this file, replaced in one step.")
 @asking(*REPORTING)
 def restore(asked: Asked, source: str, output: str | None) -> None:
@@ -360,6 +361,7 @@ cli.add_command(tools)
 cli.add_command(inspect)
 cli.add_command(batch)
 cli.add_command(plot)
+cli.add_command(completion)
 cli.add_command(git_diff)
 cli.add_command(hooks)
 cli.add_command(textconv)

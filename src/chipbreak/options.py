@@ -26,6 +26,8 @@ from chipbreak.text.encoding import escaped
 from chipbreak.text.named_tuple import NamedTuple
 
 if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
+
     from chipbreak.pipeline import Result
     from chipbreak.settings import Settings
 
@@ -60,12 +62,22 @@ class Asked(NamedTuple):
         return self.color == "always" or on_screen
 
 
+def _profiles_for(context: click.Context, option: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Files, and shipped profiles.  It only lists a folder: a shell waits for it when the key is pressed."""
+    from click.shell_completion import CompletionItem
+
+    shipped = sorted(file.stem for file in (Path(__file__).parent / "profiles").glob("*.toml"))
+    names = [CompletionItem(name) for name in shipped if name.startswith(begun)]
+    return [CompletionItem(begun, type="file"), *names]  # bash forgets what stands before a file
+
+
 PROFILE = click.option(
     "-p",
     "--profile",
     metavar="FILE|NAME",
     envvar="CHIPBREAK_PROFILE",
     help="Machine profile: a shipped name or a TOML file.",
+    shell_complete=_profiles_for,
 )
 SET = click.option(
     "--set", "sets", metavar="SECTION.KEY=VALUE", multiple=True, help="Change a value of the profile."
