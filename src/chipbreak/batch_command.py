@@ -12,7 +12,7 @@ import click
 
 from chipbreak.batch.inputs import Input, inputs_of
 from chipbreak.options import FAILED, LOG, READING, USAGE, Asked, asking, settings_for
-from chipbreak.streams import note_rejection, read_input, replace_file, say, write_json
+from chipbreak.streams import read_input, say, write_json, write_or_note
 from chipbreak.text.encoding import escaped
 from chipbreak.text.named_tuple import NamedTuple
 
@@ -79,10 +79,10 @@ def _filtered(
     unread: list[Finished] = []
     results: list[Finished] = []
     for finished in _progress(_run(_tasks(inputs, asked, unread), workers, asked), len(inputs), asked):
-        _write(finished, targets[finished.number])
+        write_or_note(targets[finished.number], finished.data, finished.diagnostics)
         results.append(finished._replace(data=None))
     for finished in unread:
-        _write(finished, targets[finished.number])
+        write_or_note(targets[finished.number], finished.data, finished.diagnostics)
     return sorted([*results, *unread], key=lambda one: one.number)
 
 
@@ -144,19 +144,6 @@ def _progress(results: Iterator[_T], count: int, asked: Asked) -> Iterator[_T]:
         return
     with click.progressbar(results, length=count, label="filtering", file=sys.stderr) as bar:
         yield from bar
-
-
-def _write(finished: Finished, target: Path) -> None:
-    """The program, or beside its place what stands in its way."""
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise click.UsageError(escaped(f"cannot write {target.parent}: {error.strerror}")) from None
-    if finished.data is not None:
-        replace_file(target, [finished.data])
-        note_rejection(target, None)
-    else:
-        note_rejection(target, finished.diagnostics)
 
 
 def _tell(results: Sequence[Finished], asked: Asked) -> None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import shutil
 import sys
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import click
 
-from chipbreak.options import PROFILE, SET, Asked, asking, settings_of
-from chipbreak.streams import replace_file
+from chipbreak.options import LOG, PROFILE, READING, SET, Asked, asking, settings_for, settings_of
+from chipbreak.streams import read_input, replace_file, write_or_note
+from chipbreak.text.encoding import escaped
 
 _NAMES = ("linuxcnc", "freecad", "cam", "git", "editors")
 
@@ -64,6 +66,63 @@ def hooks_write(asked: Asked, name: str, output: str) -> None:
         if is_run:
             target.chmod(0o755)
         click.echo(str(target))
+
+
+@hooks.command("watch")
+@click.argument("folder", type=click.Path(exists=True, file_okay=False))
+@click.option(
+    "-o",
+    "--output",
+    metavar="DIR",
+    required=True,
+    type=click.Path(),
+    help="Write the programs into this folder.",
+)
+@asking(*READING, LOG)
+def hooks_watch(asked: Asked, folder: str, output: str) -> None:
+    """Filter every program that is written into FOLDER, as soon as it is there, until interrupted.
+
+    What a run of its own would give stands in DIR; where a program is rejected, NAME.rejected says why.
+    """
+    from chipbreak.batch.inputs import is_program
+
+    if Path(output).resolve() == Path(folder).resolve():
+        raise click.UsageError("-o names the folder that is watched: name another one")
+    watch = _watcher()
+    settings_of(asked, str(Path(folder, "-")))
+    click.echo(f"watching {folder}; Ctrl-C ends it", err=True)
+    for changes in watch(folder, recursive=False, raise_interrupt=False):
+        for name in sorted({Path(path).name for _, path in changes}):
+            source = Path(folder, name)
+            if is_program(name) and source.is_file():
+                _filter_into(asked, source, Path(output, name))
+
+
+def _watcher() -> Callable[..., Iterable[set[tuple[object, str]]]]:
+    try:
+        from watchfiles import watch
+    except ImportError:
+        raise click.UsageError("watching needs: pip install 'chipbreak[watch]'") from None
+    watcher: Callable[..., Iterable[set[tuple[object, str]]]] = watch
+    return watcher
+
+
+def _filter_into(asked: Asked, source: Path, target: Path) -> None:
+    """One program, with one line on what became of it; a profile that has just been broken ends nothing."""
+    from chipbreak.batch.table import told
+    from chipbreak.batch.work import Task, filtered
+    from chipbreak.settings import SettingsError
+
+    try:
+        settings = settings_for(asked, str(source))
+    except SettingsError as error:
+        asked.reporter.show([error.diagnostic])
+        return
+    with asked.reporter.logging("hooks watch", [str(source)]):
+        finished = filtered(Task(0, str(source), read_input(str(source)), settings, asked.allow_unbroken))
+        write_or_note(target, finished.data, finished.diagnostics)
+        asked.reporter.show(finished.diagnostics)
+        asked.reporter.tell(escaped(f"{source}: {told(finished)}"))
 
 
 def _this_program() -> str:

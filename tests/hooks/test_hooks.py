@@ -5,13 +5,16 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 
 import chipbreak
+from chipbreak.cli import cli
 from chipbreak.hook_commands import _NAMES
 from chipbreak.hooks.write import HOOKS
 
@@ -212,3 +215,42 @@ def test_freecad_posts_a_job_with_two_tools(tmp_path: Path) -> None:
     changes = [line.strip() for line in told["text"].splitlines() if line.startswith("M6")]
     assert len(changes) == 2
     assert changes[-1] == "M6 T2"
+
+
+# --- a folder that is watched -----------------------------------------------------------------------------
+
+
+def test_a_program_that_is_written_is_filtered(tmp_path: Path) -> None:
+    pytest.importorskip("watchfiles", reason="pip install 'chipbreak[watch]'")
+    for name in ("in", "out"):
+        (tmp_path / name).mkdir()
+    command = [sys.executable, "-m", "chipbreak", "hooks", "watch", "-p", "generic-lathe", "in", "-o", "out"]
+    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as watcher:
+        assert watcher.stderr is not None
+        assert watcher.stderr.readline().startswith("watching in")
+        time.sleep(0.5)
+        (tmp_path / "in/notes.pdf").write_bytes(b"%PDF")
+        (tmp_path / "in/part.nc").write_bytes(PROGRAM)
+        assert "1 cut vibrates, it breaks" in watcher.stderr.readline()
+        (tmp_path / "in/part.nc").write_bytes(WRONG)
+        lines = [watcher.stderr.readline() for _ in range(5)]
+        watcher.send_signal(signal.SIGINT)
+        watcher.wait(timeout=30)
+    assert "REJECTED" in lines[-1]
+    filtered = chipbreak.rewrite(PROGRAM, chipbreak.load("generic-lathe")).data
+    there = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+    assert set(there) == {"part.nc", "part.nc.rejected"}
+    assert there["part.nc"] == filtered
+
+
+# --- manual pages -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of the page writer with a newer click
+def test_every_command_has_a_manual_page(tmp_path: Path) -> None:
+    write_man_pages = pytest.importorskip("click_man.core").write_man_pages
+    write_man_pages("chipbreak", cli, version="1.2.3", target_dir=str(tmp_path))
+    pages = {path.name: path.read_text("utf-8") for path in tmp_path.iterdir()}
+    for name in cli.commands:
+        assert f"chipbreak-{name}.1" in pages
+    assert all(page.startswith(".TH") for page in pages.values())

@@ -17,7 +17,7 @@ def table_lines(results: Sequence[Finished]) -> Iterator[str]:
     """The results in the order of the command line, names in one column."""
     width = max((len(escaped(one.name)) for one in results), default=0)
     for one in results:
-        yield f"{escaped(one.name):{width}}  {escaped(_what(one))}"
+        yield f"{escaped(one.name):{width}}  {escaped(told(one))}"
     yield ""
     yield total(results)
 
@@ -34,7 +34,8 @@ def total(results: Sequence[Finished]) -> str:
     return f"{programs}: {'; '.join(parts)}"
 
 
-def _what(one: Finished) -> str:
+def told(one: Finished) -> str:
+    """What became of one program, in a line."""
     if one.report is not None:
         return one.report.summary()
     errors = [said for said in one.diagnostics if said.severity is Severity.ERROR]
