@@ -191,3 +191,19 @@ def test_a_move_of_few_steps_is_no_slower_than_its_steps() -> None:
     motion = law.motion(np.append(0.0, np.cumsum(lengths)), blocks, feeds)
     slow = 2.0 / 30.5
     assert motion.spans_s == pytest.approx([0.1, slow, 0.2 - slow, slow], rel=1e-5)
+
+
+@pytest.mark.parametrize(("way_mm", "took_s"), [(0.27, 0.1449115), (0.26, 0.140112)])
+def test_a_slow_start_of_coarse_steps_takes_longer(way_mm: float, took_s: float) -> None:
+    """What Grbl 1.1h took on a clock of its timer ticks; the ramps alone would be 0.0049 s less."""
+    axes = (*AXES[:2], AxisLimits("Z", 50.0, 200.0, step_mm=0.01))
+    law = Junction(segment_s=0.01, least_steps_per_s=30.5).along((0.0, 0.0, 1.0), axes)
+    (span,) = motion_of(law, [(0.0, 0.0), (0.0, way_mm)], 125.0 / 60.0).spans_s
+    assert span == pytest.approx(took_s, rel=1e-3)
+
+
+def test_a_quick_start_takes_what_its_ramps_do() -> None:
+    axes = (*AXES[:2], AxisLimits("Z", 50.0, 500.0, step_mm=0.004))
+    law = Junction(segment_s=0.01).along((0.0, 0.0, 1.0), axes)
+    (span,) = motion_of(law, [(0.0, 0.0), (0.0, 0.27)], 10.0).spans_s
+    assert span == pytest.approx(0.27 / 10.0 + 10.0 / 500.0)

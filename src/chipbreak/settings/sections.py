@@ -160,7 +160,7 @@ class Planner(ValueRecord):
     ``corner_velocity_mm_s``, which is meant for a right angle.  ``min_cruise_ratio`` is the share of a short
     move that runs evenly.  The limits of the path count in every direction, beside those of the axes.
     A dwell takes whole ``dwell_step_ms``.  No move is slower than ``least_feed_mm_min``, nor its steps than
-    ``least_steps_per_s``.
+    ``least_steps_per_s``.  For ``segment_ms`` at once the control works out its steps.
     ``numbers_at`` says to people where these numbers, and those of the axes, are kept on the control.
     """
 
@@ -180,6 +180,7 @@ class Planner(ValueRecord):
     look_ahead_blocks: int | None = _at_least(None, 3)
     least_steps_per_s: float | None = _at_least(None)
     least_feed_mm_min: float | None = _at_least(None)
+    segment_ms: float | None = _above(None)
     path_mode: str = ""
     usual_path_mode: str = "G64"
     smoothing_off: str = ""

@@ -22,6 +22,7 @@ from chipbreak.trajectory.junction_plan import (
     Speeds,
     corner_speed_limits,
     deviation_limits,
+    late_in_first_segments,
     planned,
     planned_smoothly,
     seen_ahead,
@@ -47,6 +48,7 @@ class Junction(ControlLaw):
     ``path_velocity_mm_s`` and ``path_acceleration_mm_s2`` are limits along the path, whatever its direction.
     ``look_ahead_blocks``: how many blocks the control knows at once, None for enough.  However slow a feed,
     it makes ``least_steps_per_s`` (of the axis that has most to make), and ``least_feed_mm_s``.
+    ``segment_s``: the time for which it works out steps at once.
     """
 
     name: ClassVar[str] = "junction"
@@ -59,6 +61,7 @@ class Junction(ControlLaw):
     look_ahead_blocks: int | None = None
     least_steps_per_s: float = 0.0
     least_feed_mm_s: float = 0.0
+    segment_s: float = 0.0
 
     def along(self, direction: Sequence[float], axes: Sequence[AxisLimits]) -> Self:
         """See :meth:`ControlLaw.along`; the limits along the path count beside those of the axes."""
@@ -219,20 +222,29 @@ class _Plan:
 
     def real_s(self, speeds: Speeds) -> Floats:
         """How long each takes, (n,), with the speeds of its plan: not before it is read, no slow steps."""
-        times_s = np.minimum(speeds.times_s(self.moves), self.longest_s)
-        return np.maximum(times_s, self.law.read_s)
+        times_s = speeds.times_s(self.moves)
+        if self.law.segment_s > 0.0 and self._steps is not None:
+            times_s += late_in_first_segments(self.moves, speeds, self._steps, self.law.segment_s)
+        return np.maximum(np.minimum(times_s, self.longest_s), self.law.read_s)
+
+    @cached_property
+    def _steps(self) -> Floats | None:
+        """The most steps that an axis has to make in each, (n,); None where no axis has any."""
+        axes = [(row, axis.step_mm) for row, axis in enumerate(self.law.axes) if axis.step_mm > 0.0]
+        if not axes:
+            return None
+        ways_mm = np.abs(self.moves.ways) * self.moves.lengths_mm[:, np.newaxis]
+        steps: Floats = np.max([ways_mm[:, row] / step_mm for row, step_mm in axes], axis=0)
+        return steps
 
     @cached_property
     def longest_s(self) -> Floats:
         """How long each takes at most, for its steps and the least feed, (n,)."""
         with np.errstate(divide="ignore"):
             longest_s: Floats = self.moves.lengths_mm / np.float64(self.law.least_feed_mm_s)
-        axes = [(row, axis.step_mm) for row, axis in enumerate(self.law.axes) if axis.step_mm > 0.0]
-        if self.law.least_steps_per_s <= 0.0 or not axes:
+        if self.law.least_steps_per_s <= 0.0 or self._steps is None:
             return longest_s
-        ways_mm = np.abs(self.moves.ways) * self.moves.lengths_mm[:, np.newaxis]
-        steps = np.max([ways_mm[:, row] / step_mm for row, step_mm in axes], axis=0)
-        longest: Floats = np.where(steps > 0.0, steps / self.law.least_steps_per_s, inf)
+        longest: Floats = np.where(self._steps > 0.0, self._steps / self.law.least_steps_per_s, inf)
         return np.minimum(longest, longest_s)
 
 

@@ -19,6 +19,7 @@ _SINGLE_TURNS_BACK = float(np.float32(_TURNS_BACK))
 _FROM_LAST = (2, 1, 0)  # the order in which they go through the axes
 _NO_LIMIT = 1e12  # mm²/s²; what is said of a joint that goes straight on
 _NOTHING = 1e-12
+_STEPS_OF_A_SEGMENT = 1.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +54,32 @@ class Speeds(NamedTuple):
         even_mm = np.maximum(moves.lengths_mm - ramps_mm, 0.0)
         times_s: Floats = (2.0 * peak - start - end) / has + even_mm / np.maximum(peak, _NOTHING)
         return times_s
+
+
+def late_in_first_segments(moves: Moves, speeds: Speeds, steps: Floats, segment_s: float) -> Floats:
+    """How much longer than planned moves take, (n,), of which so many ``steps`` must be made, (n,).
+
+    Steps are worked out in segments of time, each with a step at least.  Where a move speeds up so slowly
+    that its first segment has to be longer for that, and the ramp ends in what is added, the control counts
+    what it has behind it of the ramp twice.
+    """
+    start, peak, _ = map(np.sqrt, speeds)
+    has = moves.accelerations_mm_s2
+    ramp_s = (peak - start) / has
+    with np.errstate(divide="ignore"):
+        least_mm = np.minimum(_STEPS_OF_A_SEGMENT / steps, 1.0) * moves.lengths_mm
+    late_s = np.zeros(len(moves))
+    at = np.flatnonzero(ramp_s > segment_s)
+    time_s = segment_s
+    while len(at):
+        gone_mm = start[at] * time_s + has[at] * time_s**2 / 2.0
+        at, gone_mm = at[gone_mm < least_mm[at]], gone_mm[gone_mm < least_mm[at]]
+        ends = ramp_s[at] <= time_s + segment_s
+        speed = start[at] + has[at] * time_s
+        late_s[at[ends]] = (2.0 * gone_mm / (speed + peak[at]))[ends]
+        at = at[~ends]
+        time_s += segment_s
+    return late_s
 
 
 def cosines(ways: Floats) -> Floats:

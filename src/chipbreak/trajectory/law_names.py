@@ -22,6 +22,7 @@ LAW_KEYS: Final = {
         "look_ahead_blocks",
         "least_steps_per_s",
         "least_feed_mm_min",
+        "segment_ms",
     ),
     "linuxcnc": ("max_feed_override",),
 }

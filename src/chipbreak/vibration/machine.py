@@ -70,6 +70,7 @@ def _with_numbers(law: type[ControlLaw], settings: Settings) -> ControlLaw:
         "path_acceleration_mm_s2": _limit(planner.path_acceleration_mm_s2),
         "look_ahead_blocks": planner.look_ahead_blocks,
         "least_steps_per_s": planner.least_steps_per_s,
+        "segment_s": (planner.segment_ms or 0.0) / MS_PER_S,
         "least_feed_mm_s": (planner.least_feed_mm_min or 0.0) / S_PER_MIN,
         "dwell_step_s": None if planner.dwell_step_ms is None else planner.dwell_step_ms / MS_PER_S,
     }
