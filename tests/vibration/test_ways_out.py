@@ -7,8 +7,7 @@ import re
 import pytest
 
 import chipbreak
-from chipbreak.vibration import plan
-from chipbreak.vibration.chain import Chain
+from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.plan import CutPlan
 
 HEAD = "G21 G18 G90 G8 G97 G95 S{} M3\nG0 X{} Z1\n"
@@ -52,13 +51,12 @@ def test_strokes_of_several_blocks_on_linuxcnc_are_advised_after_few_tries(
     """Each try plans a thousand blocks, no two strokes of them alike."""
     tried = list[object]()
 
-    def plan_cut(chain: Chain, settings: chipbreak.Settings) -> CutPlan:
-        cut = plan.plan_cut(chain, settings)
+    def expanded(cut: CutPlan, settings: chipbreak.Settings) -> Expansion:
         tried.append(cut)
-        return cut
+        return moves_of(cut, settings)
 
-    monkeypatch.setattr("chipbreak.vibration.advice.plan_cut", plan_cut)
+    monkeypatch.setattr("chipbreak.vibration.trial.moves_of", expanded)
     program = HEAD.format(819, 40) + "(VIB N1.5 WAVE SINE)\nG1 X41 Z-4 F0.12\nM2\n"
-    with pytest.raises(chipbreak.ProgramRejectedError, match=r"needs 0\.681 m/s"):
+    with pytest.raises(chipbreak.ProgramRejectedError, match=r"needs more than 0\.681 m/s"):
         chipbreak.rewrite(program.encode(), settings(500))
     assert 0 < len(tried) < 5

@@ -1,70 +1,54 @@
-"""The nearest conditions that a control can run, for the way out of a refusal."""
+"""What a control can run instead of a cut that it cannot, for the way out of a refusal; all of it tried."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Iterator
+from dataclasses import replace
 
-from chipbreak.kinematics.sourced_value import SourcedValue, shown
+from chipbreak.kinematics.sourced_value import shown
 from chipbreak.kinematics.speed_solver import Period
 from chipbreak.kinematics.waveform import forward_ticks
 from chipbreak.settings.sections import Settings
-from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.diagnostics import RefusalError, SelfCheckError
 from chipbreak.trajectory.law import ControlLaw
+from chipbreak.units import S_PER_MIN
+from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.chain import Chain
-from chipbreak.vibration.machine import control_along, law_of
-from chipbreak.vibration.plan import MOST_MOVES, CutPlan, command_group, plan_cut
+from chipbreak.vibration.choice import Chooser
+from chipbreak.vibration.machine import control_along
+from chipbreak.vibration.plan import CutPlan, command_group, plan_cut
+from chipbreak.vibration.trial import Trials, with_values
 
 LIMITS = ("VIB030", "VIB031", "VIB032")
-_STEP = 0.93  # from one frequency tried to the next
-_LARGE_STEP = 0.6  # where each try takes seconds
-_TRIES = 80
+_ACCELERATION = "VIB030"
+_MOST_EXPANDED = 12  # slower frequencies that are tried to the verdict
 _LEAST_SHARE = 0.05  # no cut is made at a twentieth of its speed
-_MOST_SLOW_MOVES = 2000
-_FEW_CORNERS = 8
-_MANY_IN_STROKES = 500  # moves of a cut whose strokes are several moves each
+_NEED = re.compile(r"needs ([0-9.e+]+) m/s2")
+_MORE = (1.0, 1.02, 1.05, 1.1, 1.25, 1.5, 2.0, 3.0)  # times what the full stroke needs
+_DIGITS = 3
 
 
-def with_advice(
-    error: RefusalError,
-    cut: CutPlan,
-    settings: Settings,
-    expand: Callable[[CutPlan, Settings], object],
-) -> RefusalError:
-    """The same refusal; where a limit of the control is the cause, with a slower frequency that works.
+def with_advice(error: RefusalError, cut: CutPlan, settings: Settings) -> RefusalError:
+    """The same refusal; where a limit of the control is the cause, with what has been tried and works.
 
-    ``expand`` makes the blocks of a cut, or refuses: what is advised has been tried.
+    That is the next slower frequency with the same N, what the machine would choose, and a dwell; and the
+    acceleration that it names is one that suffices for every stroke of the cut.
     """
     if error.code not in LIMITS:
         return error
-    law = control_along(settings, cut.path, cut.chain.before)
-    group = command_group(settings)
-    frequency_hz = cut.solution.frequency_hz
-    tried = {cut.solution.frequency_hz}
-    is_slow = _is_slow_to_plan(cut, settings, len(cut.time_s))
-    moves_left = _MOST_SLOW_MOVES if is_slow else MOST_MOVES
-    for _ in range(_TRIES):
-        frequency_hz *= _LARGE_STEP if is_slow else _STEP
-        if frequency_hz < _LEAST_SHARE * cut.solution.frequency_hz:
-            break
-        period = group.nearest(frequency_hz)
-        if period.frequency_hz in tried or not _runs(cut, period, law):
-            continue
-        tried.add(period.frequency_hz)
-        if moves_left <= 0:
-            break
-        try:
-            slower = _slower(cut, period, settings)
-            moves_left -= len(slower.time_s)
-            expand(slower, settings)
-        except RefusalError:
-            continue
-        works = (
-            f"N {shown(round(cut.solution.per_rev, 4))} with the same feed works at"
-            f" f {shown(period.frequency_hz)} Hz, S {slower.solution.speed_rpm:z.0f}"
-        )
-        return RefusalError(error.code, error.message, f"{_first_help(error, cut)}; {works}{_standing(cut)}")
-    return RefusalError(error.code, error.message, f"{_first_help(error, cut)}{_standing(cut)}")
+    trials = Trials(cut, settings)
+    message = _with_all_strokes(error, cut, settings, trials)
+    ways = [_first_help(error, cut), *_ways(cut, settings, trials)]
+    return RefusalError(error.code, message, "; ".join(ways))
+
+
+def _ways(cut: CutPlan, settings: Settings, trials: Trials) -> Iterator[str]:
+    for rule in (_slower, _chosen, _standing):
+        way = rule(cut, settings, trials)
+        if way:
+            yield way
 
 
 def _first_help(error: RefusalError, cut: CutPlan) -> str:
@@ -74,52 +58,100 @@ def _first_help(error: RefusalError, cut: CutPlan) -> str:
     return cut.expander.way_out_of_too_many_blocks(cut.wave.form)
 
 
-def _is_slow_to_plan(cut: CutPlan, settings: Settings, move_count: int) -> bool:
-    """True where hardly two strokes are alike, so that each move takes milliseconds to plan.
-
-    Of several blocks, which are rounded each on its own, a stroke is seldom like another.
-    """
-    is_long = cut.wave.form == "tick" and move_count > _MANY_IN_STROKES
-    bends = any(arc is not None for arc in cut.path.arcs) or len(cut.path.corners_mm()) > _FEW_CORNERS
-    return law_of(settings).is_slow_to_try and (bends or is_long)
-
-
-def few(factors: Sequence[float], cut: CutPlan, settings: Settings, move_count: int) -> Sequence[float]:
-    """All factors to try, or as many of them, evenly chosen, as may be tried with a cut of so many moves."""
-    if not _is_slow_to_plan(cut, settings, move_count):
-        return factors
-    step = math.ceil(len(factors) / max(1, _MOST_SLOW_MOVES // move_count))
-    return factors[step // 2 :: step]
+def _with_all_strokes(error: RefusalError, cut: CutPlan, settings: Settings, trials: Trials) -> str:
+    """The message with the acceleration that every stroke can run with, in place of that of the first."""
+    said = _NEED.search(error.message)
+    if error.code != _ACCELERATION or said is None:
+        return error.message
+    full = cut.wave.shape.least_acceleration_mm_s2(cut.wave, cut.solution.per_rev) / 1000.0
+    least = max(float(said[1]), full)
+    for factor in _MORE:
+        need = _rounded_up(least * factor)
+        if trials.works(cut.chain, _with_acceleration(settings, cut.chain.axes, need * 1000.0)) is not None:
+            return error.message.replace(said[0], f"needs {need:.{_DIGITS}g} m/s2", 1)
+    return error.message.replace(said[0], f"needs more than {said[1]} m/s2", 1)
 
 
-def _standing(cut: CutPlan) -> str:
-    """What needs no reversal: at this E half of what is left to the stand is to spare."""
-    turns = 1.5 / cut.edges / (1.0 - cut.wave.alpha_share)
-    has_stroke = cut.chain.requests[0].values.keys() & {"Q", "A"}
-    without = ", without Q and A," if has_stroke else ""
-    return f"; WAVE DWELL with E {shown(round(turns, 2))}{without} never turns back and stands instead"
+def _rounded_up(value: float) -> float:
+    """To as many digits as are shown."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - _DIGITS + 1)
+    return math.ceil(value / unit - 1e-9) * unit
 
 
-def _slower(cut: CutPlan, period: Period, settings: Settings) -> CutPlan:
-    """The cut as it would be planned with the same N and a slower f, as the advice says."""
-    wish = {"N": round(cut.solution.per_rev, 4), "F": period.frequency_hz}
+def _with_acceleration(settings: Settings, axes: str, acceleration_mm_s2: float) -> Settings:
+    """A machine whose axes have at least so much."""
+    changed = {}
+    for name in axes:
+        axis = settings.axes[name]
+        has = axis.max_acceleration_mm_s2
+        changed[name] = replace(axis, max_acceleration_mm_s2=max(has or 0.0, acceleration_mm_s2))
+    return replace(settings, axes={**settings.axes, **changed})
+
+
+def _slower(cut: CutPlan, settings: Settings, trials: Trials) -> str:
+    """The next slower frequency that works with the same N."""
+    law = control_along(settings, cut.path, cut.chain.before)
+    per_rev = round(cut.solution.per_rev, 4)
+    top_hz = cut.solution.frequency_hz
+    slower = (p for p in command_group(settings).between(_LEAST_SHARE * top_hz, top_hz * (1.0 - 1e-6)))
+    candidates = (period for period in slower if _runs(cut, period, law))
+    for _, period in zip(range(_MOST_EXPANDED), candidates, strict=False):
+        # The digits that are shown are those that people type.
+        wish = {"N": per_rev, "F": float(shown(period.frequency_hz))}
+        found = trials.works(with_values(cut.chain, wish, without="SE"))
+        if found is not None:
+            speed = f"S {found.plan.solution.speed_rpm:z.0f}"
+            return (
+                f"N {shown(per_rev)} with the same feed works at f {shown(period.frequency_hz)} Hz, {speed}"
+            )
+    return ""
+
+
+def _chosen(cut: CutPlan, settings: Settings, trials: Trials) -> str:
+    """What the machine would choose near the programmed speed."""
+    if trials.moves_left <= 0 or not cut.wave.shape.turns_back:
+        return ""
     requests = []
     for request in cut.chain.requests:
-        values = {k: given for k, given in request.values.items() if k not in "SE"}
-        values |= {key: SourcedValue(value, "advice") for key, value in wish.items()}
-        requests.append(request._replace(values=values))
-    return plan_cut(Chain(tuple(requests)), settings)
+        values = {key: given for key, given in request.values.items() if key not in "NEF"}
+        requests.append(request._replace(values=values, chosen_by="AUTO"))
+    try:
+        plan, _ = Chooser(settings).cut(Chain(tuple(requests)), lambda one: _made(one, settings))
+    except (RefusalError, SelfCheckError):
+        return ""
+    solution = plan.solution
+    found = f"N {solution.per_rev:.4g} f {solution.frequency_hz:.4g} Hz S {solution.speed_rpm:z.0f}"
+    return f"(VIB AUTO) in place of N and f takes {found}"
+
+
+def _made(chain: Chain, settings: Settings) -> tuple[CutPlan, Expansion]:
+    plan = plan_cut(chain, settings)
+    return plan, moves_of(plan, settings)
+
+
+def _standing(cut: CutPlan, settings: Settings, trials: Trials) -> str:
+    """What needs no reversal: at this E half of what is left to the stand is to spare."""
+    turns = round(1.5 / cut.edges / (1.0 - cut.wave.alpha_share), 2)
+    standing = with_values(cut.chain, {"E": turns}, without="NEFQA", waveform="dwell")
+    if trials.works(standing) is None:
+        return ""
+    has_stroke = cut.chain.requests[0].values.keys() & {"Q", "A"}
+    without = ", without Q and A," if has_stroke else ""
+    return f"WAVE DWELL with E {shown(turns)}{without} never turns back and stands instead"
 
 
 def _runs(cut: CutPlan, period: Period, law: ControlLaw) -> bool:
     """True when both strokes of a full vibration can be run in a slower period."""
-    ahead = forward_ticks(period.ticks, cut.wave.alpha_share)
-    share = ahead / period.ticks
-    advance_mm = cut.wave.feed_mm_rev / cut.solution.per_rev
-    forward_mm = cut.wave.stroke_mm + share * advance_mm
-    back_mm = cut.wave.stroke_mm - (1.0 - share) * advance_mm
+    share = forward_ticks(period.ticks, cut.wave.alpha_share) / period.ticks
+    # A feed per minute is spread over the revolutions of the slower spindle.
+    speed_rpm = S_PER_MIN * period.frequency_hz / cut.solution.per_rev
+    is_per_rev = cut.chain.before.modes.feed_mode == "rev"
+    longer = 1.0 if is_per_rev else cut.solution.speed_rpm / speed_rpm
+    advance_mm = longer * cut.wave.feed_mm_rev / cut.solution.per_rev
+    stroke_mm = longer * cut.wave.stroke_mm
+    back_mm = stroke_mm - (1.0 - share) * advance_mm
     try:
-        law.feed_for_time(forward_mm, share * period.period_s)
+        law.feed_for_time(stroke_mm + share * advance_mm, share * period.period_s)
         if back_mm > 0.0:
             law.feed_for_time(back_mm, (1.0 - share) * period.period_s)
     except RefusalError:

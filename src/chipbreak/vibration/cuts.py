@@ -258,7 +258,7 @@ def _expand(plan: CutPlan, settings: Settings, names: LoopNames | None, *, advis
     except RefusalError as error:
         if not advise:
             raise
-        raise with_advice(error, plan, settings, moves_of) from None
+        raise with_advice(error, plan, settings) from None
 
 
 def _by_line(diagnostic: Diagnostic) -> int:

@@ -33,4 +33,4 @@ class Judged(NamedTuple):
 
     def ways_out(self) -> str:
         """What has been tried and works; empty where nothing does, or nothing may be tried."""
-        return ways_out(self.interpreted, self.report) if self.advise else ""
+        return ways_out(self.interpreted.settings, self.report) if self.advise else ""
