@@ -79,12 +79,13 @@ class Program(NamedTuple):
         severity: Severity = Severity.ERROR,
     ) -> Diagnostic:
         """A diagnostic at characters ``at`` of a line, or at its first word."""
-        text = self.source.text(line)
-        start, end = at or _first_word(text)
         source = self.source
+        text = self.known[line].text if line in self.known else source.text(line)
+        start, end = at or _first_word(text)
         said = (source.meant(message), source.meant(help))
         place = source.place(line, start, end)
-        return Diagnostic(code, severity, *said, place, source.shown(line), source.encoding)
+        shown = text if source.user_lines is None else source.shown(line)
+        return Diagnostic(code, severity, *said, place, shown, source.encoding)
 
     def unreadable(self) -> list[Diagnostic]:
         """A warning for every line that could not be read."""

@@ -58,12 +58,15 @@ class Source(NamedTuple):
 
     def text(self, line: int) -> str:
         """Line without its end, one character a byte (latin-1)."""
-        return self.raw(line).rstrip(b"\r\n").decode("latin-1")
+        return self._bare(line).decode("latin-1")
+
+    def _bare(self, line: int) -> bytes:
+        return self.raw(line).rstrip(b"\r\n")
 
     def place(self, line: int, start: int = 0, end: int | None = None) -> Place:
         """Where characters ``start`` to ``end`` of a line stand in the user's file."""
         number = line + 1
-        stop = len(self.text(line)) if end is None else end
+        stop = len(self._bare(line)) if end is None else end
         if self.user_lines is not None:
             number = int(self.user_lines.numbers[line])
             shift = int(self.user_lines.shifts[line])
