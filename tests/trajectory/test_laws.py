@@ -25,6 +25,7 @@ from chipbreak.trajectory.law import AxisLimits, ControlLaw
 from chipbreak.trajectory.law_names import LAW_KEYS, foreign_keys
 from chipbreak.trajectory.laws import LAWS, law_named
 from chipbreak.trajectory.motion import Motion
+from chipbreak.trajectory.trapezoid import Trapezoid
 from strokes import on_z
 
 PACKAGE = Path(chipbreak.__file__).parent
@@ -153,6 +154,16 @@ def test_the_feed_found_takes_its_time(law: type[ControlLaw], length: float, mor
     assert feed <= control.velocity_mm_s
     assert control.block_times([length], [feed])[0] == pytest.approx(wanted, rel=1e-6)
     assert control.block_times([length], [control.velocity_mm_s])[0] <= wanted + 1e-9
+
+
+@given(st.lists(st.floats(0.01, 5.0), min_size=1, max_size=6), st.floats(1.0, 200.0), st.floats(50.0, 5000.0))
+def test_a_straight_move_takes_as_long_in_many_blocks_as_in_one(
+    lengths: list[float], feed: float, acceleration: float
+) -> None:
+    """Also where a block is too short to reach at its end what the next ones would let it have there."""
+    control = Trapezoid(1e9, acceleration)
+    one = control.block_times([sum(lengths)], [feed])
+    assert control.block_times(lengths, [feed] * len(lengths)).sum() == pytest.approx(one[0], rel=1e-9)
 
 
 @EVERY_LAW
