@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from chipbreak.trajectory.junctions import four_digits, least_of_parts, parts_of, sharpest_of_parts
+from chipbreak.trajectory.junctions import four_digits, least_of_parts, parts_of
 
 # Two blocks ahead, two back, three ahead.
 LENGTHS = np.array([1.0, 1.0, -1.0, -1.0, 1.0, 1.0, 1.0])
@@ -48,8 +48,6 @@ def test_a_corner_at_its_limit_is_a_rest(corner: int, wanted: list[tuple[int, in
 def test_what_is_known_of_blocks_by_parts() -> None:
     parts = parts_of(LENGTHS, STRAIGHT, 4)
     assert least_of_parts(parts, np.array([5.0, 3.0, 4.0, 8.0, 1.0, 1.0, 1.0])).tolist() == [3.0, 4.0]
-    # What stands at the end of a stroke is no corner inside it.
-    assert sharpest_of_parts(parts, np.array([0.2, 0.9, 0.3, 0.8, 1.0, 1.0, 1.0])).tolist() == [0.2, 0.3]
 
 
 @pytest.mark.parametrize(
