@@ -31,6 +31,7 @@ WAYS: dict[str, list[Way]] = {
     "axis-without-acceleration": ["axes.Y.max_acceleration_mm_s2=20000", 'planner.model="ideal"'],
     "block-delete": [("/G1", "G1"), ("N1.5", "")],
     "cycle-allowance-inside": [("U-0.4", "U0.4")],
+    "cycle-asked-by-a-word-stays": ['cycles.unroll="asked"', (" N1.5", "")],
     "cycle-begins-beyond-its-start": [("X52. Z2.", "X52. Z6.")],
     "cycle-contour-of-one-block": [
         (r"Q10(?s:.*)X16\.\n", "Q20 U0.4 F0.3\nN10 G0 X16.\nG1 Z-15.\nN20 X52.\n")

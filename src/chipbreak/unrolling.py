@@ -135,9 +135,10 @@ def _asked(interpreted: InterpretedProgram, operations: Sequence[Operation]) -> 
     kinds = cycle_lines(interpreted)
     if not kinds:
         return {}
+    wishes = requests_of(interpreted, operations).cycles if _may_wish(interpreted) else {}
     if unroll_all:
-        return dict.fromkeys(kinds)
-    wishes = requests_of(interpreted, operations).cycles
+        words = {line: by for line, by in wishes.items() if line in kinds and by == "word"}
+        return dict[int, AskedBy | None].fromkeys(kinds) | words
     scope = Scope(settings.vibration.only, operations)
     asked: dict[int, AskedBy | None] = {}
     for line, asked_by in wishes.items():
@@ -147,10 +148,10 @@ def _asked(interpreted: InterpretedProgram, operations: Sequence[Operation]) -> 
 
 
 def _may_wish(interpreted: InterpretedProgram) -> bool:
-    """False where neither the profile nor a comment can ask for vibration."""
+    """False where neither the profile, nor a comment, nor a word of a cycle can ask for vibration."""
     blocks = interpreted.program.event_blocks()
     return profile_directive(interpreted.settings).on or any(
-        "VIB" in comment.text.upper() for block in blocks for comment in block.comments
+        block.has("N") or any("VIB" in comment.text.upper() for comment in block.comments) for block in blocks
     )
 
 

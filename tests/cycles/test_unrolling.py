@@ -267,6 +267,27 @@ def test_numbers_may_repeat_where_each_contour_is_right_behind_its_cycle() -> No
     assert output.count(b"UNROLLED G71") == 2
 
 
+def test_a_word_of_the_cycle_asks_for_all_its_cuts() -> None:
+    program = CYCLE.replace(b"F0.3", b"F0.3 N1.5")
+    result = chipbreak.rewrite(program, load("fanuc-lathe"))
+    assert len(result.cuts) == 9
+    assert b"G1 Z-29.9 F0.3 N1.5)" in result.data
+    assert chipbreak.restore(result.data) == program
+    finish = CYCLE.replace(b"G70 P10 Q20", b"G70 P10 Q20 N1.5")
+    result = chipbreak.rewrite(finish, load("fanuc-lathe"))
+    assert [cut.plan.chain.first for cut in result.cuts], "the contour of the finishing cycle"
+    assert b"UNROLLED G71" in result.data, "it shares the contour"
+    assert b"(CHIPBREAK WAS X30. Z-30. N1.5)" in result.data
+
+
+@pytest.mark.parametrize("unroll", ["always", "asked"])
+def test_a_word_of_a_cycle_that_stays_is_an_error(unroll: str) -> None:
+    program = CYCLE.replace(b"F0.3", b"F0.3 N1.5").replace(b"X30. Z-30.", b"X#1 Z-30.")
+    with pytest.raises(ProgramRejectedError) as caught:
+        chipbreak.rewrite(program, load("fanuc-lathe", [f'cycles.unroll="{unroll}"']))
+    assert [d.code for d in caught.value.diagnostics if d.severity.value == "error"] == ["CYC002"]
+
+
 def test_of_repeated_numbers_the_control_takes_the_next_and_it_is_said() -> None:
     again = CYCLE[CYCLE.index(b"G0 X52.") : CYCLE.index(b"G70")].replace(b"Z-15.", b"Z-12.")
     between = chipbreak.rewrite(CYCLE.replace(b"M30", again + b"M30"), load("fanuc-lathe", ALWAYS))

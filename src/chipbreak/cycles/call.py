@@ -30,10 +30,10 @@ BAD_DEPTH = "CYC004"
 UNREAD_FORM = "CYC007"
 _OFF_GROUPS = ("rotation", "scaling", "mirror", "polar", "cylinder", "polygon", "modal_macro")
 _WORDS_OF_CALL: Mapping[ContourCycle, frozenset[str]] = {
-    "along-z": frozenset("GPQUWDIKRFS"),
-    "along-x": frozenset("GPQUWDIKRFS"),
-    "pattern": frozenset("GPQUWDIKFS"),
-    "finish": frozenset("GPQFS"),
+    "along-z": frozenset("GPQUWDIKRFSN"),
+    "along-x": frozenset("GPQUWDIKRFSN"),
+    "pattern": frozenset("GPQUWDIKFSN"),
+    "finish": frozenset("GPQFSN"),
 }
 _FIRST_BLOCK: Mapping[ContourCycle, frozenset[str]] = {
     "along-z": frozenset("GUR"),
@@ -54,6 +54,7 @@ class Call(NamedTuple):
     ``times``          the passes of a pattern
     ``is_type_two``    the cycle says that its contour may have pockets
     ``feed``, ``speed``  F and S as written, empty where the cycle says none
+    ``wish``           N as written, the wish for vibration of every cut of the cycle
     """
 
     kind: ContourCycle
@@ -72,6 +73,7 @@ class Call(NamedTuple):
     is_type_two: bool = False
     feed: str = ""
     speed: str = ""
+    wish: str = ""
 
 
 def refuse_modes(modes: Modes) -> None:
@@ -105,7 +107,7 @@ def read_call(interpreted: InterpretedProgram, contour: ContourCall) -> Call:
     codes = [f"G{number:g}" for number in block.numbers("G")]
     name = f"{codes[0]} P{block.number('P'):g} Q{block.number('Q'):g}"
     call = Call(kind, contour.line, contour.line + 1, contour.first, contour.last, name)
-    call = call._replace(feed=_text(block, "F"), speed=_text(block, "S"))
+    call = call._replace(feed=_text(block, "F"), speed=_text(block, "S"), wish=_text(block, "N"))
     return call if kind == "finish" else _with_lengths(call, block, interpreted)
 
 
@@ -227,7 +229,8 @@ def _text(block: Block, letter: str) -> str:
 
 def _refuse_words(block: Block, known: frozenset[str]) -> None:
     """Every word of the block has a meaning here, and nothing else stands in it."""
-    foreign = next((word for word in block.words if word.address not in known), None)
+    said = [word.address for word in block.words]
+    foreign = next((w for w in block.words if w.address not in known or said.count(w.address) > 1), None)
     if foreign is not None:
         raise RefusalError(
             UNREAD_FORM, f"{_shown(foreign)} has no known meaning in this cycle", "take it out"

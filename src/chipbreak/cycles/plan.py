@@ -27,7 +27,14 @@ from chipbreak.cycles.reading import (
 from chipbreak.cycles.roughing import Roughing, roughing_passes
 from chipbreak.cycles.single_passes import first_lines, single_passes
 from chipbreak.cycles.subroutine_cycles import cycles_in, subroutine_edit
-from chipbreak.cycles.writing import BlockWriter, blocks_of_passes, plain_contour, without_number
+from chipbreak.cycles.writing import (
+    BlockWriter,
+    blocks_of_passes,
+    plain_contour,
+    wished,
+    with_wish,
+    without_number,
+)
 from chipbreak.dialects.base import ContourCycle
 from chipbreak.editing.edits import Edit
 from chipbreak.model.block_effect import BlockEffect
@@ -35,7 +42,6 @@ from chipbreak.model.flow import ContourCall, contour_calls, sequence_lines
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
 from chipbreak.operations.kinds import Kind
-from chipbreak.syntax.nodes import Block
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 
@@ -292,7 +298,7 @@ def _rough_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Ed
     step_mm = settings.output.step_mm(is_inch=state.is_inch)
     cycle = _cycle(call, contour)._replace(narrow_mm=_NARROW_STEPS * step_mm)
     blocks = blocks_of_passes(roughing_passes(cycle), contour.frame, state, settings, call.feed)
-    content = tuple(text for text in (call.speed, *blocks, *_motion_back(state)) if text)
+    content = tuple(text for text in (call.speed, *wished(blocks, call.wish), *_motion_back(state)) if text)
     reason = f"passes of {call.depth_mm:g} mm along {along} to the contour with its allowances"
     promise = UnrolledRoughing(cycle=cycle, contour=contour)
     return Edit(call.first, call.last, content, call.name, reason, promise)
@@ -356,7 +362,7 @@ def _pattern_edit(interpreted: InterpretedProgram, call: Call, state: State) -> 
     segments = segments_of(steps[1:], frame)
     passes = pattern_passes(Pattern(start, begin, segments, offsets, first.kind == "line"))
     blocks = blocks_of_passes(passes, frame, state, settings, call.feed)
-    content = tuple(text for text in (call.speed, *blocks, *_motion_back(state)) if text)
+    content = tuple(text for text in (call.speed, *wished(blocks, call.wish), *_motion_back(state)) if text)
     reason = f"{call.times} passes along the contour, the last one at its allowances"
     promise = PlannedMoves(frame=frame, motions=tuple(motion for one in passes for motion in one.moves))
     return Edit(call.first, call.last, content, call.name, reason, promise)
@@ -369,9 +375,10 @@ def _finish_edit(interpreted: InterpretedProgram, call: Call, state: State) -> E
     settings = interpreted.settings
     if any(words_of_corner(effect, settings) for effect in effects):
         blocks, ends = plain_contour(effects, state, settings)
+        blocks = wished(blocks, call.wish)
     else:
         ends = [effect.move.end for effect in effects if effect.move is not None]
-        blocks = [without_number(block) for block in _blocks(effects)]
+        blocks = [_copied(effect, call.wish) for effect in effects]
     if any(math.isnan(end.x + end.z) for end in ends):
         raise RefusalError(
             BAD_CONTOUR, "a point of the contour cannot be known", "write it with plain numbers"
@@ -397,8 +404,13 @@ def _refuse_left_behind(before: State, behind: State) -> None:
         raise RefusalError(UNREAD_FORM, message, "end in the contour what it begins: G40 in its last block")
 
 
-def _blocks(effects: Iterable[BlockEffect]) -> Iterator[Block]:
-    return (effect.block for effect in effects if effect.block.words or effect.block.comments)
+def _copied(effect: BlockEffect, wish: str) -> str:
+    """A block of the contour, without its number; a cut with the wish of the cycle."""
+    if not (effect.block.words or effect.block.comments):
+        return ""
+    text = without_number(effect.block)
+    cuts = effect.move is not None and effect.move.is_cut
+    return with_wish(text, wish) if cuts else text
 
 
 def _motion_back(state: State) -> list[str]:

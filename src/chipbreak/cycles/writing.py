@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 
 from chipbreak.cycles.contour import Frame, Segment
@@ -105,6 +106,20 @@ def _arc_words(writer: BlockWriter, frame: Frame, at: Sequence[float], motion: M
     from_t, from_h = motion.centre.t - at[0], motion.centre.h - at[1]
     z_mm, radius_mm = frame.outside(type(motion.centre)(from_t, from_h))
     yield writer.centre(z_mm, radius_mm)
+
+
+_CUTS = re.compile(r"\bG[123]\b")
+
+
+def wished(blocks: Sequence[str], wish: str) -> list[str]:
+    """The blocks, each cut with a wish for vibration."""
+    return [with_wish(block, wish) if wish and _CUTS.search(block) else block for block in blocks]
+
+
+def with_wish(text: str, wish: str) -> str:
+    """A block with a wish behind its words; a comment stays behind them."""
+    words, mark, rest = text.partition("(") if "(" in text else text.partition(";")
+    return f"{words.rstrip()} {wish} {mark}{rest}".rstrip() if wish else text
 
 
 _LATHE = Frame("Z", 1, 1)

@@ -7,6 +7,7 @@ from collections.abc import Container, Mapping, Sequence
 
 from chipbreak.kinematics.sourced_value import SourcedValue
 from chipbreak.model.block_effect import CUTTING, BlockEffect
+from chipbreak.model.flow import CONTOUR_CYCLES
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
 from chipbreak.operations.operations import Operation
@@ -24,6 +25,7 @@ from chipbreak.vibration.wish import AskedBy, Wish, said_of
 
 AUTO = "auto"  # vibration.n: the machine chooses
 OUT_OF_RANGE = "VIB017"
+CYCLE_STAYS = "VIB079"
 UNREADABLE = "VIB018"
 _FROM_PROFILE = {
     "N": "n",
@@ -148,6 +150,7 @@ class RequestReader:
         self.air_lines: list[int] = []
         self.diagnostics: list[Diagnostic] = []
         self.stray: list[tuple[int, tuple[int, int]]] = []
+        self.wished_cycles: set[int] = set()
 
     def read(self) -> None:
         """Fill ``requests``, ``left`` and ``diagnostics``."""
@@ -196,6 +199,7 @@ class RequestReader:
         if self._calls_a_tool(effect):
             self._begin(self.default, effect.block.line)
             self.default.blocked = None
+        self._wish_of_cycle(effect)
         if effect.vibration:
             self.path.is_way_back(effect.move)
             self.wish.reached += 1
@@ -207,6 +211,18 @@ class RequestReader:
                 has_feed = effect.block.has_letter("F")
                 if word.letter == "f" and (has_feed or (effect.move and effect.move.is_cut)):
                     self.stray.append((effect.block.line, (word.start, word.end)))
+
+    def _wish_of_cycle(self, effect: BlockEffect) -> None:
+        """N of a cycle asks for all its cuts; where the cycle stays, the word would reach the control."""
+        word = effect.block.word("N")
+        if word is None or not (not effect.non_modal.isdisjoint(CONTOUR_CYCLES) and effect.block.has("Q")):
+            return
+        line = effect.block.line
+        self.wished_cycles.add(line)
+        if line not in self.named_cycles:
+            message = f"N{word.value_text} asks for vibration in a cycle that is not written out"
+            error = RefusalError(CYCLE_STAYS, message, 'set cycles.unroll = "asked", or take N out')
+            self._error(line, error, (word.start, word.end))
 
     def _begin(self, wish: Wish, line: int) -> None:
         """Another wish is in force from a line on."""
@@ -444,6 +460,7 @@ def requests_of(
         for passed in wish.passed
         if wish.on and passed.what == "cycle"
     }
+    cycles |= dict.fromkeys(reader.wished_cycles, "word")
     return Requests(reader.requests, reader.left, frozenset(reader.air_lines), reader.diagnostics, cycles)
 
 

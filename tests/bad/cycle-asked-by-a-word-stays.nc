@@ -1,0 +1,11 @@
+(EXPECT VIB079 5:28 -p fanuc-lathe cycles.unroll="never")
+G97 S1200 M3
+G0 X52. Z2.
+G71 U2. R0.5
+G71 P10 Q20 U0.4 W0.1 F0.3 N1.5
+N10 G0 X16.
+G1 Z-15.
+X30. Z-30.
+N20 X52.
+G0 X100.
+M30
