@@ -127,24 +127,21 @@ def unroll(
 def _asked(interpreted: InterpretedProgram, operations: Sequence[Operation]) -> dict[int, AskedBy | None]:
     """The lines of the cycles that are to be written out, with who asked; None where all are written out."""
     settings = interpreted.settings
-    unroll_all = settings.cycles.unroll == "always"
-    if settings.cycles.unroll == "never" or not (unroll_all or _may_wish(interpreted)):
+    rule = settings.cycles.unroll
+    if rule == "never" or (rule == "asked" and not _may_wish(interpreted)):
         return {}
+    from chipbreak.cycles.pecks import is_peck
     from chipbreak.cycles.plan import cycle_lines
 
+    requests = requests_of(interpreted, operations)
     kinds = cycle_lines(interpreted)
-    if not kinds:
-        return {}
-    wishes = requests_of(interpreted, operations).cycles if _may_wish(interpreted) else {}
-    if unroll_all:
-        words = {line: by for line, by in wishes.items() if line in kinds and by == "word"}
+    kinds |= dict.fromkeys(line for line in requests.pecks if is_peck(interpreted, line))
+    wishes = {line: by for line, by in requests.cycles.items() if line in kinds}
+    if rule == "always":
+        words = {line: by for line, by in wishes.items() if by == "word"}
         return dict[int, AskedBy | None].fromkeys(kinds) | words
     scope = Scope(settings.vibration.only, operations)
-    asked: dict[int, AskedBy | None] = {}
-    for line, asked_by in wishes.items():
-        if line in kinds and (asked_by != "profile" or _is_meant(line, kinds[line], scope)):
-            asked[line] = asked_by
-    return asked
+    return {line: by for line, by in wishes.items() if by != "profile" or _is_meant(line, kinds[line], scope)}
 
 
 def _may_wish(interpreted: InterpretedProgram) -> bool:

@@ -14,6 +14,7 @@ from chipbreak.cycles.call import BAD_DEPTH, UNREAD_FORM, Call, kind_of, read_ca
 from chipbreak.cycles.contour import Frame
 from chipbreak.cycles.corners import BAD_CONTOUR, words_of_corner
 from chipbreak.cycles.pattern import Pattern, offsets_of, pattern_passes
+from chipbreak.cycles.pecks import is_peck, peck_edit
 from chipbreak.cycles.promise import CopiedContour, PlannedMoves, RemovedContour, UnrolledRoughing
 from chipbreak.cycles.reading import (
     TURNS_BACK,
@@ -101,6 +102,7 @@ def plan_unrolling(interpreted: InterpretedProgram, asked: Iterable[int]) -> Unr
     plan = UnrollPlan([], [], [])
     _add_single_passes(plan, interpreted, wanted)
     _add_subroutine_cycles(plan, interpreted, wanted)
+    _add_pecks(plan, interpreted, wanted)
     _add_contours(plan, interpreted, wanted)
     return plan
 
@@ -121,6 +123,15 @@ def _add_subroutine_cycles(plan: UnrollPlan, interpreted: InterpretedProgram, wa
             continue
         try:
             plan.edits.append(UnrolledEdit(subroutine_edit(interpreted, line), _kind_of_cuts(kind), line))
+        except RefusalError as error:
+            plan.refused.append(Refused(line, error))
+
+
+def _add_pecks(plan: UnrollPlan, interpreted: InterpretedProgram, wanted: set[int]) -> None:
+    """Cycles that go without their pecks (G74, G75)."""
+    for line in sorted(line for line in wanted if is_peck(interpreted, line)):
+        try:
+            plan.edits.append(UnrolledEdit(peck_edit(interpreted, line), None, line))
         except RefusalError as error:
             plan.refused.append(Refused(line, error))
 

@@ -30,6 +30,7 @@ KEYS = {
 }
 # What AUTO chooses.
 _CHOSEN = "SNEF"
+_PECK_OFF = LazyPattern(r"\bPECK\s*=?\s*OFF\b[\s,]*")
 _AUTO = LazyPattern(r"AUTO(?![A-Z])[\s,]*")
 _DIRECTIVE = LazyPattern(r"\s*VIB(?:[\s,]+(.*?))?\s*$", re.IGNORECASE | re.DOTALL)
 _VALUE = rf"{'|'.join(WAVE_WORDS)}|[-+]?(?:\d+\.?\d*|\.\d+)"
@@ -37,12 +38,16 @@ _ITEM = LazyPattern(rf"\s*([A-Z]+?)\s*(?:=\s*)?({_VALUE})(?=[\s,A-Z]|$)[\s,]*")
 
 
 class Directive(NamedTuple):
-    """What one directive says; ``on`` is False for ``(VIB OFF)``, ``auto`` True for ``(VIB AUTO)``."""
+    """What one directive says; ``on`` is False for ``(VIB OFF)``, ``auto`` True for ``(VIB AUTO)``.
+
+    ``peck_off``: cycles that break chips by pecks are written out without them.
+    """
 
     on: bool
     values: Mapping[str, SourcedValue] = FrozenTable({})
     waveform: str = ""
     auto: bool = False
+    peck_off: bool = False
 
 
 def read_directive(text: str, line_number: int) -> Directive | None:
@@ -56,8 +61,10 @@ def read_directive(text: str, line_number: int) -> Directive | None:
     if match is None:
         return None
     rest = (match[1] or "").upper()
+    peck_off = _PECK_OFF.search(rest) is not None
+    rest = _PECK_OFF.sub("", rest).strip() if peck_off else rest
     if rest in ("", "ON"):
-        return Directive(True)
+        return Directive(True, peck_off=peck_off)
     if rest == "OFF":
         return Directive(False)
     is_auto = _AUTO.match(rest)
@@ -73,7 +80,7 @@ def read_directive(text: str, line_number: int) -> Directive | None:
     waveform = said.pop("WAVE", "").lower()
     origin = f"directive, line {line_number}"
     values = {key: SourcedValue(float(value), origin) for key, value in said.items()}
-    return Directive(True, values, waveform, auto=bool(is_auto))
+    return Directive(True, values, waveform, auto=bool(is_auto), peck_off=peck_off)
 
 
 def _items(text: str) -> Iterator[tuple[str, str]]:

@@ -114,7 +114,8 @@ class Requests(NamedTuple):
     """The cuts that are asked to vibrate, in order; those that a wish does not reach; what is to be said.
 
     ``air_lines`` (from 0) are moves back through what was just cut: they need no spindle speed.
-    ``cycles`` are the lines of cycles that a wish passed over, with who asked.
+    ``cycles`` are the lines of cycles that a wish passed over, with who asked; of ``pecks`` among them the
+    wish says that they go without pecks.
     """
 
     requests: list[Request]
@@ -122,6 +123,7 @@ class Requests(NamedTuple):
     air_lines: frozenset[int]
     diagnostics: list[Diagnostic]
     cycles: dict[int, AskedBy]
+    pecks: frozenset[int] = frozenset()
 
 
 class RequestReader:
@@ -461,7 +463,11 @@ def requests_of(
         if wish.on and passed.what == "cycle"
     }
     cycles |= dict.fromkeys(reader.wished_cycles, "word")
-    return Requests(reader.requests, reader.left, frozenset(reader.air_lines), reader.diagnostics, cycles)
+    pecks = frozenset(
+        passed.line for wish in reader.wishes for passed in wish.passed if wish.directive.peck_off
+    )
+    air_lines = frozenset(reader.air_lines)
+    return Requests(reader.requests, reader.left, air_lines, reader.diagnostics, cycles, pecks)
 
 
 def _looks_asking(text: str) -> bool:
