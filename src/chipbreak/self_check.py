@@ -18,6 +18,7 @@ from chipbreak.editing.restore import Region, regions, restores
 from chipbreak.editing.unroll import unrolled
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
 from chipbreak.model.state_difference import difference, is_same_place, moved, spindle_speed
+from chipbreak.model.stops import stops
 from chipbreak.model.words import codes_of
 from chipbreak.syntax.parse import parse_changed
 from chipbreak.text.diagnostics import ChipbreakError, SelfCheckError
@@ -51,6 +52,7 @@ def verify(interpreted: InterpretedProgram, output: bytes, edits: Sequence[Edit]
         promise = written.edit.promise
         if promise.leaves_motion:
             motion_from = _next_motion_code(interpreted, written.edit.last)
+        _check_stops(written)
         _check_borders(written, motion_from)
         _check_motion(written, motion_from)
         _check_return(written)
@@ -158,6 +160,14 @@ def _check_lengths(
             text = source.text(line)
             if len(text) > limit and text not in map(original.text, range(edit.first, edit.last)):
                 raise SelfCheckError(f"a new block has {len(text)} characters, the control takes {limit}")
+
+
+def _check_stops(written: Written) -> None:
+    """The control does not stop at a new block."""
+    region = written.region
+    found = stops(written.result, range(region.first, region.last))
+    if found:
+        raise SelfCheckError(f"{found[0].message}, and it stands in a new block")
 
 
 def _next_motion_code(interpreted: InterpretedProgram, first: int) -> int:

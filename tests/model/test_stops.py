@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 
 import chipbreak
+from chipbreak.text.diagnostics import SelfCheckError
+from chipbreak.vibration import cut_edit
 
 HEAD = {"grbl": b"G21 G90 G94\n", "grblhal-lathe": b"G21 G90 G94\n", "klipper": b"G21\nG90\n"}
 
@@ -121,3 +123,11 @@ def test_settings_in_the_program_are_compared_with_the_profile(line: bytes, said
     profile = chipbreak.load("grblhal-lathe", ["axes.Z.steps_per_mm=250", "axes.Z.max_velocity_mm_min=3000"])
     found = [one for one in chipbreak.rewrite(line + b"\nM30\n", profile).diagnostics if one.code == "MOD011"]
     assert [said in one.message for one in found] == ([True] if said else [])
+
+
+def test_what_is_written_is_looked_at_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cut_edit, "settling", lambda settings: ["G97"])
+    program = b"G21 G90 G94\nS3000 M3\nG0 X10. Z2.\nG1 Z-20. F150. N1.5\nG0 X30.\nM30\n"
+    profile = chipbreak.load("grbl", ["axes.Z.max_acceleration_mm_s2=9000"])
+    with pytest.raises(SelfCheckError, match="refuses G97, and it stands in a new block"):
+        chipbreak.rewrite(program, profile)

@@ -53,13 +53,16 @@ class _Case(NamedTuple):
 Rule = Callable[[_Case], Iterator[_Found]]
 
 
-def stops(interpreted: InterpretedProgram) -> list[Diagnostic]:
-    """An error for every block at which the control would stop, or obey what is none of the program."""
+def stops(interpreted: InterpretedProgram, within: range | None = None) -> list[Diagnostic]:
+    """An error for every block at which the control would stop, or obey what is none of the program.
+
+    ``within`` are the lines to look at, None for all of the program.
+    """
     program = interpreted.program
     if program.dialect.stops_at is None:
         return []
     found: list[Diagnostic] = []
-    for line in _suspects(program, program.dialect.stops_at):
+    for line in _suspects(program, program.dialect.stops_at, within or program.source.body):
         case = _Case(program.block(line), program.dialect, program.dialect.stops_at, interpreted)
         first = next((one for rule in RULES for one in rule(case)), None)
         if first is not None:
@@ -69,11 +72,11 @@ def stops(interpreted: InterpretedProgram) -> list[Diagnostic]:
     return found
 
 
-def _suspects(program: Program, stops_at: Stops) -> list[int]:
+def _suspects(program: Program, stops_at: Stops, body: range) -> list[int]:
     """The lines that are more than plain motion, long ones, and those of a shape that is refused."""
-    body = program.source.body
     is_wrong = [_is_wrong(shape.letters, shape.motion, stops_at) for shape in program.shapes]
-    lines = set(program.special_lines.tolist())
+    special = program.special_lines
+    lines = set(special[(special >= body.start) & (special < body.stop)].tolist())
     if any(is_wrong):
         plain = program.plain[body.start : body.stop]
         lines.update(

@@ -31,20 +31,25 @@ def uniform_run(program: Program, first: int, last: int) -> int:
     return last
 
 
-def read_columns(program: Program, first: int, last: int) -> tuple[str, Floats] | None:
+def read_columns(
+    program: Program, first: int, last: int, *, with_line_code: bool = False
+) -> tuple[str, Floats] | None:
     """Letters and numbers of lines ``first`` to ``last`` (exclusive): ("ZF", array of shape (n, 2)).
 
     Only for plain blocks that all have the same words in the same order, without block numbers and G codes;
-    None otherwise.
+    None otherwise.  ``with_line_code``: all of them may begin with ``G1``.
     """
     shapes = {program.shapes[i] if i >= 0 else None for i in np.unique(program.plain[first:last]).tolist()}
     letters = {shape.letters for shape in shapes if shape is not None}
-    if None in shapes or len(letters) != 1 or any(s is not None and s.motion is not None for s in shapes):
+    motions = {shape.motion for shape in shapes if shape is not None}
+    says_line = with_line_code and motions == {1}
+    if None in shapes or len(letters) != 1 or not (motions == {None} or says_line):
         return None
     source = program.source
     between = _LETTERS + program.table.grammar.separators.encode("latin-1")
     to_blank = bytes.maketrans(between, b" " * len(between))
-    text = source.data[source.starts[first] : source.starts[last]].translate(to_blank)
+    text = source.data[source.starts[first] : source.starts[last]]
+    text = (text.replace(b"G1 ", b"") if says_line else text).translate(to_blank)
     width = len(next(iter(letters)))
     numbers = _even_numbers(text, last - first, width)
     if numbers is None:

@@ -58,7 +58,8 @@ def read_moves(interpreted: InterpretedProgram, first: int, last: int) -> ReadBa
     line = first
     while line < last:
         run = uniform_run(interpreted.program, line, last)
-        table = read_columns(interpreted.program, line, run) if run - line >= _SHORT_RUN else None
+        is_long = run - line >= _SHORT_RUN
+        table = read_columns(interpreted.program, line, run, with_line_code=True) if is_long else None
         if table is not None:
             moves.add(state, *_table_moves(interpreted, state, *table))
             state = interpreted.skip(state, line, run)
