@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from beam import BEAM
+
 
 class Right(NamedTuple):
     """One program on one control.
@@ -40,6 +42,7 @@ IDEAL = ('planner.model="ideal"',)
 # Cuts of random programs are short: ramps of half a vibration leave room for vibration between them.
 SHORT = (*IDEAL, "vibration.ramp_vibrations=0.5", "vibration.end_revolutions=0", "checks.enabled=false")
 PLAIN_25 = "N1.5 F25 S1000 STROKE 0.12"
+OUR_9810 = (*BEAM, "macros.first_program=9810")  # where the program has those of another maker
 OWN_CHECK = (
     "checks.enabled=true",
     'calls.own={chip_check="G65 P1 T{tool} H{limit}"}',
@@ -92,8 +95,9 @@ RIGHT = (
     Right(
         "public/01f-mill-units-after-feed.ngc",
         LC_MILL,
+        BEAM,
         checks=("5 TOOL CHECK T1, TRACE T1", "8 CHIP CHECK T1 W0.02", "12 CHIP CHECK T1 W0.05"),
-        modes=("M5", "S3000 M3", "M5", "S3000 M3", "M5", "S3000 M3"),
+        modes=("M5", "S3000 M3", "M5", "S3000 M3", "M5"),
         said=("MOD002 5",),
     ),
     Right(
@@ -137,14 +141,15 @@ RIGHT = (
     Right(
         "public/12a-haas-lathe.nc",
         LATHE,
-        cuts=("N1.5 F12.5 S500 STROKE 0.2438", "N1.5009 F13.158 S526 STROKE 0.3857"),
-        modes=("G97 S500", "S526"),
+        # The face runs in steps of G96 S420, up to the limit of the spindle near the axis.
+        cuts=("N1.5 F12.5 S500 STROKE 0.2438 FIRST OF 10", "N1.5009 F13.158 S526 STROKE 0.3857"),
+        modes=("G97 S500", *(f"S{rpm}" for rpm in (588, 714, 833, 1000, 1250, 1429, 1667, 2000, 2500, 526))),
     ),
     Right(
         "public/12b-css-clamp.nc",
         LATHE,
-        cuts=("N1.4996 F35.714 S1429 STROKE 0.137",),
-        modes=("G97 S1429", "G96 S180"),
+        cuts=("N1.4996 F35.714 S1429 STROKE 0.137 FIRST OF 2",),
+        modes=("G97 S1429", "S1667", "G96 S180"),  # not beyond G50 S1800
     ),
     Right(
         "public/12c-css-end-linuxcnc.ngc",
@@ -170,13 +175,14 @@ RIGHT = (
     Right(
         "public/12f-title-gap-mill.nc",
         MILL,
+        BEAM,
         checks=(
             "7 CALIBRATE",
             "8 TOOL CHECK T1, TRACE T1",
             "14 CHIP CHECK T1 W0.02",
             "21 CHIP CHECK T1 W0.05",
         ),
-        modes=("M5", "S3000 M3", "M5", "S3000 M3"),
+        modes=("M5", "S3000 M3", "M5"),
     ),
     Right("public/12g-lathe-checks-t0.nc", LATHE),
     Right(
@@ -184,12 +190,33 @@ RIGHT = (
         LATHE,
         OWN_CHECK,
         checks=("15 CHIP CHECK T1 W0.02", "25 CHIP CHECK T1 W0.05"),
-        modes=("M5", "S800 M3", "M5", "S900 M3"),
+        modes=("M5", "S800 M3", "M5"),
     ),
     # --- programs that other people's numbers stand in
-    Right("public/17a-renishaw-probe.nc", MILL, said=("CHK010 10",)),
-    Right("public/17b-renishaw-only-calls.nc", MILL, said=("CHK010 10",)),
-    Right("public/17c-haas-probe-break.nc", MILL, said=("CHK010 8",)),
+    Right("public/17a-renishaw-probe.nc", MILL, OUR_9810, said=("CHK010 9",)),
+    Right("public/17b-renishaw-only-calls.nc", MILL, OUR_9810, said=("CHK010 10",)),
+    Right("public/17c-haas-probe-break.nc", MILL, OUR_9810, said=("CHK010 7",)),
+    Right(
+        "public/17a-renishaw-probe.nc",
+        MILL,
+        BEAM,
+        checks=("5 CALIBRATE", "17 TOOL CHECK T10, TRACE T10", "25 CHIP CHECK T10 W0.02"),
+        modes=("M5",),
+    ),
+    Right(
+        "public/17b-renishaw-only-calls.nc",
+        MILL,
+        BEAM,
+        checks=("4 CALIBRATE", "5 TOOL CHECK T10, TRACE T10"),
+        said=("CHK002 15",),
+    ),
+    Right(
+        "public/17c-haas-probe-break.nc",
+        MILL,
+        BEAM,
+        checks=("4 CALIBRATE", "14 TOOL CHECK T10, TRACE T10", "21 CHIP CHECK T10 W0.05"),
+        modes=("M5",),
+    ),
     # --- S and F beside codes of one block
     Right("public/24a-iosender-turn.ngc", LC_LATHE, IDEAL),
     Right(
@@ -228,6 +255,7 @@ RIGHT = (
     Right(
         "public/24i-mill-speed-with-dwell.nc",
         MILL,
+        BEAM,
         checks=(
             "5 CALIBRATE",
             "6 TOOL CHECK T1, TRACE T1",
@@ -235,13 +263,14 @@ RIGHT = (
             "19 CHIP CHECK T1 W0.02",
             "24 CHIP CHECK T1 W0.05",
         ),
-        modes=("M5", "S3000 M3", "M5", "S8000 M3", "M5", "S8000 M3"),
+        modes=("M5", "M5", "S8000 M3", "M5"),  # behind the first comes S8000 M3 of the program
     ),
     Right(
         "public/24j-mill-first-speed-with-dwell.nc",
         MILL,
+        BEAM,
         checks=("5 CALIBRATE", "6 TOOL CHECK T1, TRACE T1", "12 CHIP CHECK T1 W0.02"),
-        modes=("M5", "S8000 M3"),
+        modes=("M5",),
     ),
     Right("public/24k-s-dwell-then-plain.nc", LATHE, cuts=("N1.5 F31.25 S1250 STROKE 0.12",)),
     # --- several paths: nothing passes from one to another
@@ -284,8 +313,9 @@ RIGHT = (
         Right(
             f"held/{name}.nc",
             MILL,
+            BEAM,
             checks=("5 CALIBRATE", "6 TOOL CHECK T1, TRACE T1", "13 CHIP CHECK T1 W0.02"),
-            modes=("M5", "S1000 M3"),
+            modes=("M5",),
         )
         for name in ("g80-safe-line", "g80-without")
     ),

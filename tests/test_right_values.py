@@ -191,3 +191,13 @@ def test_every_mark_stays(row: Right) -> None:
     data = data_of(row.file)
     result = chipbreak.rewrite(data, settings_of(row), row.file)
     assert re.findall(rb"[$!][^ \n]*", result.data) == re.findall(rb"[$!][^ \n]*", data)
+
+
+@pytest.mark.parametrize("row", [row for row in RIGHT if row.file.startswith("public/17")], ids=str)
+def test_nothing_of_ours_has_a_number_that_the_program_calls(row: Right) -> None:
+    data = data_of(row.file)
+    source = read(chipbreak.rewrite(data, settings_of(row), row.file).data)
+    ours = b"".join(source.raw(line) for one in regions(source) for line in range(one.first, one.last))
+    numbers = [set(re.findall(rb"G65 P([0-9]+)", text)) for text in (data, ours)]
+    assert numbers[0] and not numbers[0] & numbers[1]
+    assert bool(numbers[1]) == bool(row.checks)

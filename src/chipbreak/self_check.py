@@ -13,10 +13,11 @@ import numpy as np
 
 from chipbreak.editing.bracket import UNROLLED_CYCLES
 from chipbreak.editing.edits import Edit, in_order
-from chipbreak.editing.promise import Written
+from chipbreak.editing.promise import Promise, Written
 from chipbreak.editing.restore import Region, regions, restores
 from chipbreak.editing.unroll import unrolled
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
+from chipbreak.model.modal import State
 from chipbreak.model.state_difference import difference, is_same_place, moved, spindle_speed
 from chipbreak.model.stops import stops
 from chipbreak.model.words import codes_of
@@ -194,11 +195,20 @@ def _check_borders(written: Written, motion_from: int) -> None:
             continue  # the next block starts another program, from the power-on state
         if line <= motion_from:
             now = now.with_motion(was.modes.motion)
+        if where == "behind":
+            now = _but_what_is_left(edit.promise, was, now)
         wrong = difference(was, now)
         if not wrong and edit.first != edit.last:
             wrong = moved(was, now)
         if wrong:
             raise SelfCheckError(f"{where} line {line + 1} {wrong} differs from the original")
+
+
+def _but_what_is_left(promise: Promise, was: State, now: State) -> State:
+    """The state behind an edit, as if what its promise leaves to the program were given back."""
+    if promise.leaves_spindle:
+        now = now._replace(spindle=was.spindle)
+    return now._replace(coolant=was.coolant) if promise.leaves_coolant else now
 
 
 def _check_motion(written: Written, motion_from: int) -> None:

@@ -143,11 +143,22 @@ def _same_state(new: BlockEffect, old: BlockEffect) -> None:
     assert new.block.text == where
     one, other = old.before, new.before
     assert one.modes == other.modes, where
-    for name in ("spindle", "coolant", "tool", "ended"):
+    # What the program says itself before the spindle or coolant is of use need not be given back.
+    used = ("spindle", "coolant") if _uses_spindle(old) else ()
+    for name in (*used, "tool", "ended"):
         assert getattr(one, name) == getattr(other, name), (name, where)
     for name in ("speed", "feed", "speed_limit"):
         a, b = (getattr(state, name) for state in (one, other))
         assert (a and a.text) == (b and b.text), (name, where)
+
+
+def _uses_spindle(effect: BlockEffect) -> bool:
+    """True for a block that moves the tool near the work, or hands the machine to somebody else."""
+    waits_behind = effect.does("spindle") and effect.non_modal == {"dwell"}
+    if (effect.move is not None or effect.non_modal) and not waits_behind:
+        return not _goes_by_machine(effect)
+    hands_over = any(effect.does(group) for group in ("stop", "tool", "subprogram"))
+    return hands_over or bool(effect.block.controls or effect.block.opaque or effect.block.has("T"))
 
 
 def _same_start(new: BlockEffect, old: BlockEffect) -> None:

@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
+import chipbreak
+from beam import BEAM
 from checks.filtered import Filtered, check, filtered
 from checks.programs import mill_programs
 from chipbreak.editing.restore import regions
@@ -154,3 +156,41 @@ def test_no_check_stands_in_a_work_offset_that_linuxcnc_has_turned(angle: str, i
     assert ("CHIP CHECK T1 W0.02" in result.titles) == is_safe
     turned = [d for d in result.diagnostics if "rotated (G10 with R, line 10)" in d.message]
     assert bool(turned) != is_safe
+
+
+# What comes behind a check, and what it gives back of S, spindle and coolant.
+NEXT = [
+    ("G0 X5. Y5.", ["M8", "S1000 M3"]),
+    ("M5", ["M8"]),  # coolant is not ended
+    ("M9\nM5", []),
+    ("M9", ["S1000 M3"]),
+    ("M5 M9", []),
+    ("(A COMMENT)\n\nM5\nM9", []),
+    ("G28 G91 Z0.\nG90\nM5\nM9", []),
+    ("S8000 M3", ["M8"]),
+    ("S8000 M3 G4 X2.", ["M8"]),
+    ("G4 X2.\nS8000 M3", ["M8", "S1000 M3"]),
+    ("M5\nM3", ["M8", "S1000"]),  # it starts with the S from before
+    ("M3", ["M8", "S1000"]),
+    ("S8000", ["M8", "S1000 M3"]),  # the spindle turns on at another speed
+    ("M42\nM5\nM9", ["M8", "S1000 M3"]),  # nobody knows what M42 wants
+    ("M1\nM5\nM9", ["M8", "S1000 M3"]),  # an operator may look
+    ("/M5\nM9", ["M8", "S1000 M3"]),
+    ("#1=2\nM5", ["M8", "S1000 M3"]),
+    ("M98 P5\nM5", ["M8", "S1000 M3"]),
+]
+
+
+@pytest.mark.parametrize(("blocks", "given_back"), NEXT, ids=[blocks for blocks, _ in NEXT])
+def test_what_the_next_blocks_say_themselves_is_not_given_back(blocks: str, given_back: list[str]) -> None:
+    head = "%\nO1\nG90 G21 G40 G80\n(ROUGH)\nT1 M6\nS1000 M3\nM8\nG54 G0 X1. Y1.\nG43 H1 Z15.\n"
+    cut = "G1 Z-1. F100.\nX30.\nG0 Z15.\n"
+    again = "G90 G0 X1. Y1. S1000 M3\nM8\nG43 H1 Z15.\n"
+    program = f"{head}{cut}(FINISH)\n{blocks}\n{again}{cut}M30\n%\n"
+    result = filtered(program.encode(), "fanuc-mill")
+    check(result)
+    (edit,) = [one for one in result.edits if one.title == "CHIP CHECK T1 W0.02"]
+    assert edit.first == (head + cut).count("\n")
+    texts = list(map(str, edit.content))
+    assert sorted(text for text in texts if text.startswith("S") or text == "M8") == given_back
+    assert chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-mill", BEAM)).changed

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 import chipbreak
 
 from . import rs274
+from .compared import assert_same_outside
 
 _PLACE = st.integers(8, 20)
 _ITEMS = st.one_of(
@@ -77,3 +78,18 @@ def test_all_else_stays_as_it_was(items: list[str]) -> None:
         return
     event("taken")
     assert list(state_at_moves(out)) == list(state_at_moves(program))
+
+
+@pytest.mark.linuxcnc
+@pytest.mark.parametrize(("first", "then"), [("G21", "G20"), ("G20", "G21"), ("G21", "G21"), ("G20", "G20")])
+@pytest.mark.parametrize("behind", ["G0 Z1", "M3", "M5\nM3", "M5\nS120 M3"])
+def test_a_check_gives_back_a_surface_speed_as_it_was_set(first: str, then: str, behind: str) -> None:
+    """In the units in which it was set: where the spindle starts, the control reads its number again."""
+    program = (
+        f"G17 G40 G49 G54 G80 G90 G94\nT1 M6\n{first}\nG96 S100 M3\n{then}\nG0 X1 Y1 Z1\n(ROUGH)\n"
+        f"G1 Z-1 F10\nG0 Z1\n(FINISH)\nG0 Z1\n{behind}\nG1 Z-1 F10\nM5\nM3\nG1 Z-2\nG0 Z1\nM2\n"
+    ).encode()
+    own = ['calls.own={chip_check="G4 P0.001"}', "checks.calls=own", "checks.enabled=true"]
+    result = chipbreak.rewrite(program, chipbreak.load("linuxcnc-mill", own))
+    assert b"CHIP CHECK T1 W0.02" in result.data
+    assert_same_outside(program, result.data, lathe=False, comes_back=False)

@@ -61,7 +61,11 @@ def _edit(checks: Sequence[PlannedCheck], settings: Settings) -> Edit:
     blocks.put_back()
     title = ", ".join(check.title for check in checks)
     reason = "; ".join(check.reason for check in checks)
-    return Edit(point.line, point.line, tuple(blocks.texts), title, reason, SpindleRestarted())
+    promise = SpindleRestarted(
+        leaves_spindle=point.state.turns and not point.restarts,
+        leaves_coolant=point.coolant != point.state.coolant,
+    )
+    return Edit(point.line, point.line, tuple(blocks.texts), title, reason, promise)
 
 
 class _Blocks:
@@ -103,9 +107,21 @@ class _Blocks:
                 self.write(self.dialect.code(group, value))
 
     def _put_back_spindle(self) -> None:
-        if self.point.needs_speed and self.before.speed:
-            starts = [self.dialect.m_code("spindle", self.before.spindle)] if self.before.turns else []
+        if not (self.point.needs_speed and self.before.speed):
+            return
+        starts = [self.dialect.m_code("spindle", self.before.spindle)] if self.point.restarts else []
+        typed = self.before.speed.units
+        if typed == self.before.modes.units or not self._reads_before_units():
             self.write(" ".join([f"S{speed_text(self.before)}", *starts]))
+            return
+        # The control keeps the number: it is read in the units in which it was set.
+        self.write(self.dialect.code("units", typed))
+        back = self.dialect.code("units", self.before.modes.units)
+        self.write(" ".join([back, f"S{self.before.speed.text}", *starts]))
+
+    def _reads_before_units(self) -> bool:
+        """True where an S of surface speed is read before the units of its block."""
+        return self.before.modes.speed_mode == "surface" and self.dialect.feed_before_units
 
     def _put_back_position_and_coolant(self) -> None:
         """The axis that comes down to the work is the last, and the coolant flows by then."""
@@ -115,7 +131,7 @@ class _Blocks:
             self.write(self.dialect.code("distance", "absolute"))
         if first_axes:
             self.write(" ".join(["G0", *map(self._word, first_axes)]))
-        for name in sorted(self.before.coolant):
+        for name in sorted(self.point.coolant):
             self.write(self.dialect.m_code("coolant", name))
         if last in self.point.axes:
             offset = [self.point.length_offset] if self.point.length_offset else []

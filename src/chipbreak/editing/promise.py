@@ -78,10 +78,14 @@ class Promise(Record, kw_only=True):
 
     ``leaves_motion``: behind the edit another of G0 to G3 may be in force, for the next move says its own.
     ``leaves_speed``: the edit may leave another spindle speed behind.
+    ``leaves_spindle``, ``leaves_coolant``: the spindle may stand, or coolant not flow, for the program says
+    that itself before anything counts on it.
     """
 
     leaves_motion: bool = False
     leaves_speed: bool = False
+    leaves_spindle: bool = False
+    leaves_coolant: bool = False
 
     def check(self, written: Written) -> object | None:
         """Look at what was promised beyond that; what is worth a report is returned, several as a tuple.
@@ -118,12 +122,22 @@ class SpeedGivenBack(Promise, kw_only=True):
 
 
 class SpindleRestarted(Promise, kw_only=True):
-    """The spindle is stopped and started again; the next cut behind has the programmed speed."""
+    """The spindle is stopped and started again; the next cut behind has the programmed speed.
+
+    Where the program commands spindle or coolant itself before it moves anywhere but home, they may stand.
+    """
 
     leaves_speed: bool = True
 
     def check(self, written: Written) -> None:
-        """The speed is back behind the edit, or the program commands one itself before it cuts."""
+        """Speed, spindle and coolant are back behind the edit, or the program commands them itself."""
+        self._check_speed(written)
+        for group, is_left in (("spindle", self.leaves_spindle), ("coolant", self.leaves_coolant)):
+            if is_left and not _is_commanded(written, group):
+                at = written.edit.first + 1
+                raise SelfCheckError(f"behind the insertion at line {at} the {group} is not given back")
+
+    def _check_speed(self, written: Written) -> None:
         if spindle_speed(written.was_behind) == spindle_speed(written.now_behind):
             return
         for effect in written.blocks_behind():
@@ -132,6 +146,17 @@ class SpindleRestarted(Promise, kw_only=True):
             if effect.move is not None and effect.move.kind != "rapid":
                 at = written.edit.first + 1
                 raise SelfCheckError(f"behind the insertion at line {at} a cut begins at another speed")
+
+
+def _is_commanded(written: Written, group: str) -> bool:
+    """True where the program commands it, or ends, before it moves, calls or waits for anybody."""
+    for effect in written.blocks_behind():
+        if effect.does(group):
+            return True
+        moves = effect.move is not None and not effect.non_modal & {"home", "machine"}
+        if moves or effect.block.controls or effect.does("stop") or effect.does("subprogram"):
+            return False
+    return True
 
 
 KEPT = Promise()

@@ -11,6 +11,7 @@ from chipbreak.insertion.clearance import Clearance
 from chipbreak.insertion.length_offset import offset_words
 from chipbreak.insertion.looking_back import effects_before
 from chipbreak.insertion.obstacles import Obstacles
+from chipbreak.insertion.overwritten import coolant_is_overwritten, spindle_is_overwritten
 from chipbreak.insertion.position_dependencies import (
     PositionDependencies,
     position_dependencies,
@@ -82,9 +83,20 @@ class Case:
         return offset_words(self.interpreted, self.line) if self.has_offset and "Z" in self.axes else ""
 
     @cached_property
+    def restarts(self) -> bool:
+        """The spindle turns, and what comes next counts on it."""
+        return self.state.turns and not spindle_is_overwritten(self.interpreted, self.line)
+
+    @cached_property
     def needs_speed(self) -> bool:
-        """The spindle turns, or is started with the S that is in force here."""
-        return self.state.turns or relies_on_speed(self.interpreted, self.line)
+        """The spindle must turn again, or is started with the S that is in force here."""
+        return self.restarts or relies_on_speed(self.interpreted, self.line)
+
+    @cached_property
+    def coolant(self) -> frozenset[str]:
+        """The coolant that must flow again."""
+        is_overwritten = bool(self.state.coolant) and coolant_is_overwritten(self.interpreted, self.line)
+        return frozenset() if is_overwritten else self.state.coolant
 
 
 # --- what is wrong with a candidate itself -----------------------------------------------------------

@@ -22,14 +22,18 @@ class SafePoint(NamedTuple):
     ``state``          the state there
     ``axes``           axes that have to be again where they were, in the order X, Y, Z
     ``length_offset``  words that bring the length offset back into force, such as ``G43 H2``, or ""
-    ``needs_speed``    True when S must be in force again, because the spindle turns or starts without S
+    ``restarts``       True when the spindle turns there and must turn again
+    ``needs_speed``    True when S must be in force again, because the spindle must turn, or starts without S
+    ``coolant``        what must flow again
     """
 
     line: int
     state: State
     axes: str
     length_offset: str
+    restarts: bool
     needs_speed: bool
+    coolant: frozenset[str]
 
 
 class NoSafePoint(NamedTuple):
@@ -106,4 +110,5 @@ class SafePointFinder:
                 return NoSafePoint(candidate.line, obstacle.why, obstacle.way_out)
         axes = "".join(axis for axis in "XYZ" if axis in case.axes)
         words = case.offset_words or ""
-        return SafePoint(candidate.line, candidate.state, axes, words, case.needs_speed)
+        now = (case.restarts, case.needs_speed, case.coolant)
+        return SafePoint(candidate.line, candidate.state, axes, words, *now)
