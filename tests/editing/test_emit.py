@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import chipbreak
+from beam import BEAM
 from chipbreak.editing.edits import Edit, MoveTable, OverlapError
 from chipbreak.editing.promise import KEPT
 from chipbreak.editing.render import _ROWS_AT_ONCE, print_moves, render
@@ -334,4 +335,4 @@ def test_a_line_too_long_for_the_control_is_caught() -> None:
 )
 def test_what_stands_behind_the_end_is_another_program(profile: str, program: bytes) -> None:
     """It starts from the power-on state, and the proof of a change before it ends there."""
-    assert chipbreak.rewrite(program, chipbreak.load(profile)).edits
+    assert chipbreak.rewrite(program, chipbreak.load(profile, BEAM)).edits

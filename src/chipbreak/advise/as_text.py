@@ -47,15 +47,15 @@ def _cells(number: int, row: AdvisedRow) -> tuple[str, ...]:
     return (
         f"{number}",
         f"{row.speed_rpm:g}",
-        f"{row.per_rev:.3f}",
-        f"{row.frequency_hz:.2f}",
-        f"{row.stroke_mm:.3f}",
-        f"{row.margin:.2f}",
-        f"{row.longest_chip_rev:.2f}",
-        "" if row.longest_chip_mm is None else f"{row.longest_chip_mm:.0f}",
-        f"{row.peak_thickness:.2f}",
-        f"{row.duration_s:.1f}",
-        f"{row.acceleration_mm_s2 / 1000.0:.2f}{share}",
+        f"{row.per_rev:z.3f}",
+        f"{row.frequency_hz:z.2f}",
+        f"{row.stroke_mm:z.3f}",
+        f"{row.margin:z.2f}",
+        f"{row.longest_chip_rev:z.2f}",
+        "" if row.longest_chip_mm is None else f"{row.longest_chip_mm:z.0f}",
+        f"{row.peak_thickness:z.2f}",
+        f"{row.duration_s:z.1f}",
+        f"{row.acceleration_mm_s2 / 1000.0:z.2f}{share}",
     )
 
 
