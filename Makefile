@@ -11,7 +11,7 @@ PROFILE := generic-lathe
 CODE := src tests benchmarks
 FUZZ_SECONDS ?= 120
 
-.PHONY: demo test fuzz lint man test-pythons hooks bench wheel release-dry-run clean
+.PHONY: demo test fuzz lint man site test-pythons hooks bench wheel release-dry-run clean
 
 $(BIN)/chipbreak: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -79,6 +79,11 @@ man: $(VENV)/.dev
 	mkdir -p build/man
 	$(BIN)/python -c "from click_man.core import write_man_pages as w; import chipbreak; from chipbreak.cli import cli; \
 	    w('chipbreak', cli, version=chipbreak.__version__, target_dir='build/man')"
+
+# The pages as a site in build/site.
+site: $(VENV)/.dev
+	$(BIN)/python -m pip install --quiet mkdocs-material
+	$(BIN)/mkdocs build --strict --quiet
 
 # Everything of a release but the upload; VERSION=1.2.3 tries it under that number.
 release-dry-run:
