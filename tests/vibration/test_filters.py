@@ -159,3 +159,57 @@ def test_no_stroke_is_raised_beyond_what_the_axis_can_do() -> None:
 def test_what_the_control_makes_of_strokes_must_be_known() -> None:
     with pytest.raises(chipbreak.ProgramRejectedError, match="position_gain_1_s"):
         cut_of(FAST, "planner.model=after-interpolation", "axes.Z.acc_dec_ms=8")
+
+
+DWELL = "G97 S500 M3\nG0 X20. Z2.\n(VIB WAVE DWELL E4)\nG1 Z-5. F0.1\nM30\n"
+
+
+@pytest.mark.parametrize("average_ms", [8.0, 32.0, 64.0])
+def test_the_axes_come_to_rest_after_a_dwell_has_begun(average_ms: float) -> None:
+    """A stand of two revolutions of 120 ms, less the average but for the last half step of 0.001 mm."""
+    cut = cut_of(DWELL, f"axes.Z.acc_dec_ms={average_ms}")
+    feed_mm_s = 0.1 * 500.0 / 60.0
+    soon_ms = np.sqrt(2.0 * average_ms * 0.0005 / feed_mm_s * 1000.0)
+    assert cut.verdict.margin == pytest.approx(2.0 - (average_ms - soon_ms) / 120.0, abs=0.03)
+    assert cut.verdict.breaks
+
+
+def test_a_dwell_that_a_slow_axis_eats_up_is_refused_with_what_works() -> None:
+    sets = ("axes.Z.acc_dec_ms=32", "axes.Z.position_gain_1_s=15")
+    short = DWELL.replace("E4", "E2.2")
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        cut_of(short, *sets)
+    (found,) = caught.value.diagnostics
+    assert found.code == "VIB086"
+    turns = found.help.split("take E ")[1].split(",")[0]
+    assert cut_of(short.replace("E2.2", f"E{turns}"), *sets).verdict.breaks
+
+
+def test_a_dwell_at_the_end_waits_for_the_axes() -> None:
+    program = FAST.replace(" Q1.2", "")
+    plain = cut_of(program, "vibration.end=dwell").plan.end_dwell_s
+    late = cut_of(program, "vibration.end=dwell", "axes.Z.acc_dec_ms=6").plan.end_dwell_s
+    assert late == pytest.approx(plain + 0.006)
+
+
+def test_a_stroke_that_needs_more_than_the_axis_has_behind_its_filters_is_refused() -> None:
+    program = FAST.replace("Q1.2", "Q12")
+    sets = ("axes.Z.acc_dec_ms=4", "axes.Z.position_gain_1_s=90", "axes.Z.max_acceleration_mm_s2=3000")
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        cut_of(program, *sets)
+    assert [d.code for d in caught.value.diagnostics] == ["VIB030"]
+    assert cut_of(program, *sets[:2]).verdict.breaks
+
+
+def test_axes_of_unlike_filters_leave_the_path_of_a_taper_and_say_by_how_much() -> None:
+    program = FAST.replace("G1 Z-30.", "G1 X60. Z-18.").replace(" Q1.2", "")
+    alike = [f"axes.{axis}.position_gain_1_s=60" for axis in "XZ"]
+    same = cut_of(program, *alike)
+    other = cut_of(program, alike[0], "axes.Z.position_gain_1_s=45")
+    assert same.following is not None and other.following is not None
+    assert same.following.path_error_mm == 0.0
+    # At an even feed of 2.08 mm/s along 45 degrees one axis is 1/45 - 1/60 s behind the other.
+    speed_mm_s = 0.05 * 2500.0 / 60.0
+    steady_mm = speed_mm_s * np.sqrt(0.5) * (1.0 / 45.0 - 1.0 / 60.0) * np.sqrt(0.5)
+    assert steady_mm < other.following.path_error_mm < 12.0 * steady_mm
+    assert other.verdict.margin == pytest.approx(1.2, rel=0.03)

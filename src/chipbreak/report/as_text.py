@@ -140,11 +140,11 @@ def _band(cut: ExplainedCut) -> Iterator[str]:
 
 def _machine(cut: ExplainedCut) -> Iterator[str]:
     needs = cut.motion.need
-    if cut.servo_share is not None and cut.delay_s is not None:
-        needs += (
-            f", the axes make {cut.servo_share:.0%} of the commanded stroke,"
-            f" {cut.delay_s * MS_PER_S:.3g} ms late"
-        )
+    if cut.servo_share is not None:
+        real_mm = cut.verdict.stroke_mm
+        needs += f", the axes make {real_mm:.4g} mm of the stroke ({cut.servo_share:.0%})"
+    if cut.delay_s is not None:
+        needs += f", {cut.delay_s * MS_PER_S:.3g} ms late"
     if cut.path_error_mm:
         needs += f" and up to {cut.path_error_mm:z.4f} mm off the path"
     if cut.flank_clearance:

@@ -95,7 +95,7 @@ def _cut(cut: CutReport, source: Source, settings: Settings) -> ExplainedCut:
         duration_s=cut.duration_s,
         control=cut.control,
         acceleration_mm_s2=cut.acceleration_mm_s2,
-        servo_share=cut.followed_share,
+        servo_share=cut.following and cut.following.stroke_share,
         flank_clearance=tuple(FlankClearance(c.diameter_mm, c.degrees) for c in cut.clearances),
         moved=_moved(plan.chain.axes, settings),
         verdict=cut.verdict,
@@ -105,8 +105,8 @@ def _cut(cut: CutReport, source: Source, settings: Settings) -> ExplainedCut:
         output_form="expanded" if loops is None else "loop",
         motion=_motion(cut),
         programmed_s=cut.programmed_s,
-        delay_s=cut.delay_s,
-        path_error_mm=cut.path_error_mm,
+        delay_s=cut.following and cut.following.delay_s,
+        path_error_mm=cut.following and cut.following.path_error_mm,
     )
 
 

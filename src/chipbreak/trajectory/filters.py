@@ -16,6 +16,7 @@ import numpy as np
 from chipbreak.kinematics.floats import Floats
 from chipbreak.text.named_tuple import NamedTuple
 
+STILL_MM = 0.0005  # half a step of most controls: nearer to its end an axis counts as resting there
 _SETTLED = 18.0  # lag times after which a lag has made up all but 1e-8 of what it was behind
 _NEARLY_SETTLED = 7.0  # lag times after which it has made up all but a thousandth
 _SHARP = 0.25
@@ -45,6 +46,14 @@ class AxisFilter(NamedTuple):
     def rest_s(self) -> float:
         """How long after the command the axis rests too."""
         return sum(self.averages_s) + _SETTLED * sum(self.lags_s)
+
+    def late_s(self, speed_mm_s: float) -> float:
+        """How long after the end of a move at this speed the axis rests at its end: within half a step."""
+        late_s = sum(self.averages_s)
+        behind_mm = speed_mm_s * sum(self.lags_s) * len(self.lags_s)
+        if behind_mm > STILL_MM:
+            late_s += sum(self.lags_s) * math.log(behind_mm / STILL_MM)
+        return late_s
 
     @property
     def shifts_s(self) -> tuple[float, ...]:

@@ -109,7 +109,7 @@ class ControlLaw(ABC):
 
     @property
     def late_s(self) -> float:
-        """How much longer than its block a move goes on before a dwell."""
+        """How much longer than its block the control goes on before a dwell."""
         return 0.0
 
     @property
@@ -120,6 +120,14 @@ class ControlLaw(ABC):
         blocks are followed as they are.
         """
         return None
+
+    def late_behind_s(self, feed_mm_s: float) -> float:
+        """How much longer than its block, at this feed, the tool goes on before a dwell."""
+        return self.late_s + self.axes_late_s(feed_mm_s)
+
+    def axes_late_s(self, feed_mm_s: float) -> float:
+        """How much longer than the command the axes go on."""
+        return max((axis.filter.late_s(feed_mm_s) for axis in self.axes), default=0.0)
 
     def rounded(self, time_s: float) -> float:
         """The nearest time that a block can take."""

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from chipbreak.kinematics.floats import Floats
-from chipbreak.trajectory.filters import NO_FILTER, AxisFilter, filtered, times_to_look_at
+from chipbreak.trajectory.filters import NO_FILTER, STILL_MM, AxisFilter, filtered, times_to_look_at
 from chipbreak.trajectory.junctions import Blocks
 from chipbreak.trajectory.motion import Motion
 
@@ -42,6 +42,8 @@ def followed(motion: Motion, distance_mm: Floats, blocks: Blocks, filters: Seque
         path = _Polyline(distance_mm, points_mm[:, moving])
         along_mm, off_mm = _on_a_bent_path(motion, path, own, at_s)
     along_mm[-1] = motion.distance_mm[-1]
+    if (np.diff(motion.distance_mm) >= 0.0).all():
+        along_mm = _resting(motion, at_s, along_mm)
     return motion._replace(
         time_s=at_s,
         distance_mm=along_mm,
@@ -49,6 +51,15 @@ def followed(motion: Motion, distance_mm: Floats, blocks: Blocks, filters: Seque
         settling_s=max(one.settling_s for one in own),
         path_error_mm=off_mm,
     )
+
+
+def _resting(motion: Motion, at_s: Floats, along_mm: Floats) -> Floats:
+    """The motion of a tool that only goes on: near enough to where it is told to rest, it rests there."""
+    cell = np.clip(np.searchsorted(motion.time_s, at_s, "right") - 1, 0, len(motion.time_s) - 2)
+    rests = np.diff(motion.distance_mm)[cell] <= _STILL_MM
+    there_mm = motion.distance_mm[cell]
+    resting: Floats = np.where(rests & (np.abs(along_mm - there_mm) <= STILL_MM), there_mm, along_mm)
+    return resting
 
 
 def _step_s(motion: Motion, filters: Sequence[AxisFilter]) -> float:

@@ -79,7 +79,7 @@ class DwellExpander(Expander):
         feed_mm_s = min(wave.feed_speed_mm_s, law.velocity_mm_s)
         moves_s = float(law.block_times([wave.speed_mm_s * wave.period_s], [feed_mm_s])[0])
         dwell_s = float(round(round((wave.period_s - moves_s) / law.dwell_step_s) * law.dwell_step_s, 6))
-        still_s = dwell_s - law.late_s
+        still_s = dwell_s - law.late_behind_s(feed_mm_s)
         revolution_s = S_PER_MIN / wave.speed_rpm
         if still_s < revolution_s / edges - _SOON_S:
             more = ((1.0 - wave.alpha_share) * wave.period_s - still_s) / revolution_s

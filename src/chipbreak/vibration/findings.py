@@ -9,6 +9,7 @@ from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.kinds import Kind
 from chipbreak.operations.operations import Operation
 from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.units import MS_PER_S
 from chipbreak.vibration.judged import Judged
 from chipbreak.vibration.large_changes import LARGE_CHANGES
 from chipbreak.vibration.measure import CutReport
@@ -16,11 +17,13 @@ from chipbreak.vibration.measure import CutReport
 UNBROKEN = "VIB060"
 FINISHING = "VIB061"
 SERVO = "VIB062"
+OVERLOADED = "VIB030"
 MISSED = "VIB034"
 TOO_FAST = "VIB064"
 _MOST_ADVISED = 3  # what works is tried for the first of many cuts that fail alike
 # How much more surface speed than G96 asked for is said aloud.
 _MUCH_FASTER = 1.25
+_ALMOST = 1.01  # of what the axes have is not too much
 
 
 def findings_of_cuts(
@@ -90,7 +93,7 @@ def _unbroken(judged: Judged) -> Diagnostic | None:
     """Why the chips stay whole, and what would break them."""
     plan = judged.report.plan
     verdict = judged.report.verdict
-    if verdict.breaks or judged.report.misses_plan or judged.report.followed_share is not None:
+    if verdict.breaks or judged.report.misses_plan or judged.report.following is not None:
         return None
     message = (
         f"this cut would not break chips: with a stroke of {plan.wave.stroke_mm:z.4f} mm at N"
@@ -107,13 +110,15 @@ def _unbroken(judged: Judged) -> Diagnostic | None:
 def _weak_axes(judged: Judged) -> Diagnostic | None:
     """The axes make too little of the strokes that they are commanded."""
     report = judged.report
-    share = report.followed_share
-    if share is None or report.verdict.breaks or report.misses_plan:
+    if report.following is None or report.verdict.breaks or report.misses_plan:
         return None
+    share = report.following.stroke_share
+    makes = f"are {report.following.delay_s * MS_PER_S:.3g} ms late behind the dwell"
+    if share is not None:
+        makes = f"make {share:.0%} of the commanded stroke of {report.plan.wave.stroke_mm:z.4f} mm"
     message = (
-        f"the axes make {share:.0%} of the commanded stroke of {report.plan.wave.stroke_mm:z.4f} mm at"
-        f" {report.plan.solution.frequency_hz:.4g} Hz: a margin of {report.verdict.margin:z.2f} is left, 1 is"
-        " needed"
+        f"the axes {makes} at {report.plan.solution.frequency_hz:.4g} Hz:"
+        f" a margin of {report.verdict.margin:z.2f} is left, 1 is needed"
     )
     works = "" if judged.allow_unbroken else judged.ways_out()
     help_text = f"works: {works}" if works else "take a lower f with the same N"
@@ -158,5 +163,26 @@ def _finishing(judged: Judged) -> Diagnostic | None:
     return judged.diagnose(FINISHING, message, help_text, Severity.WARNING)
 
 
-_CAN_BE_ERRORS: tuple[Callable[[Judged], Diagnostic | None], ...] = (_missed, _unbroken, _weak_axes)
+def _overloaded(judged: Judged) -> Diagnostic | None:
+    """The motion that the axes make of their command needs more than they have."""
+    report = judged.report
+    needs = report.acceleration_mm_s2
+    if report.following is None or needs <= _ALMOST * report.allowed_mm_s2:
+        return None
+    axes = " and ".join(report.plan.chain.axes)
+    message = (
+        f"the strokes need {needs / 1000.0:.3g} m/s2 behind the filters of the axes,"
+        f" {axes} has {report.allowed_mm_s2 / 1000.0:.3g}"
+    )
+    works = judged.ways_out()
+    help_text = f"works: {works}" if works else "take a smaller stroke or a lower f"
+    return judged.diagnose(OVERLOADED, message, help_text, Severity.ERROR)
+
+
+_CAN_BE_ERRORS: tuple[Callable[[Judged], Diagnostic | None], ...] = (
+    _missed,
+    _unbroken,
+    _weak_axes,
+    _overloaded,
+)
 _RULES = (*_CAN_BE_ERRORS, _surface_speed, _finishing, *LARGE_CHANGES)

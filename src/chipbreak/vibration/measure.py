@@ -42,17 +42,24 @@ class Clearance(NamedTuple):
     degrees: float
 
 
+class Following(NamedTuple):
+    """How the axes follow: their share of the commanded stroke (None of a dwell), how late, how far off."""
+
+    stroke_share: float | None
+    delay_s: float
+    path_error_mm: float
+
+
 @dataclass(frozen=True, eq=False)
 class CutReport:
     """A vibrated cut with what its emitted moves do: seconds, and the verdict on its chips.
 
     ``control`` is the law by which the moves were timed; ``misses_plan``: by it the cut takes another time
     than planned, or has another N.
-    ``acceleration_mm_s2`` is the least that can run it, behind filters that of the motion itself.
-    ``followed_share`` is what the axes make of the commanded stroke, ``delay_s`` by how much they are behind
-    it and ``path_error_mm`` how far they leave the path; None where they are taken to follow.
-    ``clearances`` the flank clearance that the forward stroke uses up at the
-    largest and the smallest diameter, none where the diameter is not known.
+    ``acceleration_mm_s2`` is the least that can run it, behind filters that of the motion itself, and
+    ``allowed_mm_s2`` what the axes have.  ``following`` says how the axes follow their command, None where
+    they are taken to follow it exactly.  ``clearances`` are the flank clearance that the forward stroke uses
+    up at the largest and the smallest diameter, none where the diameter is not known.
     """
 
     plan: CutPlan
@@ -63,9 +70,8 @@ class CutReport:
     verdict: Verdict
     misses_plan: bool
     acceleration_mm_s2: float
-    followed_share: float | None
-    delay_s: float | None
-    path_error_mm: float | None
+    allowed_mm_s2: float
+    following: Following | None
     clearances: tuple[Clearance, ...]
 
     def __repr__(self) -> str:
@@ -215,9 +221,14 @@ def _report(plan: CutPlan, expansion: Expansion, timed: _Timed) -> CutReport:
         motion.peak_acceleration_mm_s2
         if is_filtered
         else least_acceleration_mm_s2(plan.wave, plan.solution.per_rev),
-        verdict.stroke_mm / plan.wave.stroke_mm if is_filtered else None,
-        motion.delay_s if is_filtered else None,
-        motion.path_error_mm if is_filtered else None,
+        law.acceleration_mm_s2,
+        Following(
+            verdict.stroke_mm / plan.wave.stroke_mm if plan.wave.shape.turns_back else None,
+            motion.delay_s,
+            motion.path_error_mm,
+        )
+        if is_filtered
+        else None,
         tuple(clearances),
     )
 

@@ -122,7 +122,6 @@ def plan_cut(chain: Chain, settings: Settings) -> CutPlan:
         reasons.append(f"forward share {alpha:g} -> {wave.alpha_share:g}, {whole}")
     if asked.speed is None and state.speed is not None and state.speed.value != solution.speed_rpm:
         reasons.append(f"S {_typed_speed(state)} -> {solution.speed_rpm:g} rpm, which N and f fix")
-    end_s = settings.vibration.end_revolutions * S_PER_MIN / solution.speed_rpm
     return CutPlan(
         chain,
         path,
@@ -133,8 +132,18 @@ def plan_cut(chain: Chain, settings: Settings) -> CutPlan:
         time_s,
         distance_mm,
         (*reasons, *solution.reasons),
-        end_s if _dwells_at_end(settings) else 0.0,
+        _end_dwell_s(wave, chain, path, settings),
     )
+
+
+def _end_dwell_s(wave: WaveformParameters, chain: Chain, path: Path, settings: Settings) -> float:
+    """How long the tool dwells at the end so that it rests there for the revolutions asked for."""
+    if not _dwells_at_end(settings):
+        return 0.0
+    end_s = settings.vibration.end_revolutions * S_PER_MIN / wave.speed_rpm
+    if axes_follow_exactly(settings):
+        return end_s
+    return end_s + control_along(settings, path, chain.before).axes_late_s(wave.feed_speed_mm_s)
 
 
 def _commanded(
