@@ -134,7 +134,9 @@ def test_the_motion_of_each_cut(profile: str, form: str) -> None:
 
 def test_checking_a_good_and_a_bad_program() -> None:
     settings = chipbreak.load("generic-lathe")
-    assert chipbreak.check(PROGRAM, settings) == ()
+    known = ["planner.model=trapezoid", "axes.Z.max_acceleration_mm_s2=20000"]
+    assert chipbreak.check(PROGRAM, chipbreak.load("generic-lathe", known)) == ()
+    assert [found.code for found in chipbreak.check(PROGRAM, settings)] == ["VIB079"]
     (found,) = chipbreak.check(PROGRAM.replace(b"N1.5", b"N2"), settings)
     assert found.code == "VIB005"
 

@@ -6,7 +6,7 @@ import pytest
 from test_refusals import REFUSED
 
 import chipbreak
-from machine_reader import filtered, rejected, run_program
+from machine_reader import beside_unproven, filtered, rejected, run_program
 
 HEAD = "G97 S3000 M3\nG0 X20. Z2.\n"
 PROFILE = ("vibration.n=1.5",)
@@ -20,7 +20,8 @@ def result_of(program: str, *sets: str, profile: str = "generic-lathe") -> chipb
 
 def warned(result: chipbreak.Result) -> list[tuple[str, int]]:
     assert all(d.severity.value != "error" for d in result.diagnostics)
-    return [(d.code, d.place.line) for d in result.diagnostics if d.place]
+    breaks = any(cut.verdict.breaks for cut in result.cuts)
+    return [(d.code, d.place.line) for d in beside_unproven(result.diagnostics, breaks) if d.place]
 
 
 @pytest.mark.parametrize(
@@ -260,14 +261,16 @@ def test_explain_lists_what_stays() -> None:
         pytest.param(
             MIXED,
             PROFILE,
-            "2 cuts vibrate, all break; 1 left as it was; these cuts take 0:25.6 -> 0:30.7;"
+            "2 cuts vibrate, unproven: all would break on a control that follows the blocks exactly;"
+            " 1 left as it was; these cuts take 0:25.6 -> 0:30.7;"
             " profile names no axis data",
             id="all of it",
         ),
         pytest.param(
             MIXED,
             (*PROFILE, "axes.Z.max_acceleration_mm_s2=50000"),
-            "2 cuts vibrate, all break; 1 left as it was; these cuts take 0:25.6 -> 0:30.7",
+            "2 cuts vibrate, unproven: all would break on a control that follows the blocks exactly;"
+            " 1 left as it was; these cuts take 0:25.6 -> 0:30.7",
             id="with axis data",
         ),
         pytest.param(f"{HEAD}M30\n", PROFILE, "no cut vibrates", id="nothing"),

@@ -109,6 +109,8 @@ def _reaches(cut: ExplainedCut) -> Iterator[str]:
 def _verdict(cut: ExplainedCut) -> Iterator[str]:
     verdict = cut.verdict
     chips = "chips break" if verdict.breaks else "CHIPS DO NOT BREAK"
+    if cut.unproven and verdict.breaks:
+        chips = "unproven: chips would break on a control that follows the blocks exactly"
     longest = _chip(verdict.longest_chip_rev, verdict.longest_chip_mm)
     first = _chip(verdict.first_chip_rev, verdict.first_chip_mm)
     yield (

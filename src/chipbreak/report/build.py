@@ -107,6 +107,7 @@ def _cut(cut: CutReport, source: Source, settings: Settings) -> ExplainedCut:
         programmed_s=cut.programmed_s,
         delay_s=cut.following and cut.following.delay_s,
         path_error_mm=cut.following and cut.following.path_error_mm,
+        unproven=cut.is_unproven,
     )
 
 

@@ -77,7 +77,8 @@ class ExplainedCut:
     ``moves``      blocks of motion that the control runs
     ``output_form``  ``expanded`` or ``loop``;  ``loops``  what repeats
     ``duration_s``  of the cut as it is now;  ``programmed_s``  as it was written, None where nobody knows
-    ``control``    the law by which the control times the moves
+    ``control``    the law by which the control times the moves;  ``unproven``  no control is known to follow
+                   it: the verdict says what a control would do that follows the blocks exactly
     ``acceleration_mm_s2``  the least that an axis must have
     ``servo_share``  what the axes make of the commanded stroke, None where they are taken to follow;
                    ``delay_s``  by how much they are late;  ``path_error_mm``  how far they leave the path
@@ -114,6 +115,7 @@ class ExplainedCut:
     programmed_s: float | None = None
     delay_s: float | None = None
     path_error_mm: float | None = None
+    unproven: bool = False
 
     @property
     def written_moves(self) -> int:

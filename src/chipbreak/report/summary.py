@@ -11,6 +11,9 @@ if TYPE_CHECKING:
     from chipbreak.report.model import Report
 
 
+_IF_EXACT = "on a control that follows the blocks exactly"
+
+
 def summary_line(report: Report) -> str:
     """``5 cuts vibrate, all break; 3 left as they were; these cuts take 12:40 -> 13:05``."""
     return "; ".join(text for rule in _RULES if (text := rule(report)))
@@ -24,6 +27,8 @@ def _cuts(report: Report) -> str:
     vibrate = f"{count} cuts vibrate" if count > 1 else "1 cut vibrates"
     if whole:
         return f"{vibrate}, {f'{whole} DO' if count > 1 else 'it DOES'} NOT BREAK chips"
+    if any(cut.unproven for cut in report.cuts):
+        return f"{vibrate}, unproven: {'all' if count > 1 else 'it'} would break {_IF_EXACT}"
     return f"{vibrate}, {'all break' if count > 1 else 'it breaks'}"
 
 

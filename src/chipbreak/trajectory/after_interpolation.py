@@ -17,4 +17,5 @@ class AfterInterpolation(Ideal):
     """The blocks exactly, and the axes behind their filters."""
 
     name: ClassVar[str] = "after-interpolation"
+    is_assumed: ClassVar[bool] = False
     needs_filters: ClassVar[bool] = True

@@ -17,6 +17,7 @@ class Ideal(ControlLaw):
     """No acceleration, no rests: only speed and the reading of blocks limit it."""
 
     name: ClassVar[str] = "ideal"
+    is_assumed: ClassVar[bool] = True
     needs_acceleration: ClassVar[bool] = False
     keeps_time: ClassVar[bool] = True
 

@@ -56,6 +56,8 @@ class ControlLaw(ABC):
     """
 
     name: ClassVar[str]
+    is_assumed: ClassVar[bool] = False
+    """It says what a control ought to do, and none is known to do it: what follows from it is unproven."""
     needs_acceleration: ClassVar[bool] = True
     needs_filters: ClassVar[bool] = False
     """What the axes make of their command must be known too."""

@@ -13,6 +13,7 @@ from chipbreak.units import MS_PER_S
 from chipbreak.vibration.judged import Judged
 from chipbreak.vibration.large_changes import LARGE_CHANGES
 from chipbreak.vibration.measure import CutReport
+from chipbreak.vibration.unproven import unproven
 
 UNBROKEN = "VIB060"
 FINISHING = "VIB061"
@@ -41,7 +42,7 @@ def findings_of_cuts(
             judged = Judged(interpreted, operations, report, allow_unbroken, advise)
             said = (rule(judged) for rule in _RULES)
             found += [diagnostic for diagnostic in said if diagnostic is not None]
-    return found
+    return found + unproven(interpreted, [report for report in reports if isinstance(report, CutReport)])
 
 
 def errors_of_cuts(

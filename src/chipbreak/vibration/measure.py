@@ -54,8 +54,8 @@ class Following(NamedTuple):
 class CutReport:
     """A vibrated cut with what its emitted moves do: seconds, and the verdict on its chips.
 
-    ``control`` is the law by which the moves were timed; ``misses_plan``: by it the cut takes another time
-    than planned, or has another N.
+    ``control`` is the law by which the moves were timed; ``is_unproven``: no control is known to follow it.
+    ``misses_plan``: by it the cut takes another time than planned, or has another N.
     ``acceleration_mm_s2`` is the least that can run it, behind filters that of the motion itself, and
     ``allowed_mm_s2`` what the axes have.  ``following`` says how the axes follow their command, None where
     they are taken to follow it exactly.  ``clearances`` are the flank clearance that the forward stroke uses
@@ -65,6 +65,7 @@ class CutReport:
     plan: CutPlan
     expansion: Expansion
     control: str
+    is_unproven: bool
     duration_s: float
     move_count: int
     verdict: Verdict
@@ -76,6 +77,7 @@ class CutReport:
 
     def __repr__(self) -> str:
         chips = "chips break" if self.verdict.breaks else "chips do not break"
+        chips += " (unproven)" if self.is_unproven else ""
         return f"<CutReport of {self.plan!r}: {self.move_count} moves, {chips}>"
 
     @property
@@ -213,6 +215,7 @@ def _report(plan: CutPlan, expansion: Expansion, timed: _Timed) -> CutReport:
         plan,
         expansion,
         law.name,
+        law.is_assumed,
         float(time_s[-1]),
         len(moves.feed_mm_s),
         verdict,
