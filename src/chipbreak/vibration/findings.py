@@ -24,7 +24,6 @@ TOO_FAST = "VIB064"
 _MOST_ADVISED = 3  # what works is tried for the first of many cuts that fail alike
 # How much more surface speed than G96 asked for is said aloud.
 _MUCH_FASTER = 1.25
-_ALMOST = 1.01  # of what the axes have is not too much
 
 
 def findings_of_cuts(
@@ -168,7 +167,7 @@ def _overloaded(judged: Judged) -> Diagnostic | None:
     """The motion that the axes make of their command needs more than they have."""
     report = judged.report
     needs = report.acceleration_mm_s2
-    if report.following is None or needs <= _ALMOST * report.allowed_mm_s2:
+    if not report.is_overloaded:
         return None
     axes = " and ".join(report.plan.chain.axes)
     message = (

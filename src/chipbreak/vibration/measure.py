@@ -32,6 +32,7 @@ _COUNT_TOLERANCE = 0.01
 _SAME_DWELL_S = 1e-6
 # A control that stops at both ends of the cut and of its plain end needs a little longer.
 _STOP_TOLERANCE_S = 0.2
+_ALMOST = 1.01  # of what the axes have is not too much
 _SETTLED_VIBRATIONS = 3.0  # of full stroke are enough to judge it by
 
 
@@ -84,6 +85,11 @@ class CutReport:
     def wave(self) -> WaveformParameters:
         """The waveform as it was planned."""
         return self.plan.wave
+
+    @property
+    def is_overloaded(self) -> bool:
+        """True where the motion behind filters needs more acceleration than the axes have."""
+        return self.following is not None and self.acceleration_mm_s2 > _ALMOST * self.allowed_mm_s2
 
     @property
     def programmed_s(self) -> float | None:

@@ -41,7 +41,8 @@ class Trials:
             report = measure_planned(settings, plan, moves_of(plan, settings))
         except (RefusalError, SelfCheckError):
             return None
-        return report if report.verdict.breaks and not report.misses_plan else None
+        runs = not (report.misses_plan or report.is_overloaded)
+        return report if report.verdict.breaks and runs else None
 
 
 def with_values(chain: Chain, wish: Mapping[str, float], *, without: str, waveform: str = "") -> Chain:
