@@ -153,7 +153,7 @@ def test_no_stroke_is_raised_beyond_what_the_axis_can_do() -> None:
     assert slow.verdict.margin < 1.0
     with pytest.raises(chipbreak.ProgramRejectedError) as caught:
         chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-lathe", sets))
-    assert [d.code for d in caught.value.diagnostics] == ["VIB062"]
+    assert "VIB062" in [d.code for d in caught.value.diagnostics]
 
 
 def test_what_the_control_makes_of_strokes_must_be_known() -> None:
@@ -195,10 +195,11 @@ def test_a_dwell_at_the_end_waits_for_the_axes() -> None:
 def test_a_stroke_that_needs_more_than_the_axis_has_behind_its_filters_is_refused() -> None:
     program = FAST.replace("Q1.2", "Q12")
     sets = ("axes.Z.acc_dec_ms=4", "axes.Z.position_gain_1_s=90", "axes.Z.max_acceleration_mm_s2=3000")
+    sets = ("planner.model=after-interpolation", *sets)
     with pytest.raises(chipbreak.ProgramRejectedError) as caught:
         cut_of(program, *sets)
     assert [d.code for d in caught.value.diagnostics] == ["VIB030"]
-    assert cut_of(program, *sets[:2]).verdict.breaks
+    assert cut_of(program, *sets[:-1]).verdict.breaks
 
 
 def test_axes_of_unlike_filters_leave_the_path_of_a_taper_and_say_by_how_much() -> None:
