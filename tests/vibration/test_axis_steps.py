@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 import chipbreak
+from chipbreak.pipeline import verify_filtered
 from machine_reader import filtered, run_program
 
 CUT = "G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nM30\n"
@@ -117,3 +118,22 @@ def test_a_usual_mode_is_needed_where_there_are_several() -> None:
     sets = ['planner.path_mode="G61"', 'planner.usual_path_mode=""']
     with pytest.raises(chipbreak.SettingsError):
         chipbreak.load("linuxcnc-lathe", sets)
+
+
+@pytest.mark.parametrize("steps_per_mm", [320.0, 400.0, 533.33, 1500.0])
+@pytest.mark.parametrize(("units", "feed"), [("G20", "6."), ("G21", "150.")])
+@pytest.mark.parametrize("decimals", [2, 4])
+def test_incremental_cuts_end_where_they_should_on_any_steps(
+    steps_per_mm: float, units: str, feed: str, decimals: int
+) -> None:
+    """A step need not end with the digits of the output: what is printed adds up all the same."""
+    program = (
+        f"{units} G90 G94 G18 G7\nS1500 M3\nG0 X10. Z2.\nG91\nG1 Z-8. F{feed} N0.5\nG1 X1. Z-3.\n"
+        "G90\nG0 X20.\nM30\n"
+    )
+    sets = [f"axes.{axis}.max_acceleration_mm_s2=1000" for axis in "XZ"]
+    sets += [f"axes.Z.steps_per_mm={steps_per_mm}", f"output.decimals={decimals}"]
+    profile = chipbreak.load("grblhal-lathe", sets)
+    result = chipbreak.rewrite(program.encode(), profile)
+    assert len(result.cuts) == 1
+    assert verify_filtered(result.data, profile).cuts

@@ -278,11 +278,12 @@ def _axis_words(
     rounded /= steps
     # The end is the programmed one, whatever the axes make of it.
     rounded[-1] = np.rint((points[-1] * scale - origin) * 10.0**decimals) / 10.0**decimals
+    if axis_steps_mm(settings, state).any():
+        # A step need not end with the digits; what is printed is what adds up, and where the axes go by.
+        np.round(rounded, decimals, out=rounded)
     places_mm = (rounded + origin) / scale
     if axis_steps_mm(settings, state).any():
-        start_mm = origin / scale
-        printed_mm = (np.round(rounded, decimals) + origin) / scale
-        places_mm = reached(printed_mm, axis_steps_mm(settings, state), start_mm)
+        places_mm[:-1] = reached(places_mm[:-1], axis_steps_mm(settings, state), origin / scale)
     return Words(tuple(letters), rounded[:, axes], places_mm, decimals, incremental, distance_letters, loops)
 
 

@@ -308,7 +308,8 @@ def _check_path(settings: Settings, moves: ReadBack, plan: CutPlan, expansion: E
     """Distance along the path at every knot; never off it, before its start or past its end."""
     state = plan.chain.before
     step_mm = settings.output.step_mm(is_inch=state.is_inch)
-    step_mm = max(step_mm, float(axis_steps_mm(settings, state).max()))
+    # A word is rounded to its digits, and the axis to its steps.
+    step_mm += float(axis_steps_mm(settings, state).max())
     along, away = moves.along(plan.path, expansion.distance_mm)
     # Half an increment in each of up to three axes, and in a loop half of what its passes add up to.
     drift = max((loop.drift_steps for loop in expansion.loops or ()), default=0.0)
