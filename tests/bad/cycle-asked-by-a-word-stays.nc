@@ -1,4 +1,4 @@
-(EXPECT VIB079 5:28 -p fanuc-lathe cycles.unroll="never")
+(EXPECT VIB087 5:28 -p fanuc-lathe cycles.unroll="never")
 G97 S1200 M3
 G0 X52. Z2.
 G71 U2. R0.5

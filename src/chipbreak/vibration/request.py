@@ -25,7 +25,7 @@ from chipbreak.vibration.wish import AskedBy, Wish, said_of
 
 AUTO = "auto"  # vibration.n: the machine chooses
 OUT_OF_RANGE = "VIB017"
-CYCLE_STAYS = "VIB079"
+CYCLE_STAYS = "VIB087"
 UNREADABLE = "VIB018"
 _FROM_PROFILE = {
     "N": "n",
