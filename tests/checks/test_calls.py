@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
+import chipbreak
 from chipbreak import settings
 from chipbreak.checks.calls import CallValues, CheckKind, calls_of
 from chipbreak.cli import cli
@@ -265,3 +267,60 @@ def test_calls_are_checked_when_the_profile_is_read(text: str, code: str, tmp_pa
     assert shown.exit_code == 2
     assert f"error {code}: {profile}: " in shown.output
     assert "help: " in shown.output
+
+
+@pytest.mark.parametrize(
+    ("block", "what"),
+    [
+        ("F300.", "sets the feed F"),
+        ("G1 F300. Z5.", "sets the feed F"),
+        ("T5", "calls a tool"),
+        ("T{tool} M6", "calls a tool"),
+        ("M6", "calls a tool"),
+        ("M30", "ends the program"),
+        ("M99", "ends the program"),
+        ("G20", "changes the units"),
+        ("G95", "changes the feed mode"),
+        ("G96 S100", "changes the speed mode"),
+        ("G92 S2000", "limits the spindle"),
+        ("G49", "changes the length offset"),
+        ("G66 P8900", "begins or ends a modal macro call"),
+        ("IF [#1 EQ 1] GOTO 5", "jumps, loops"),
+    ],
+)
+def test_a_call_that_leaves_something_behind_is_refused(block: str, what: str) -> None:
+    own = [f'calls.own={{chip_check="{block}"}}', "checks.calls=own"]
+    with pytest.raises(RefusalError, match=re.escape(what)) as caught:
+        calls_of(settings.load("fanuc-mill", own))
+    assert caught.value.code == "SET036"
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        *(
+            "G65 P1 F100. S500 T{tool}",
+            "M98 P5",
+            "S500",
+            "M5",
+            "M3 S500",
+            "M4",
+            "M8",
+            "M7",
+            "M9",
+            "M19",
+            "G91",
+        ),
+        *("G90 G0 Z50.", "G4 X1.", "G40", "G53 G0 Z0.", "#100=1", "G18", "G80", "G55"),
+    ],
+)
+@pytest.mark.parametrize("next_blocks", ["G0 X5. Y5.", "M5\nM9\nS900 M3", "M3", "M9", "S900 M3", "M5\nM3"])
+def test_what_other_calls_change_is_given_back(block: str, next_blocks: str) -> None:
+    """The self-check compares what is in force behind the calls with the original."""
+    program = (
+        "%\nO1\nG90 G21 G40 G80 G54\nT1 M6\nS1000 M3\nM8\nG0 X1. Y1.\nG43 H1 Z15.\n(ROUGH)\nG1 Z-1. F100.\n"
+        f"G0 Z15.\n(FINISH)\n{next_blocks}\nG0 X2. Y2.\nG43 H1 Z15.\nG1 Z-1. F100.\nG0 Z15.\nM30\n%\n"
+    ).encode()
+    own = [f'calls.own={{chip_check="{block}"}}', "checks.calls=own", "checks.enabled=true"]
+    result = chipbreak.rewrite(program, settings.load("fanuc-mill", own))
+    assert result.data.count(b"BEGIN CHIP CHECK T1") == 2

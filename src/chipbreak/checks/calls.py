@@ -13,6 +13,7 @@ import string
 from collections.abc import Iterable, Mapping
 from typing import Final
 
+from chipbreak.checks.left_behind import left_behind
 from chipbreak.checks.tool_values import DATA_FIELDS, data_texts
 from chipbreak.dialects import BUILT_IN, DIALECTS, CallTemplates
 from chipbreak.settings.sections import Settings
@@ -30,6 +31,7 @@ UNKNOWN_FIELD: Final = "SET032"
 UNREADABLE_BLOCK: Final = "SET033"
 LONG_BLOCK: Final = "SET034"
 NOT_HANDED_OVER: Final = "SET035"
+LEFT_BEHIND: Final = "SET036"
 # How much of an edge a CHIP CHECK looks at; its calls count these from 0.
 DEPTHS: Final = ("breakage", "limit-line", "full")
 # No inserted block is longer, whatever the control takes: people read them on its screen.
@@ -161,7 +163,7 @@ def calls_of(settings: Settings) -> CallSet:
 
     Raises RefusalError: SET030 unknown set, SET031 unknown check, SET032 unknown field, SET033 a block that
     cannot be read, SET034 a block that may become too long, SET035 a set that does not tell the control what
-    the profile asks for.
+    the profile asks for, SET036 a block that leaves something behind.
     """
     found = _read(settings.checks.calls, settings)
     asked = {"every": settings.checks.every > 1, "sister": bool(settings.checks.sister)}
@@ -246,6 +248,11 @@ def _check(where: str, template: str, kind: CheckKind, limit: int, settings: Set
         if field == "speed_rpm" and settings.dialect.is_lathe:
             message = f'{where}: "{template}": S of a lathe turns the workpiece, not the tool'
             raise RefusalError(UNKNOWN_FIELD, message, "write the speed of a driven tool as a number")
+    _check_block(where, template, limit, settings)
+
+
+def _check_block(where: str, template: str, limit: int, settings: Settings) -> None:
+    """Refuse what is no block, or a block that would do more than a call may."""
     text = template.format_map(_LONGEST.fields(is_inch=False))
     block = read_block(0, text, settings.dialect)
     why = block.opaque or ("it holds no words" if block.is_empty else "")
@@ -257,6 +264,10 @@ def _check(where: str, template: str, kind: CheckKind, limit: int, settings: Set
     if len(text) > limit:
         message = f'{where}: "{template}" can become {len(text)} characters long, the limit is {limit}'
         raise RefusalError(LONG_BLOCK, message, "split it into two blocks")
+    lasting = left_behind(block, settings)
+    if lasting:
+        message = f'{where}: "{template}" {lasting}, and nothing gives back what was before it'
+        raise RefusalError(LEFT_BEHIND, message, "do that in the macro that is called, which gives it back")
 
 
 def _fields(template: str) -> list[str]:

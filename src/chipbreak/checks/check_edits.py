@@ -107,7 +107,10 @@ class _Blocks:
                 self.write(self.dialect.code(group, value))
 
     def _put_back_spindle(self) -> None:
-        if not (self.point.needs_speed and self.before.speed):
+        if not self.point.restarts and self.now.turns:  # a call has started it
+            self.write(self.dialect.m_code("spindle", "stop"))
+        is_changed = self.now.speed != self.before.speed
+        if not (self.before.speed and (self.point.needs_speed or is_changed)):
             return
         starts = [self.dialect.m_code("spindle", self.before.spindle)] if self.point.restarts else []
         typed = self.before.speed.units
@@ -131,7 +134,9 @@ class _Blocks:
             self.write(self.dialect.code("distance", "absolute"))
         if first_axes:
             self.write(" ".join(["G0", *map(self._word, first_axes)]))
-        for name in sorted(self.point.coolant):
+        if self.now.coolant - self.point.coolant:  # a call has switched it on
+            self.write(self.dialect.m_code("coolant", "off"))
+        for name in sorted(self.point.coolant - self.now.coolant):
             self.write(self.dialect.m_code("coolant", name))
         if last in self.point.axes:
             offset = [self.point.length_offset] if self.point.length_offset else []

@@ -1,0 +1,65 @@
+"""What a call of a shop would leave behind it, and nobody gives back: found when the profile is read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from chipbreak.dialects.modes import Group
+from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.flow import Flow
+from chipbreak.model.interpret import Interpreter, initial_state
+from chipbreak.model.words import codes_of
+from chipbreak.settings.sections import Settings
+from chipbreak.syntax.nodes import Block
+
+# Modes that more than their code would have to give back, and how they are called.
+_MODES: Mapping[Group, str] = {
+    "units": "changes the units",
+    "feed_mode": "changes the feed mode",
+    "speed_mode": "changes the speed mode",
+    "length_offset": "changes the length offset",
+    "modal_macro": "begins or ends a modal macro call",
+}
+
+
+def left_behind(block: Block, settings: Settings) -> str:
+    """What the block of a call does that would last; empty where it is given back, or does not last."""
+    interpreter = Interpreter(settings, Flow(frozenset(), ()))
+    effect = interpreter.advance(initial_state(settings), block)
+    said = next((said for rule in _RULES if (said := rule(effect))), "")
+    return said or next(
+        (what for group, what in _MODES.items() if codes_of(block, group, settings.dialect)), ""
+    )
+
+
+def _ends_program(effect: BlockEffect) -> str:
+    ends = effect.does("program", "end") or effect.does("subprogram", "return")
+    return "ends the program" if ends else ""
+
+
+def _jumps(effect: BlockEffect) -> str:
+    jumps = any(control.keyword != "O-CALL" for control in effect.block.controls)
+    return "jumps, loops, or waits for another path" if jumps else ""
+
+
+def _sets_feed(effect: BlockEffect) -> str:
+    return "sets the feed F" if effect.after.feed != effect.before.feed else ""
+
+
+def _calls_tool(effect: BlockEffect) -> str:
+    was, now = effect.before, effect.after
+    is_called = (was.tool, was.next_tool) != (now.tool, now.next_tool) or effect.does("tool")
+    return "calls a tool" if is_called else ""
+
+
+def _limits_speed(effect: BlockEffect) -> str:
+    return "limits the spindle" if effect.after.speed_limit != effect.before.speed_limit else ""
+
+
+_RULES: tuple[Callable[[BlockEffect], str], ...] = (
+    _ends_program,
+    _jumps,
+    _sets_feed,
+    _calls_tool,
+    _limits_speed,
+)
