@@ -95,3 +95,19 @@ def test_a_pass_of_its_own_leaves_i_and_k_before_the_last() -> None:
     assert chipbreak.rewrite(without, load("fanuc-lathe", [ALWAYS])).data == without, (
         "a pocket, and no type II"
     )
+
+
+@pytest.mark.parametrize("slope", ["Z-2. ,A95.", "X30. Z-12.", "X17. Z-2."])
+def test_a_pass_along_a_steep_line_is_as_thick_as_what_stands_before_it(slope: str) -> None:
+    """In height it takes more than the depth."""
+    one = "G71 P10 Q20 U0.4 W0.1 I0.3 K0.2 D0.871 F0.3\n"
+    program = program_of("G1 Z-1.", slope, "X49.", "Z-20.").replace(CYCLE.encode(), one.encode())
+    output = chipbreak.rewrite(program.replace(b"X50.", b"X51."), load("fanuc-lathe", [ALWAYS])).data
+    assert output.count(b"ALONG THE CONTOUR") == 2
+
+
+def test_i_and_k_together_are_no_deeper_than_a_pass() -> None:
+    one = "G71 P10 Q20 U0.4 W0.1 I0.6 K0.5 D1. F0.3\n"
+    program = program_of("G1 Z-10.", "X30.").replace(CYCLE.encode(), one.encode())
+    result = chipbreak.rewrite(program, load("fanuc-lathe", [ALWAYS]))
+    assert [d.code for d in result.diagnostics if d.code.startswith("CYC")] == ["CYC004"]

@@ -325,8 +325,8 @@ def _cycle(call: Call, contour: Contour) -> Roughing:
         if value_mm < 0.0:
             message = f"the allowance {letter} of this cycle lies inside the finished part"
             raise RefusalError(BAD_ALLOWANCE, message, f"give {letter} the sign that points to the stock")
-    if max(t_first_mm, h_first_mm) > call.depth_mm:
-        message = "I or K of this cycle leaves more than the depth of a pass"
+    if t_first_mm + h_first_mm > call.depth_mm:
+        message = "I and K of this cycle leave more than the depth of a pass"
         raise RefusalError(BAD_DEPTH, message, "give less than D for the pass before the last one")
     _refuse_many_passes(call, contour)
     return Roughing(

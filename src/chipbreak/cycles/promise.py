@@ -185,9 +185,8 @@ class _Left:
         if cycle.only_pockets:
             rest = _outline(filled(cycle.rough_contour).contour)
             self.height = np.minimum(self.height, np.interp(self.t, rest[:, 0], rest[:, 1]))
-        # Along a wall a pass is as thick as what stands before the wall, whatever the wall's height.
-        wall_mm = 0.5 * cycle.t_first_mm / (self.t[1] - self.t[0])
-        self.beside = _BESIDE + math.ceil(wall_mm)
+        # What stands before a steep line is as thick as it stands along t, not as it stands in height.
+        self.beside = math.ceil((cycle.t_first_mm + cycle.h_first_mm) / (self.t[1] - self.t[0]))
 
     def run(self, way: Floats, *, is_cut: bool) -> None:
         """One move of the tool."""
@@ -200,7 +199,7 @@ class _Left:
         if sinks and not is_cut and high - low < _BESIDE:
             self._check_sinking(float(way[:, 1].min()), low)
         there = np.interp(self.t[low:high], onward, way[:, 1])
-        taken_mm = self._taken_mm(self.height[low:high] - there, is_cut=is_cut)
+        taken_mm = self._taken_mm(low, there, is_cut=is_cut)
         if not is_cut and taken_mm > self.tolerance_mm:
             raise SelfCheckError(f"a rapid of an unrolled cycle goes through {taken_mm:z.3f} mm of stock")
         if taken_mm > self.cycle.depth_mm + self.tolerance_mm:
@@ -208,12 +207,20 @@ class _Left:
         if is_cut:
             self.height[low:high] = np.minimum(self.height[low:high], there)
 
-    def _taken_mm(self, taken: Floats, *, is_cut: bool) -> float:
+    def _taken_mm(self, low: int, there: Floats, *, is_cut: bool) -> float:
         """How much a move takes at most; strips that the digits blur do not count."""
+        high = low + len(there)
         allowed_mm = self.tolerance_mm + (self.cycle.depth_mm if is_cut else 0.0)
+        taken = self.height[low:high] - there
         most_mm = float(taken.max(initial=0.0))
-        beside = self.beside if is_cut else _BESIDE
-        return most_mm if most_mm <= allowed_mm else float(_lowest_near(taken, beside).max(initial=0.0))
+        if most_mm <= allowed_mm:
+            return most_mm
+        if is_cut and self.beside:
+            first = max(low - self.beside, 0)
+            padded = np.pad(self.height[first : high + self.beside], self.beside, mode="edge")
+            begin = low - first
+            taken = _lowest_near(padded, self.beside)[begin : begin + len(there)] - there
+        return float(_lowest_near(taken, _BESIDE).max(initial=0.0))
 
     def _check_sinking(self, lowest_mm: float, at: int) -> None:
         """A rapid straight down must find free room on one of its sides at least."""
