@@ -27,14 +27,17 @@ struct tool {
 };
 
 struct pins {
-    volatile double *x, *y, *z, *select, *orient_angle;
-    volatile bool *turns, *orient, *is_oriented, *broken;
+    volatile double *x, *y, *z, *select, *orient_angle, *speed;
+    volatile bool *turns, *orient, *is_oriented, *broken, *looks_for_gap;
 };
+
+enum { PULSE_MS = 10, GAP_MS = 15 }; /* how long the signal stays, and how long it waits for an edge */
 
 static const double beam_x = BEAM_X, beam_y = BEAM_Y, beam_z = BEAM_Z, focus_half = FOCUS_HALF;
 static struct tool *tools;
 static int tool_count;
-static double angle_rad;
+static double angle_rad, turned_rad; /* now, and how far since the last look */
+static int since_edge_ms = 1000;
 
 /* One column of a tool's rows at a height; above the last row nothing changes any more. */
 static double column(const struct tool *tool, double height, int index)
@@ -48,27 +51,28 @@ static double column(const struct tool *tool, double height, int index)
     return tool->rows[low * width + index] * (1 - share) + tool->rows[(low + 1) * width + index] * share;
 }
 
-static double standing(const struct tool *tool, double height, double toward)
+/* The largest cosine of an angle that goes down by what the spindle has turned. */
+static double most(double off)
 {
-    double best = 0, whole = 0;
-    for (int i = 0; i < (int)tool->teeth; i++) {
-        double radius = column(tool, height, 1 + 2 * i);
-        double reach = radius * cos(column(tool, height, 2 + 2 * i) - toward - angle_rad);
-        whole = fmax(whole, radius);
-        best = fmax(best, reach);
-    }
-    return fmax(best, tool->core * whole) + tool->runout * cos(tool->runout_rad - toward - angle_rad);
+    double first = fmod(off, 2 * M_PI);
+    if (first < 0)
+        first += 2 * M_PI;
+    return turned_rad >= first ? 1 : fmax(cos(first), cos(first - turned_rad));
 }
 
-static double turning(const struct tool *tool, double height)
+/* How far the tool has reached toward an angle since the last look: each edge where it was at each moment. */
+static double reached(const struct tool *tool, double height, double toward)
 {
-    double best = 0;
+    double begin = angle_rad - turned_rad, whole = 0, best = 0, e = tool->runout;
+    double about = tool->runout_rad - toward;
     for (int i = 0; i < (int)tool->teeth; i++) {
-        double radius = column(tool, height, 1 + 2 * i), e = tool->runout;
-        double off = column(tool, height, 2 + 2 * i) - tool->runout_rad;
-        best = fmax(best, sqrt(radius * radius + e * e + 2 * radius * e * cos(off)));
+        double radius = column(tool, height, 1 + 2 * i), at = column(tool, height, 2 + 2 * i) - toward;
+        double x = radius * cos(at) + e * cos(about), y = radius * sin(at) + e * sin(about);
+        whole = fmax(whole, radius);
+        best = fmax(best, hypot(x, y) * most(atan2(y, x) - begin));
     }
-    return best;
+    double core = height < GASH && tool->core < 1 ? 0 : tool->core;
+    return fmax(best, core * whole + e * most(about - begin));
 }
 
 static bool is_broken(const struct pins *pin)
@@ -80,21 +84,22 @@ static bool is_broken(const struct pins *pin)
     double height = beam_z - (*pin->z - tool->gauge), off = beam_y - *pin->y;
     if (tool->is_missing || height < 0)
         return false;
-    double reach = *pin->turns ? turning(tool, height)
-                               : standing(tool, height, off >= 0 ? M_PI / 2 : -M_PI / 2);
+    double reach = reached(tool, height, off >= 0 ? M_PI / 2 : -M_PI / 2);
     double aside = fabs(beam_x - *pin->x);
     double nearest = hypot(off, fmax(aside - focus_half, 0)), farthest = hypot(off, aside + focus_half);
-    return nearest <= reach + 1e-9 && farthest >= column(tool, height, 0) - 1e-9;
+    return nearest <= reach + 1e-7 && farthest >= column(tool, height, 0) - 1e-7;
 }
 
 static void run(void *data, long period)
 {
     struct pins *pin = data;
-    (void)period;
+    turned_rad = *pin->turns ? fabs(*pin->speed) * 2 * M_PI * period * 1e-9 : 0;
+    angle_rad = fmod(angle_rad + turned_rad, 2 * M_PI);
     if (*pin->orient)
         angle_rad = *pin->orient_angle * M_PI / 180;
     *pin->is_oriented = *pin->orient;
-    *pin->broken = is_broken(pin);
+    since_edge_ms = is_broken(pin) ? 0 : since_edge_ms + 1;
+    *pin->broken = *pin->looks_for_gap ? since_edge_ms >= GAP_MS : since_edge_ms <= PULSE_MS;
 }
 
 static int read_table(void)
@@ -130,6 +135,8 @@ int rtapi_app_main(void)
     bad = bad || hal_pin_float_newf(IN, &pin->z, id, "laser.z");
     bad = bad || hal_pin_float_newf(IN, &pin->select, id, "laser.select");
     bad = bad || hal_pin_float_newf(IN, &pin->orient_angle, id, "laser.orient-angle");
+    bad = bad || hal_pin_float_newf(IN, &pin->speed, id, "laser.speed");
+    bad = bad || hal_pin_bit_newf(IN, &pin->looks_for_gap, id, "laser.looks-for-gap");
     bad = bad || hal_pin_bit_newf(IN, &pin->turns, id, "laser.turns");
     bad = bad || hal_pin_bit_newf(IN, &pin->orient, id, "laser.orient");
     bad = bad || hal_pin_bit_newf(OUT, &pin->is_oriented, id, "laser.is-oriented");

@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from laser_simulator.barrier import Beam
-from laser_simulator.tool import CORE_SHARE, Kind, SimulatedTool, table
+from laser_simulator.tool import CORE_SHARE, GASH_MM, Kind, SimulatedTool, table
 
 from . import config, machine
 
@@ -36,7 +36,9 @@ _SERVO_S = 0.001
 SPEEDS = (20.0, 5.0, 1.0, 1.0)
 _MODULES = Path("/usr/lib/linuxcnc/modules")
 
-_WIRES = """addf laser servo-thread
+_WIRES = """loadrt and2 names=gate
+addf laser servo-thread
+addf gate servo-thread
 net at-X => laser.x
 net at-Y => laser.y
 net at-Z => laser.z
@@ -45,7 +47,11 @@ net laser-turns spindle.0.on => laser.turns
 net laser-orient spindle.0.orient => laser.orient
 net laser-angle spindle.0.orient-angle => laser.orient-angle
 net laser-oriented laser.is-oriented => spindle.0.is-oriented
-net laser-broken laser.broken => motion.probe-input motion.digital-in-00
+net spindle-speed => laser.speed
+net laser-gap motion.digital-out-01 => laser.looks-for-gap
+net laser-broken laser.broken => motion.digital-in-00 gate.in0
+net laser-gate motion.digital-out-00 => gate.in1
+net laser-probe gate.out => motion.probe-input
 """
 
 
@@ -107,7 +113,11 @@ def _component(folder: Path, tools: Sequence[SimulatedTool], beam: Beam) -> str:
     shutil.copytree(_MODULES, modules)
     defines = {"BEAM_X": beam.x_mm, "BEAM_Y": beam.y_mm, "BEAM_Z": beam.z_mm}
     options = [f"-D{key}={value!r}" for key, value in defines.items()]
-    options += [f"-DFOCUS_HALF={beam.focus_half_mm!r}", f'-DTABLE="{folder}/tools.bin"']
+    options += [
+        f"-DFOCUS_HALF={beam.focus_half_mm!r}",
+        f"-DGASH={GASH_MM!r}",
+        f'-DTABLE="{folder}/tools.bin"',
+    ]
     command = ["gcc", "-shared", "-fPIC", "-O2", *options, machine.HERE / "laser.c", "-lm"]
     subprocess.run([*command, "-o", modules / "laser.so"], check=True, capture_output=True)
     return f"loadusr -w mount --bind {modules} {_MODULES}\nloadrt laser\n"

@@ -173,11 +173,12 @@ class Machine:
         """Start, stop or orient the spindle."""
 
         def act() -> None:
-            before = self._is_in_beam(self.at)
+            before, was_turning = self._is_in_beam(self.at), self.is_turning
             now = float(self.angles(np.array([self.clock_s]))[0]) % 360.0
             self.angle_deg = now if angle_deg is None else angle_deg
             self.speed_rpm = speed_rpm
-            self.wait(self.control.spindle_s if angle_deg is None else self.control.orient_s)
+            takes = self.control.spindle_s if speed_rpm or was_turning else 0.0
+            self.wait(takes if angle_deg is None else self.control.orient_s)
             self._turned_from_s = self._here_since_s = self.clock_s
             if self._is_in_beam(self.at) and not before:
                 self.crossings.append(self.at)

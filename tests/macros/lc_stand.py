@@ -21,12 +21,12 @@ Verdict = tuple[str, str, str]
 
 LC_SETTINGS = replace(
     SETTINGS,
-    master_tool=0,
+    master_tool=3,
+    gap_on="M64 P1",
+    gap_off="M65 P1",
     safe_z_mm=-180.0,
     # A simulated machine latches within a servo period, so it need not go back as far as a real one.
     entry_feed=2400.0,
-    fast_feed=1200.0,
-    back_mm=0.06,
     store_first=1000,
     store_last=4999,
 )
@@ -45,8 +45,8 @@ def programs(case: Case, first: int) -> list[str]:
         blocked = "M68 E0 Q-1\n" if case.is_blocked else ""
         return [f"{before}{blocked}o<cb_tool_check> call [1] [5000]\n(debug, good)\nM2\n"]
     trace = f"{before}o<cb_trace> call [1] [20] [5000]\nM68 E0 Q{first + 1}\n"
-    checks = f"o<cb_chip_check> call [1] [{ROUGH_W}]\n(debug, good before rough)\n"
-    checks += f"o<cb_chip_check> call [1] [{FINISH_W}]\n(debug, good before finish)\n"
+    checks = f"o<cb_chip_check> call [1] [{ROUGH_W}] [1]\n(debug, good before rough)\n"
+    checks += f"o<cb_chip_check> call [1] [{FINISH_W}] [1]\n(debug, good before finish)\n"
     return [f"{trace}{checks}M2\n"]
 
 

@@ -131,17 +131,17 @@ def test_both_on_the_simulated_linuxcnc(tmp_path: Path) -> None:
     pieces = [
         f"{start}M68 E0 Q1\n{check} [3] [14]\n{count}\nM2\n",
         f"{start}M68 E0 Q2\n{check} [3] [14]\no<cb_trace> call [1] [4] [0] [3]\n{count}\nM2\n",
-        f"{start}M68 E0 Q2\no<cb_chip_check> call [1] [0.02] [4] [3] [14]\n{count}\nM2\n",
+        f"{start}M68 E0 Q2\no<cb_chip_check> call [1] [0.02] [1] [3] [14]\n{count}\nM2\n",
         f"{start}{count}\nM68 E0 Q2\n{check} [3] [14]\nM2\n",
         f"M68 E0 Q1\n{check} [3] [14]\nM2\n",
-        "M68 E0 Q1\no<cb_chip_check> call [1] [0.02]\nM2\n",
+        "M68 E0 Q1\no<cb_chip_check> call [1] [0.02] [1]\nM2\n",
         f"M68 E0 Q1\no<cb_release> call [1]\n{check}\n{count}\nM2\n",
     ]
     expected = [
         [],
         [],
         [],
-        ["101 TOOL 1 RUNOUT 5.100 OVER 5.005"],
+        ["101 TOOL 1 RUNOUT 5.100 MAX 5.005"],
         ["114 TOOL 1 LOCKED SISTER 14"],
         ["114 TOOL 1 LOCKED SISTER 0"],
         [],

@@ -24,7 +24,7 @@ CALLS = (
     *STRAIGHT.data(1, O_WORDS).split("\n"),
     "o<cb_tool_check> call [1] [5000]",
     "o<cb_trace> call [1] [20]",
-    "o<cb_chip_check> call [1] [0.02] [20]",
+    "o<cb_chip_check> call [1] [0.02] [1]",
 )
 
 
@@ -79,7 +79,7 @@ def test_everything_in_force_is_as_it_was(tmp_path: Path, before: str) -> None:
     shown = f"(debug, #<_metric> #<_absolute> #<_rpm> #5220 #<_units_per_minute> #<_inverse_time>{feed})"
     calls = [f"{before}\n{shown}\n{call}\n{shown}" for call in CALLS[:1]]
     calls += ["M68 E0 Q1", *CALLS[1:3]]
-    in_inches = [CALLS[3], "o<cb_trace> call [1] [0.15]", "o<cb_chip_check> call [1] [0.0008]"]
+    in_inches = [CALLS[3], "o<cb_trace> call [1] [0.15]", "o<cb_chip_check> call [1] [0.0008] [1]"]
     calls += [f"{call}\n{shown}" for call in in_inches]
     program = "\n".join(["M68 E0 Q0", *calls, "M2", ""]).encode()
     (run,) = laser.run_until(

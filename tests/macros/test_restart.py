@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -84,8 +83,8 @@ def test_all_of_it_on_the_simulated_linuxcnc(tmp_path: Path) -> None:
         f"{start}{data[1]}\n{check[1]}\n{check[2]}\nM2\n",
         f"M68 E0 Q1\n{check[2]}\nM2\n",
         f"{start}{data[1]}\n{check[1]}\n{trace[1]}\n{data[2]}\n{check[2]}\n"
-        f"o<cb_chip_check> call [1] [0.02]\n(debug, fine)\n{check[1]}\nM2\n",
-        f"{start}{data[1]}\n{check[1]}\n{trace[1]}\nM68 E0 Q2\no<cb_chip_check> call [1] [0.02]\nM2\n",
+        f"o<cb_chip_check> call [1] [0.02] [1]\n(debug, fine)\n{check[1]}\nM2\n",
+        f"{start}{data[1]}\n{check[1]}\n{trace[1]}\nM68 E0 Q2\no<cb_chip_check> call [1] [0.02] [1]\nM2\n",
     ]
     expected = [
         [],
@@ -100,7 +99,7 @@ def test_all_of_it_on_the_simulated_linuxcnc(tmp_path: Path) -> None:
         ["\n".join(["", piece]).encode() for piece in pieces],
         tools=[BAR, STRAIGHT.real(), STRAIGHT.real(length_mm=STRAIGHT.length_mm + 4.5)],
         beam=BEAM,
-        subroutines=subroutines(replace(LC_SETTINGS, master_tool=3), tmp_path),
+        subroutines=subroutines(LC_SETTINGS, tmp_path),
     )
     assert alarms(runs) == expected
     said = [text.strip() for text in runs[0].messages]

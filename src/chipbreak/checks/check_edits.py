@@ -65,7 +65,9 @@ def _edit(checks: Sequence[PlannedCheck], settings: Settings) -> Edit:
         leaves_spindle=point.state.turns and not point.restarts,
         leaves_coolant=point.coolant != point.state.coolant,
     )
-    return Edit(point.line, point.line, tuple(blocks.texts), title, reason, promise)
+    known = [check.duration_s for check in checks if check.duration_s is not None]
+    edit = Edit(point.line, point.line, tuple(blocks.texts), title, reason, promise)
+    return edit._replace(duration_s=sum(known)) if known else edit
 
 
 class _Blocks:

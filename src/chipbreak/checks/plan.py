@@ -15,6 +15,7 @@ from itertools import groupby
 
 from chipbreak.checks.calls import DEPTHS, CallSet, CallValues, CheckKind, calls_of
 from chipbreak.checks.clashes import clash_of
+from chipbreak.checks.durations import check_s
 from chipbreak.checks.findings import NO_BEAM, NO_SAFE_POINT, NO_SHAPE, Findings
 from chipbreak.checks.limits import Uses, limit_before
 from chipbreak.checks.not_checked import WholeProgram, say_what_is_not_checked
@@ -35,7 +36,10 @@ from chipbreak.tools.tips import Tip, tip_of
 
 
 class PlannedCheck(NamedTuple):
-    """A check that will be inserted; ``limit_mm`` is the W of a CHIP CHECK."""
+    """A check that will be inserted; ``limit_mm`` is the W of a CHIP CHECK.
+
+    ``duration_s`` is about how long it takes, None where its programs are not ours.
+    """
 
     kind: CheckKind
     tool: int | None
@@ -44,6 +48,7 @@ class PlannedCheck(NamedTuple):
     title: str
     reason: str
     limit_mm: float | None = None
+    duration_s: float | None = None
 
 
 def plan_checks(
@@ -132,6 +137,7 @@ class _Planner:
         self.traced: set[int] = set()
         self.shapeless: set[int] = set()
         self.uses_tool_data = self.calls.uses_tool_data()
+        self.is_built_in = self.calls.hands_over("depth")
 
     def run(self) -> None:
         """Plan visit by visit: what a tool does between its call and the next one."""
@@ -264,6 +270,7 @@ class _Planner:
                     wish.title,
                     wish.reason,
                     wish.values.limit_mm,
+                    check_s(wish.kind, wish.values, self.settings) if self.is_built_in else None,
                 )
             )
         return True

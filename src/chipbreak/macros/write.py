@@ -62,6 +62,8 @@ _NUMBERED = (
     (152, "beam_within_mm", "beam_within", "BEAM WITHIN"),
     (153, "trace_chip_mm", "trace_chip", "NO CHIP AS LONG AS THIS IS MISSED"),
     (154, "gap_s", "gap", "SECONDS TO A MISSING EDGE, 0: CANNOT"),
+    (157, "approach_feed", "approach_feed", "FEED FROM THE SAFE HEIGHT"),
+    (156, "gate_output", "gate", "LINUXCNC: OUTPUT THAT SHOWS THE BEAM"),
     (159, "inch_step_mm", "inch_step", "LEAST STEP IN INCHES, IN MM"),
 )
 

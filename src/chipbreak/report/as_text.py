@@ -45,7 +45,7 @@ def _lines_of(report: Report) -> Iterator[str]:
     for number, operation in enumerate(report.operations, 1):
         yield f"  {number}. {_operation(operation)}"
     yield ""
-    yield f"Tool checks: {len(report.checks) or 'none'}"
+    yield f"Tool checks: {len(report.checks) or 'none'}{_together(report)}"
     for check in report.checks:
         yield f"  {_check(check)}"
 
@@ -71,7 +71,21 @@ def _operation(operation: ExplainedOperation) -> str:
 
 def _check(check: ExplainedCheck) -> str:
     where = "at the end" if check.is_at_end else f"before line {check.line}"
-    return f"{where}: {check.title}: {check.reason}"
+    takes = "" if check.duration_s is None else f" (about {check.duration_s:.0f} s)"
+    return f"{where}: {check.title}{takes}: {check.reason}"
+
+
+def _together(report: Report) -> str:
+    """How long all checks take, and which share of the cycle that is."""
+    known = [check.duration_s for check in report.checks if check.duration_s is not None]
+    if not known:
+        return ""
+    whole = sum(known)
+    said = f", about {whole:.0f} s together"
+    if not report.feed_s:
+        return said
+    share = whole / (whole + report.feed_s)
+    return f"{said}, {100.0 * share:.0f} % of checks and feed ({report.feed_s:.0f} s)"
 
 
 def _cut(cut: ExplainedCut) -> Iterator[str]:

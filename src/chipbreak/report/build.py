@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from chipbreak.operations.operations import Operation
 from chipbreak.passes import CHECK_TOOLS
 from chipbreak.pipeline import Result
+from chipbreak.report.feed_time import feed_time_s
 from chipbreak.report.model import (
     ExplainedCheck,
     ExplainedCut,
@@ -43,11 +44,13 @@ def report_of(result: Result, settings: Settings) -> Report:
                 title=edit.title,
                 reason=source.meant(edit.reason),
                 is_at_end=edit.first == source.line_count,
+                duration_s=edit.duration_s,
             )
             for edit in checks
         ),
         diagnostics=result.diagnostics,
         left=tuple(_left(cut, source) for cut in joined(result.left)),
+        feed_s=feed_time_s(result.source, settings) if checks else None,
         without_axis_data=any(
             settings.axes[axis].max_acceleration_mm_s2 is None
             for cut in result.cuts

@@ -157,12 +157,16 @@ class ExplainedOperation:
 
 @dataclass(frozen=True)
 class ExplainedCheck:
-    """A tool check that is inserted before ``line``, or behind the last one where ``is_at_end``."""
+    """A tool check that is inserted before ``line``, or behind the last one where ``is_at_end``.
+
+    ``duration_s`` is about how long it takes, None where nobody knows.
+    """
 
     line: int
     title: str
     reason: str
     is_at_end: bool
+    duration_s: float | None = None
 
 
 @dataclass(frozen=True)
@@ -170,7 +174,8 @@ class Report:
     """All that is said of a run.  ``str()`` of it is what ``chipbreak explain`` prints.
 
     ``left`` are the cuts that were asked to vibrate and stay as they were.  ``without_axis_data``: an axis of
-    a vibrated cut has no acceleration in the profile.
+    a vibrated cut has no acceleration in the profile.  ``feed_s`` is how long the program feeds as it is
+    written, where checks are inserted and it can be known.
     """
 
     file: str
@@ -182,6 +187,7 @@ class Report:
     diagnostics: tuple[Diagnostic, ...]
     left: tuple[ExplainedLeft, ...] = ()
     without_axis_data: bool = False
+    feed_s: float | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """The facts as plain values, in a stable order, ready for JSON; ``schema`` is their version."""

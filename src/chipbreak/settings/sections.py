@@ -220,7 +220,7 @@ class Checks(ValueRecord):
     length_over_mm: float = _above(3.0)
     diameter_mm: float = _above(0.5)
     trace_height_mm: float = _above(20.0)
-    trace_step_mm: float = _above(0.5)
+    trace_step_mm: float = _above(1.0)
     trace_chip_mm: float = _above(0.2)
     depth: str = _one_of("limit-line", "breakage", "full")
     last_use: float | str = field(
@@ -241,12 +241,16 @@ class Macros(ValueRecord):
     """What the macros must know about the machine and its laser barrier; lengths in mm, feeds in mm/min.
 
     Positions are in machine coordinates.  ``beam_input`` is the number of the signal variable (#1000 and up)
-    or of LinuxCNC's digital input.  ``master_tool`` 0: the master bar is in the spindle already.  ``orient``
-    stops the spindle at ``{angle}``.  ``turn_sign`` is -1 where the angle counts against M3.  ``clear_mm`` is
-    how far beside and above the beam the tool waits, ``search_mm`` how much shorter than said a tool may be
-    and still be found, ``above_mm`` how far above the lower end, a corner or a point the radius is measured,
-    ``inset_mm`` how far inside the outer edge the length is.  ``store_first`` and ``store_last`` bound the
-    variables of what is stored.
+    or of LinuxCNC's digital input, ``gate_output`` of the digital output there that lets probe moves see it.
+    ``master_tool`` 0: somebody puts the master bar into the spindle.  ``orient`` stops the spindle at
+    ``{angle}``.  ``turn_sign`` is -1 where the angle counts against M3.  ``first_program`` and
+    ``first_variable`` are the numbers from which on the programs and their working variables count on Fanuc.
+    ``settle_s`` is how long the signal stays after an edge.  ``gap_ms``: after how long without an edge the
+    barrier gives its signal once ``gap_on`` has run; 0: it cannot.  ``clear_mm`` is how far beside and above
+    the beam the tool waits, ``search_mm`` how much shorter than said a tool may be and still be found,
+    ``above_mm`` how far above the lower end, a corner or a point the radius is measured, ``inset_mm`` how far
+    inside the outer edge the length is.  ``store_first`` and ``store_last`` bound the variables of what is
+    stored.
     """
 
     beam_x_mm: float | None = None
@@ -257,6 +261,8 @@ class Macros(ValueRecord):
     master_diameter_mm: float | None = _above(None)
     master_tool: int = _at_least(0)
     beam_input: int = _at_least(0)
+    gate_output: int = _at_least(0)
+    approach_feed: float = _above(10000.0)
     entry_feed: float = _above(3000.0)
     fast_feed: float = _above(600.0)
     slow_feed: float = _above(12.0)
