@@ -154,7 +154,9 @@ def by_macros(row: Row) -> str:
 
 def stand_of(row: Row) -> Stand:
     """A control that has calibrated, in front of the tool."""
-    settings = replace(SETTINGS, trace_step_mm=0.5)
+    # What an inch machine tells apart is 0.0001 inch, whatever the program counts in.
+    grid_mm = row.control.grid_mm(is_inch=row.control.is_inch_machine)
+    settings = replace(SETTINGS, trace_step_mm=0.5, resolution_mm=max(0.001, grid_mm))
     stand = Stand(
         row.nominal, row.real, settings=settings, control=row.control, is_inch=row.is_inch, rpm=row.rpm
     )

@@ -84,7 +84,7 @@ def mutated(name: str, old: str, new: str) -> Library:
 @pytest.mark.parametrize(
     ("name", "old", "new", "shown_by"),
     [
-        ("O8901.nc", "#11=#118-#105-#135", "#11=#118-#105-0.002", "runout 0.006"),
+        ("O8901.nc", "#11=#118-#105-0.4*#169", "#11=#118-#105-1.4*#169", "runout 0.006"),
         ("O8901.nc", "LE ROUND[#109/#135]", "LT ROUND[#109/#135]", "length L+0.000"),
         ("O8901.nc", "GT ROUND[[#109+#137]/#135]", "GE ROUND[[#109+#137]/#135]", "length L+3.000"),
         ("O8901.nc", "LE ROUND[[#107*2.-#138]", "LT ROUND[[#107*2.-#138]", "diameter OD-0.500"),
@@ -96,7 +96,7 @@ def mutated(name: str, old: str, new: str) -> Library:
         ("O8915.nc", "LT ROUND[#23/#135]", "LE ROUND[#23/#135]", "chip: exactly 0.02"),
         ("O8923.nc", "#176=#108-#170", "GOTO 9", "chip: too small on a ball"),
         ("O8901.nc", "A[#112+#13*360./#113]", "A0.", "diameter OD-0.498"),
-        ("O8920.nc", "IF [ABS[#5021*#100-#160] LT 0.004] THEN #102=0", "#102=0", "runout 0.006"),
+        ("O8920.nc", "#102=1\nG53", "#102=0\nGOTO 2\nG53", "runout 0.006"),
         ("O8925.nc", "IF [ABS[#5023*#100-#110+#7] GT 0.004] GOTO 9", "", "chip: 0.03 on one of four"),
     ],
 )

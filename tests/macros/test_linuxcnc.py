@@ -54,9 +54,9 @@ def test_every_block_of_a_macro_is_read(tmp_path: Path) -> None:
 
 # All tools take four minutes.  Without CHIPBREAK_ALL_TOOLS these are left out, each much like another.
 WITH_A_TWIN = {
-    *("good bull nose", "diameter OD-0.499", "ball, runout"),
+    *("good bull nose", "diameter OD-0.498", "ball, runout"),
     *("drill, too long", "wrong tool, longer", "broken off"),
-    *("diameter OD+0.499 with a wide runout limit", "good single flute", "good reamer"),
+    *("diameter OD+0.498 with a wide runout limit", "good single flute", "good reamer"),
     *("chip: none", "chip: 0.03 on a helix", "chip: exactly 0.05", "chip: 0.049", "chip: at the top"),
     *("chip: at the lower end", "chip: too small on a ball", "chip: on a bull nose", "chip: on a reamer"),
     *("chip: shortened by 0.019", "chip: on a drill"),

@@ -19,6 +19,7 @@ from chipbreak.checks.ways_out import (
     USE_OTHER_VARIABLES,
 )
 from chipbreak.dialects import BUILT_IN, PROBE_MAKERS, MacroSet
+from chipbreak.dialects.check_programs import SETTER
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of
@@ -87,7 +88,7 @@ def clash_of(interpreted: InterpretedProgram) -> Clash | None:
     if settings.checks.calls in settings.call_sets:
         return None
     macros = settings.dialect.macros
-    if settings.checks.calls != BUILT_IN or macros is None:
+    if settings.checks.calls not in (BUILT_IN, SETTER) or macros is None:
         return _defined_number(interpreted, _numbers_of(settings), "")
     macros = _moved(macros, settings)
     return (

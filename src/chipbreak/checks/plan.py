@@ -21,7 +21,6 @@ from chipbreak.checks.limits import Uses, limit_before
 from chipbreak.checks.not_checked import WholeProgram, say_what_is_not_checked
 from chipbreak.checks.tool_data_coverage import ToolDataCoverage
 from chipbreak.checks.ways_out import NAME_THE_BEAM, SEE_ITS_TRACE
-from chipbreak.dialects import BUILT_IN
 from chipbreak.insertion.obstacles import Obstacles
 from chipbreak.insertion.safe_points import NoSafePoint, Range, SafePoint, SafePointFinder
 from chipbreak.macros.parameters import missing_of
@@ -70,7 +69,7 @@ def plan_checks(
     missing = _missing_of_beam(settings)
     clash = None if missing else clash_of(interpreted)
     if missing:
-        message = f"left out: all checks; nothing says where the beam is: no {', '.join(missing)}"
+        message = f"left out: all checks; nothing says where the tool setter is: no {', '.join(missing)}"
         findings.say(planner.planned[0].point.line, NO_BEAM, message, NAME_THE_BEAM)
     elif clash is not None:
         findings.say(clash.line, clash.code, clash.message, clash.help)
@@ -81,8 +80,10 @@ def plan_checks(
 
 def _missing_of_beam(settings: Settings) -> list[str]:
     """The keys that the programs behind the built-in calls cannot do without, and that have no value."""
-    is_built_in = settings.checks.calls == BUILT_IN and BUILT_IN not in settings.call_sets
-    return [f"macros.{key}" for key in missing_of(settings.macros)] if is_built_in else []
+    calls = settings.checks.calls
+    if calls in settings.call_sets:
+        return []
+    return [f"macros.{key}" for key in missing_of(settings.macros, calls)]
 
 
 class _Wish(NamedTuple):

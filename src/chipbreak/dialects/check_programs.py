@@ -15,6 +15,8 @@ from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.named_tuple import NamedTuple
 
 BUILT_IN: Final = "builtin"
+# With a touch plate in the place of a laser.
+SETTER: Final = "setter"
 
 
 class CallTemplates(NamedTuple):
@@ -216,4 +218,14 @@ MACRO_B_SETS: Final[Mapping[str, CallTemplates]] = FrozenTable(
         "speedio-blum": _makers("G65 P8915 B2 Q{limit}"),
     }
 )
-O_WORD_SETS: Final[Mapping[str, CallTemplates]] = FrozenTable({BUILT_IN: _O_WORD_CALLS})
+_O_WORD_SETTER = CallTemplates(
+    FrozenTable(
+        {
+            "tool_check": ("o<cb_setter> call [{tool}]",),
+            "chip_check": ("o<cb_setter> call [{tool}] [{limit}]",),
+        }
+    )
+)
+O_WORD_SETS: Final[Mapping[str, CallTemplates]] = FrozenTable(
+    {BUILT_IN: _O_WORD_CALLS, SETTER: _O_WORD_SETTER}
+)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
+from chipbreak.dialects.check_programs import BUILT_IN, SETTER
 from chipbreak.settings.sections import Checks, Control, Macros, Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.units import MM_PER_INCH
@@ -18,11 +19,18 @@ _NEEDED = {
     "master_length_mm": "from the spindle nose to the end of the master bar",
     "master_diameter_mm": "diameter of the master bar",
 }
+_SETTER = {
+    "setter_x_mm": "machine X of the touch plate",
+    "setter_y_mm": "machine Y of the touch plate",
+    "setter_z_mm": "lowest machine Z of the spindle nose at which a tool must have met the plate",
+    "safe_z_mm": _NEEDED["safe_z_mm"],
+}
 
 
-def missing_of(macros: Macros) -> list[str]:
-    """The keys of [macros] that nobody may guess and that have no value, in their order."""
-    return [name for name in _NEEDED if getattr(macros, name) is None]
+def missing_of(macros: Macros, calls: str = BUILT_IN) -> list[str]:
+    """The keys of [macros] that a set of calls cannot do without and that have no value, in their order."""
+    needed = {BUILT_IN: _NEEDED, SETTER: _SETTER}.get(calls, {})
+    return [name for name in needed if getattr(macros, name) is None]
 
 
 class UnsetError(RefusalError):
@@ -63,7 +71,7 @@ class MacroSettings(Macros):
 
     def checked(self) -> MacroSettings:
         """These settings; raises UnsetError (MCR001) when something is missing that nobody may guess."""
-        missing = missing_of(self)
+        missing = missing_of(self) if missing_of(self, SETTER) else []
         if missing:
             lines = "; ".join(f"macros.{name}: {_NEEDED[name]}" for name in missing)
             raise UnsetError(NOT_SET, f"the macros need {len(missing)} more values", lines)

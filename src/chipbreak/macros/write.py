@@ -62,6 +62,9 @@ _NUMBERED = (
     (152, "beam_within_mm", "beam_within", "BEAM WITHIN"),
     (153, "trace_chip_mm", "trace_chip", "NO CHIP AS LONG AS THIS IS MISSED"),
     (154, "gap_s", "gap", "SECONDS TO A MISSING EDGE, 0: CANNOT"),
+    (160, "setter_x_mm", "setter_x", "MACHINE X OF THE TOUCH PLATE"),
+    (161, "setter_y_mm", "setter_y", "MACHINE Y OF THE TOUCH PLATE"),
+    (162, "setter_z_mm", "setter_z", "LOWEST Z OVER THE TOUCH PLATE"),
     (157, "approach_feed", "approach_feed", "FEED FROM THE SAFE HEIGHT"),
     (156, "gate_output", "gate", "LINUXCNC: OUTPUT THAT SHOWS THE BEAM"),
     (159, "inch_step_mm", "inch_step", "LEAST STEP IN INCHES, IN MM"),
@@ -123,7 +126,11 @@ def check_axes(words: AxisWords) -> None:
 def _parts(macros: MacroSet, settings: MacroSettings) -> dict[str, list[str]]:
     """The lines of the profile for each mark in a program that the settings make."""
     return {
-        "{settings}": [_setting(macros, settings, _Variable(*one)) for one in _NUMBERED],
+        "{settings}": [
+            _setting(macros, settings, variable)
+            for variable in (_Variable(*one) for one in _NUMBERED)
+            if getattr(settings, variable.key) is not None
+        ],
         "{orient}": [settings.orient.format(angle=macros.angle)],
     } | {f"{{{key}}}": getattr(settings, key).splitlines() for key in LINES}
 

@@ -242,6 +242,7 @@ class Macros(ValueRecord):
 
     Positions are in machine coordinates.  ``beam_input`` is the number of the signal variable (#1000 and up)
     or of LinuxCNC's digital input, ``gate_output`` of the digital output there that lets probe moves see it.
+    ``setter_x_mm`` to ``setter_z_mm``: where a touch plate is, the last the lowest place of the spindle nose.
     ``master_tool`` 0: somebody puts the master bar into the spindle.  ``orient`` stops the spindle at
     ``{angle}``.  ``turn_sign`` is -1 where the angle counts against M3.  ``first_program`` and
     ``first_variable`` are the numbers from which on the programs and their working variables count on Fanuc.
@@ -257,6 +258,9 @@ class Macros(ValueRecord):
     beam_y_mm: float | None = None
     beam_z_mm: float | None = None
     safe_z_mm: float | None = None
+    setter_x_mm: float | None = None
+    setter_y_mm: float | None = None
+    setter_z_mm: float | None = None
     master_length_mm: float | None = _above(None)
     master_diameter_mm: float | None = _above(None)
     master_tool: int = _at_least(0)
