@@ -28,7 +28,14 @@ def _each(value: float | Sequence[float], axes: str) -> list[float]:
     return [float(value)] * len(axes) if isinstance(value, int | float) else [float(one) for one in value]
 
 
-def ini(folder: Path, axes: Sequence[Limit], servo_period_s: float, *, lathe: bool) -> str:
+def ini(
+    folder: Path,
+    axes: Sequence[Limit],
+    servo_period_s: float,
+    *,
+    lathe: bool,
+    max_feed_override: float = 1.0,
+) -> str:
     """The INI file.  The trajectory section carries limits so high that only the axes' own ones count.
 
     The task, which hands over one block in each of its cycles, runs five times as often as usual: so the
@@ -43,6 +50,7 @@ DEBUG = 0
 [DISPLAY]
 DISPLAY = {folder}/driver.py
 LATHE = {int(lathe)}
+MAX_FEED_OVERRIDE = {max_feed_override!r}
 [RS274NGC]
 PARAMETER_FILE = parameters.var
 SUBROUTINE_PATH = {folder}/subs

@@ -199,10 +199,18 @@ PATHS: dict[str, Callable[[_Draw, float], Path]] = {
     "rounded shoulder": _rounded,
     "fillet": _fillet,
 }
-_ACCELERATIONS = (
-    (2000.0, 2000.0), (5000.0, 5000.0), (10000.0, 10000.0), (20000.0, 20000.0),
-    (5000.0, 12000.0), (12000.0, 4000.0), (8000.0, 20000.0),
-)  # fmt: skip
+MACHINES = (
+    Machine((2000.0, 2000.0), (50.0, 100.0), 0.001, 1.0),
+    Machine((5000.0, 5000.0), (50.0, 100.0), 0.001, 1.2),
+    Machine((10000.0, 10000.0), (80.0, 80.0), 0.001, 1.0),
+    Machine((20000.0, 20000.0), (50.0, 100.0), 0.001, 1.2),
+    Machine((5000.0, 12000.0), (100.0, 60.0), 0.001, 1.0),
+    Machine((12000.0, 4000.0), (50.0, 100.0), 0.001, 1.2),
+    Machine((8000.0, 20000.0), (80.0, 80.0), 0.0005, 1.0),
+    Machine((10000.0, 10000.0), (50.0, 100.0), 0.0005, 1.2),
+    Machine((20000.0, 6000.0), (100.0, 60.0), 0.002, 1.2),
+    Machine((10000.0, 10000.0), (50.0, 100.0), 0.002, 1.0),
+)
 
 
 def drawn(seed: int, kind: str | None = None) -> Cut:
@@ -236,12 +244,7 @@ def drawn(seed: int, kind: str | None = None) -> Cut:
     if wave != "dwell" and draw.random.random() < 0.3:
         wish += f" Q{draw.between(1.6, 2.4) if per_rev > 1.0 else draw.between(1.3, 2.0):.2f}"
     program = _program(draw, path, speed, feed_text, wish)
-    machine = Machine(
-        draw.of(*_ACCELERATIONS),  # type: ignore[arg-type]
-        draw.of((50.0, 100.0), (100.0, 60.0), (80.0, 80.0)),  # type: ignore[arg-type]
-        float(draw.of(0.001, 0.001, 0.001, 0.0005, 0.002)),  # type: ignore[arg-type]
-        float(draw.of(1.0, 1.2)),  # type: ignore[arg-type]
-    )
+    machine = MACHINES[draw.random.randrange(len(MACHINES))]
     return Cut(f"{kind}, {wave}", seed, program, sets, path.legs, machine)
 
 
@@ -268,7 +271,7 @@ def _program(draw: _Draw, path: Path, speed: int, feed: str, wish: str) -> bytes
     (x, z), (end_x, end_z) = path.legs[0].start, path.legs[-1].end
     feed_code, feed_word = feed.split()
     blocks = "\n".join(f"{block} {feed_word} {wish}" for block in path.blocks)
-    waits = draw.of("G4 P0.02\n", "")
+    waits = "G4 P0.03\n"  # a move that starts in the same period would not be told from the cut
     return (
         f"{units} G97 {feed_code} S{speed} M3\nG0 X{draw.x(x)} Z{draw.text(z)}\n{waits}{blocks}\n{waits}"
         f"G0 X{draw.x(end_x + 1.0)} Z{draw.text(end_z + 0.6)}\nM2\n"

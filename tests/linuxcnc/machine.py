@@ -93,13 +93,14 @@ def run(
     servo_period_s: float = 0.001,
     lathe: bool = False,
     subroutines: Path | None = None,
+    max_feed_override: float = 1.0,
     speed_up: float = 10.0,
     timeout_s: float = 300.0,
 ) -> list[Run]:
     """Run the programs one after the other, each from machine zero, and return one :class:`Run` for each.
 
     ``acceleration_mm_s2`` and ``velocity_mm_s`` hold for every axis, or give one number for each of X, Y, Z
-    (X, Z on a ``lathe``, whose Y samples are 0).  ``subroutines`` is the folder for ``o<name> call``.  The
+    (X, Z on a ``lathe``, whose Y samples are 0).  ``max_feed_override`` is that of the INI file.  ``subroutines`` is the folder for ``o<name> call``.  The
     spindle turns exactly as commanded.  ``timeout_s`` is wall time for one program.
     """
     # /var/tmp, because the run gets a /tmp of its own; open to all, because LinuxCNC's realtime part
@@ -116,7 +117,8 @@ def run(
         shutil.copytree(subroutines, folder / "subs") if subroutines else (folder / "subs").mkdir()
         axes = "XZ" if lathe else "XYZ"
         limits = config.limits(axes, acceleration_mm_s2, velocity_mm_s)
-        (folder / "machine.ini").write_text(config.ini(folder, limits, servo_period_s, lathe=lathe))
+        ini = config.ini(folder, limits, servo_period_s, lathe=lathe, max_feed_override=max_feed_override)
+        (folder / "machine.ini").write_text(ini)
         (folder / "machine.hal").write_text(config.hal(axes))
         (folder / "tool.tbl").write_text(config.tool_table())
         (folder / "parameters.var").write_text("")

@@ -115,6 +115,11 @@ class ControlLaw(ABC):
         return 0.0
 
     @property
+    def dwell_delay_s(self) -> float:
+        """How long the control takes to notice that a move has ended before it dwells."""
+        return 0.0
+
+    @property
     def rest_at_crest_s(self) -> float | None:
         """How long the tool must rest at a crest behind which it goes on forward, so that it goes on slower.
 
@@ -318,11 +323,13 @@ def _motion_with_dwells(
             known[key] = _from_rest_to_rest(law, blocks.part(run), feeds_mm_s[run])
         motion = known[key]
         spans_s[run] = motion.spans_s
+        if dwell_s[last - 1] > 0.0:
+            spans_s[last - 1] += law.dwell_delay_s
         times.append(now_s + motion.time_s)
         places.append(distance_mm[first] + motion.distance_mm)
         places[-1][-1] = distance_mm[last]
         # A motion may end a little later than its blocks.
-        now_s = max(now_s + float(motion.spans_s.sum() + dwell_s[last - 1]), float(times[-1][-1]) + _SOON_S)
+        now_s = max(now_s + float(spans_s[run].sum() + dwell_s[last - 1]), float(times[-1][-1]) + _SOON_S)
         first = last
     if dwell_s[-1] > 0.0:
         times.append(np.array([now_s]))

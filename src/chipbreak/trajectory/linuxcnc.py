@@ -57,8 +57,13 @@ class LinuxCnc(ControlLaw):
 
     @property
     def late_s(self) -> float:
-        """See :attr:`ControlLaw.late_s`."""
-        return _PERIODS_LATE * self.servo_period_s
+        """See :attr:`ControlLaw.late_s`: the joint interpolator is two periods behind, one is waited for."""
+        return _PERIODS_LATE * self.servo_period_s - self.dwell_delay_s
+
+    @property
+    def dwell_delay_s(self) -> float:
+        """See :attr:`ControlLaw.dwell_delay_s`: the planner finds its queue empty in the next period."""
+        return self.servo_period_s
 
     @property
     def rest_at_crest_s(self) -> float | None:

@@ -78,6 +78,7 @@ class DwellExpander(Expander):
         """What this control leaves of a vibration behind its move."""
         feed_mm_s = min(wave.feed_speed_mm_s, law.velocity_mm_s)
         moves_s = float(law.block_times([wave.speed_mm_s * wave.period_s], [feed_mm_s])[0])
+        moves_s += law.dwell_delay_s
         dwell_s = float(round(round((wave.period_s - moves_s) / law.dwell_step_s) * law.dwell_step_s, 6))
         still_s = dwell_s - law.late_behind_s(feed_mm_s)
         revolution_s = S_PER_MIN / wave.speed_rpm
@@ -104,7 +105,8 @@ class DwellExpander(Expander):
         way_mm = feed_mm_s * moves_s
         for _ in range(_TRIES):
             if way_mm > 0.0:
-                way_mm += feed_mm_s * (moves_s - float(law.block_times([way_mm], [feed_mm_s])[0]))
+                took_s = float(law.block_times([way_mm], [feed_mm_s])[0]) + law.dwell_delay_s
+                way_mm += feed_mm_s * (moves_s - took_s)
         share = way_mm / wave.feed_speed_mm_s / wave.period_s
         ticks = wave.ticks * _FINE
         forward = round(share * ticks)
