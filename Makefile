@@ -11,7 +11,7 @@ PROFILE := generic-lathe
 CODE := src tests benchmarks
 FUZZ_SECONDS ?= 120
 
-.PHONY: demo test fuzz lint man site test-pythons hooks bench wheel release-dry-run clean
+.PHONY: real-control demo test fuzz lint man site test-pythons hooks bench wheel release-dry-run clean
 
 $(BIN)/chipbreak: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -69,6 +69,10 @@ $(VENV)/.bench: $(VENV)/.dev
 
 bench: $(VENV)/.bench
 	$(BIN)/python benchmarks/run.py --json benchmarks/results.json
+
+# Cuts drawn at random on LinuxCNC's simulated machine, and the tables of docs/real-control.md; needs root.
+real-control: $(VENV)/.dev
+	$(BIN)/python benchmarks/real_control.py --write
 
 wheel: $(VENV)/.dev
 	rm -f dist/chipbreak-*.whl

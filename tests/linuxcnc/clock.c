@@ -30,7 +30,7 @@ __attribute__((constructor)) static void prepare(void)
 
 int clock_nanosleep(clockid_t clock, int flags, const struct timespec *until, struct timespec *left)
 {
-    if (speed_up <= 1.0 || !(flags & TIMER_ABSTIME))
+    if (speed_up == 1.0 || !(flags & TIMER_ABSTIME))
         return real_sleep(clock, flags, until, left);
 
     long long point = in_ns(until);

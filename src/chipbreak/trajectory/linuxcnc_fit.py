@@ -13,6 +13,7 @@ from chipbreak.kinematics.floats import Floats
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.trajectory.linuxcnc_feeds import Found, Wanted, factors_for
 from chipbreak.trajectory.linuxcnc_joints import Bends, Joints
+from chipbreak.trajectory.linuxcnc_many import Stretches
 from chipbreak.trajectory.linuxcnc_planner import Clock
 from chipbreak.trajectory.linuxcnc_runs import (
     Columns,
@@ -138,13 +139,19 @@ class _Fit:
         return bool(np.abs(np.cumsum(after - before)[fitted]).max(initial=0.0) < self.period_s / 2.0)
 
     def _single_feeds(self, blocks: Counts, times: Floats) -> Floats:
-        ways = self.columns.lengths[blocks]
-        accelerations = self.columns.accelerations[blocks]
-        self._refuse_too_short(ways, times, accelerations)
-        feeds = middle_feeds(ways, times, accelerations, self.period_s)
-        for at in np.flatnonzero(feeds > self.columns.tops[blocks]).tolist()[:1]:
-            self.refuse.too_fast(float(ways[at]), float(times[at]), float(feeds[at]))
-        return feeds
+        """The feeds of blocks from rest to rest; those of one kind are found once."""
+        columns = self.columns
+        tops = columns.tops[blocks]
+        rows = np.column_stack([columns.lengths[blocks], times, columns.accelerations[blocks], tops])
+        first, kind = kinds_of(rows)
+        # The first of all is refused first.
+        ways, some, accelerations, tops = rows[np.sort(first)].T
+        self._refuse_too_short(ways, some, accelerations)
+        ways, some, accelerations, tops = rows[first].T
+        feeds = middle_feeds(ways, some, accelerations, self.period_s)
+        for at in np.flatnonzero((feeds > tops)[kind]).tolist()[:1]:
+            self.refuse.too_fast(*(float(column[kind[at]]) for column in (ways, some, feeds)))
+        return np.asarray(feeds[kind])
 
     def _refuse_too_short(self, ways: Floats, times: Floats, accelerations: Floats) -> None:
         """Errors: VIB030 and VIB032 for the first that no feed does, and for the shortest time."""
@@ -260,7 +267,8 @@ def _found_for_kinds(wanted: Wanted, clocks: Sequence[Clock]) -> Found:
     lengths, speeds, tops, accelerations, before = wanted.stretches
     digits = [three_digits(column) for column in (lengths, speeds, tops, accelerations)]
     first, kind = kinds_of(np.column_stack([*digits, before, np.rint(wanted.time / clocks[0].period_s)]))
-    found = _found(wanted.rows(first), clocks)
+    rounded = Stretches(digits[0][first], digits[1][first], digits[2][first], digits[3][first], before[first])
+    found = _found(wanted.rows(first)._replace(stretches=rounded), clocks)
     return Found(found.factors[kind], found.late[kind], found.never[kind])
 
 
