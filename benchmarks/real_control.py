@@ -77,20 +77,22 @@ def main() -> int:
         return 2
     told = list[str]()
     missed = list[str]()
+    counts = list[int]()
     for title, first, count in (
         ("Cuts that the law was made with", options.first, options.cuts),
         ("Cuts that nobody had looked at", HELD_OUT + options.first, options.held),
     ):
         ran, refused = run_cuts([drawn(seed) for seed in range(first, first + count)])
         told += ["", f"{title}, numbers {first} to {first + count - 1}:", "", *table(ran, refused)]
+        counts.append(len(ran))
         missed += [f"* {one.cut}: {', '.join(one.misses)}" for one in ran if one.misses]
-    told += ["", *(["Not kept:", "", *missed] if missed else ["Every one keeps all of it."]), ""]
+    told += ["", *(["Not kept:", "", *missed] if missed else [f"All {sum(counts)} keep all of it."]), ""]
     print("\n".join(told))
     if options.write:
         before, _, rest = PAGE.read_text("utf-8").partition(BEGIN)
         _, _, behind = rest.partition(END)
         PAGE.write_text(before + BEGIN + "\n".join(told) + "\n" + END + behind, "utf-8")
-    return int(bool(missed))
+    return int(bool(missed) or not all(counts))
 
 
 if __name__ == "__main__":
