@@ -57,8 +57,8 @@ class LinuxCnc(ControlLaw):
 
     @property
     def late_s(self) -> float:
-        """See :attr:`ControlLaw.late_s`: the joint interpolator is two periods behind, one is waited for."""
-        return _PERIODS_LATE * self.servo_period_s - self.dwell_delay_s
+        """See :attr:`ControlLaw.late_s`."""
+        return _PERIODS_LATE * self.servo_period_s
 
     @property
     def dwell_delay_s(self) -> float:

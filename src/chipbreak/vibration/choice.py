@@ -37,6 +37,7 @@ from chipbreak.vibration.plan import CutPlan, asked_of, command_group, feed_per_
 from chipbreak.vibration.surface_speed import bounds_rpm, surface_speed_of
 
 NOTHING_FITS = "VIB036"
+_NO_STROKE_MM = 1e-9
 _USUAL_MM_S2 = 10_000.0  # of axes whose acceleration the profile does not say, no more is asked
 _MOST_TRIED = 10  # of what closed forms find, to say that there is something
 _LEAST_HZ = 0.1
@@ -241,7 +242,9 @@ def _runs(conditions: Conditions, cut: _Cut) -> bool:
         cut.law.feed_for_time(
             conditions.stroke_mm + conditions.alpha * advance_mm, conditions.alpha * period_s
         )
-        cut.law.feed_for_time(conditions.stroke_mm - back * advance_mm, back * period_s)
+        back_mm = conditions.stroke_mm - back * advance_mm
+        if abs(back_mm) > _NO_STROKE_MM:
+            cut.law.feed_for_time(back_mm, back * period_s)
     except RefusalError:
         return False
     return True

@@ -80,7 +80,7 @@ class DwellExpander(Expander):
         moves_s = float(law.block_times([wave.speed_mm_s * wave.period_s], [feed_mm_s])[0])
         moves_s += law.dwell_delay_s
         dwell_s = float(round(round((wave.period_s - moves_s) / law.dwell_step_s) * law.dwell_step_s, 6))
-        still_s = dwell_s - law.late_behind_s(feed_mm_s)
+        still_s = dwell_s + law.dwell_delay_s - law.late_behind_s(feed_mm_s)
         revolution_s = S_PER_MIN / wave.speed_rpm
         if still_s < revolution_s / edges - _SOON_S:
             more = ((1.0 - wave.alpha_share) * wave.period_s - still_s) / revolution_s
@@ -98,7 +98,7 @@ class DwellExpander(Expander):
         step_s = law.dwell_step_s
         revolution_s = S_PER_MIN / wave.speed_rpm / edges
         wanted_s = (1.0 - wave.alpha_share) * wave.period_s
-        least = math.ceil((revolution_s + law.late_s) / step_s - _SOON_S)
+        least = math.ceil((revolution_s + law.late_s - law.dwell_delay_s) / step_s - _SOON_S)
         dwell_s = max(least, round(wanted_s / step_s)) * step_s
         feed_mm_s = min(wave.feed_speed_mm_s, law.velocity_mm_s)
         moves_s = wave.period_s - dwell_s
