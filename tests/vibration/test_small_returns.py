@@ -1,0 +1,58 @@
+"""While the stroke grows, no vibration is lost, however small its return stroke: the motion follows the ramp."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import chipbreak
+
+HEAD = "G21 G18 G90 G8 G97 G95 S{} M3\nG0 X6 Z0\n(VIB {})\nG1 Z-{} F{}\nM2\n"
+
+
+def crests(speed: int, wish: str, length: float, feed: float, *sets: str) -> list[tuple[float, float]]:
+    """How high the crests of the ramp are, as they should be and as the law of the control has them."""
+    settings = chipbreak.load("linuxcnc-lathe", ["axes.Z.max_acceleration_mm_s2=5000", *sets])
+    program = HEAD.format(speed, wish, length, feed).encode()
+    result = chipbreak.rewrite(program, settings, allow_unbroken=True)
+    ((cut,), (motion,)) = result.cuts, chipbreak.motions(result, settings)
+    wave = cut.wave
+    ahead = (motion.distance_mm - wave.speed_mm_s * motion.time_s) / wave.stroke_mm
+    found = list[tuple[float, float]]()
+    for index in range(round(wave.ramp_in_s / wave.period_s)):
+        crest_s = (index + wave.alpha_share) * wave.period_s
+        near = np.abs(motion.time_s - crest_s) <= wave.period_s / 4.0
+        wanted = min(1.0, crest_s / wave.ramp_in_s) ** wave.ramp_exponent
+        found.append((wanted, float(ahead[near].max())))
+    return found
+
+
+# Return strokes that go on forward, that are nothing, and that are one step.
+WISHES = ["N0.5", "N0.5 Q1.5", "N2.5", "N2.5 Q1.6", "N1.5 RAMP8", "N0.5 RAMP2"]
+
+
+@pytest.mark.parametrize("mode", ["rev", "minute", "inverse"])
+@pytest.mark.parametrize("wish", WISHES)
+def test_every_crest_of_the_ramp_is_there(wish: str, mode: str) -> None:
+    for speed, feed in ((600, 0.04), (1200, 0.08)):
+        for wanted, seen in crests(
+            speed, wish, 2.4, feed, f"output.feed_mode={mode}", "command.periods_ms=[80, 100]"
+        ):
+            assert seen == pytest.approx(wanted, abs=0.1), (wish, speed, feed)
+
+
+def test_a_return_of_no_length_becomes_a_step_back() -> None:
+    settings = chipbreak.load(
+        "linuxcnc-lathe", ["axes.Z.max_acceleration_mm_s2=5000", "output.feed_mode=minute"]
+    )
+    program = HEAD.format(600, "N0.5 Q1.5 RAMP3", 2.4, 0.08).encode()
+    result = chipbreak.rewrite(program, settings, allow_unbroken=True)
+    (cut,) = result.cuts
+    assert cut.move_count == 2 * cut.wave.vibrations + 1
+
+
+def test_on_other_controls_the_points_stay_where_they_are() -> None:
+    settings = chipbreak.load("generic-lathe", ["output.decimals=4"])
+    program = b"G97 G95 S600 M3\nG0 X12. Z0.\n(VIB N0.5 Q1.5)\nG1 Z-2.4 F0.08\nM2\n"
+    (cut,) = chipbreak.rewrite(program, settings, allow_unbroken=True).cuts
+    assert np.diff(cut.expansion.time_s).max() >= cut.wave.period_s * 0.99
