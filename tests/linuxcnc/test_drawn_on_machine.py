@@ -1,4 +1,4 @@
-"""Some of the cuts drawn at random, on the simulated machine; ``benchmarks/real_control.py`` runs many more."""
+"""Some of the cuts drawn at random, on the simulated machine; ``benchmarks/real_control.py`` runs more."""
 
 from __future__ import annotations
 

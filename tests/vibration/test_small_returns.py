@@ -1,4 +1,4 @@
-"""While the stroke grows, no vibration is lost, however small its return stroke: the motion follows the ramp."""
+"""While the stroke grows, no vibration is lost, however small its return: the motion follows the ramp."""
 
 from __future__ import annotations
 
