@@ -22,6 +22,9 @@ from chipbreak.text.diagnostics import RefusalError
 from chipbreak.units import S_PER_MIN
 
 TOO_SHORT = "VIB013"
+_OVERRIDE_STEP = 0.0025
+_LEAST_OVERRIDE = 0.05
+_MOST_OVERRIDE = 2.0
 
 
 @dataclass(frozen=True)
@@ -172,6 +175,31 @@ def speed_band_rpm(
     whole = math.floor(per_rev / edges)
     passes_rpm = speed_rpm * per_rev / edges
     return passes_rpm / (whole + high), passes_rpm / (whole + low)
+
+
+def feed_override_band(
+    waveform: str, per_rev: float, stroke_ratio: float, *, alpha_share: float = 0.5, edges: int = 1
+) -> tuple[float, float] | None:
+    """Lowest and highest feed override, 1 for 100 %, that still breaks while the spindle keeps its speed.
+
+    Every block then takes its time divided by the override, so that N and the feed per revolution go with it:
+    with r the override, P D(N r / z) >= r f_r / z must hold.  ``stroke_ratio`` is P / f_r.  None when the
+    chips do not break as programmed.  An axis is taken to follow.
+    """
+    wave = wave_named(waveform)
+
+    def breaks(override: float) -> bool:
+        drop = wave.largest_drop(per_rev * override / edges % 1.0, alpha_share, None)
+        return stroke_ratio * edges * drop >= override - FUZZ
+
+    if not breaks(1.0):
+        return None
+    low = high = 1.0
+    while low > _LEAST_OVERRIDE and breaks(low - _OVERRIDE_STEP):
+        low -= _OVERRIDE_STEP
+    while high < _MOST_OVERRIDE and breaks(high + _OVERRIDE_STEP):
+        high += _OVERRIDE_STEP
+    return low, high
 
 
 def sample(cut: WaveformParameters) -> tuple[Floats, Floats]:

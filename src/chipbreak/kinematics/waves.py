@@ -95,6 +95,10 @@ class Wave(ABC):
         """Errors: VIB011 for a form of moves that the wave does not have."""
         return
 
+    def remarks(self, ticks: int) -> tuple[str, ...]:
+        """What so few ticks make of the wave; nothing where it is what it is called."""
+        return ()
+
     @abstractmethod
     def heights(self, ticks: int, forward: int) -> Floats:
         """w at the end of each base period of one vibration, shape (ticks,); the last one is 0."""
@@ -165,6 +169,11 @@ class Sine(Wave):
                 "one move per stroke is a triangle; a sine needs one move per base period",
                 'take segments "tick" or waveform TRIANGLE',
             )
+
+    def remarks(self, ticks: int) -> tuple[str, ...]:
+        """After a quarter, a half and three quarters a sine is where a triangle is."""
+        is_triangle = ticks in (2, 4)
+        return (f"a sine of {ticks} base periods is a triangle: blocks are straight",) if is_triangle else ()
 
     def heights(self, ticks: int, forward: int) -> Floats:
         """See :meth:`Wave.heights`."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     )
 
 # Chips of the ramps are said where they are thicker than the others by more than rounding makes them.
+_OTHER_STROKE = 0.03  # of the planned stroke, from which on the reached one is told
 _MUCH_THICKER = 1.01
 _LEAST_DRIFT_STEPS = 0.001
 _MEMBERS = {"tool": "the tool (tool post)", "work": "the work (spindle carrier)"}
@@ -115,7 +117,10 @@ def _reaches(cut: ExplainedCut) -> Iterator[str]:
     per_rev = cut.verdict.per_rev
     if per_rev > 0.0:
         reached_hz = per_rev * cut.speed_rpm / S_PER_MIN
-        yield f"N {per_rev:.4g}, {reached_hz:.5g} Hz (planner model {cut.control})"
+        stroke_mm = cut.verdict.stroke_mm
+        is_other = abs(stroke_mm - cut.stroke_mm) > _OTHER_STROKE * cut.stroke_mm
+        stroke = f", stroke {stroke_mm:.4g} mm" if is_other else ""
+        yield f"N {per_rev:.4g}, {reached_hz:.5g} Hz{stroke} (planner model {cut.control})"
     elif cut.motion.without_count:
         yield cut.motion.without_count
 
@@ -151,11 +156,21 @@ def _load(cut: ExplainedCut) -> Iterator[str]:
 def _band(cut: ExplainedCut) -> Iterator[str]:
     if cut.verdict.speed_band_rpm:
         low, high = cut.verdict.speed_band_rpm
-        yield f"breaks from {low:z.0f} to {high:z.0f} rpm at this frequency"
+        speeds = f"breaks from {low:z.0f} to {high:z.0f} rpm at this frequency"
+        if cut.follows_spindle:
+            speeds += ", which feed per revolution ties to the spindle: N stays"
+        yield speeds
+    if cut.override_band:
+        least, most = cut.override_band
+        # Rounded towards 100 %: what is said breaks.
+        percents = f"{math.ceil(100.0 * least)}% to {math.floor(100.0 * most)}%"
+        yield f"breaks from {percents} of feed override, which takes N with it"
 
 
 def _machine(cut: ExplainedCut) -> Iterator[str]:
     needs = cut.motion.need
+    if cut.acceleration_share is not None and cut.acceleration_share > 0.0:
+        needs += f", {cut.acceleration_share:.0%} of what there is"
     if cut.servo_share is not None:
         real_mm = cut.verdict.stroke_mm
         needs += f", the axes make {real_mm:.4g} mm of the stroke ({cut.servo_share:.0%})"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from chipbreak.operations.operations import Operation
@@ -111,7 +112,16 @@ def _cut(cut: CutReport, source: Source, settings: Settings) -> ExplainedCut:
         delay_s=cut.following and cut.following.delay_s,
         path_error_mm=cut.following and cut.following.path_error_mm,
         unproven=cut.is_unproven,
+        acceleration_share=_share(cut.acceleration_mm_s2, cut.allowed_mm_s2),
+        override_band=cut.override_band,
+        follows_spindle=plan.expander.feed_mode(plan.chain.before.modes.feed_mode, settings.output.feed_mode)
+        == "rev",
     )
+
+
+def _share(used: float, there: float) -> float | None:
+    """The part that is used; None where the profile does not say how much there is."""
+    return used / there if math.isfinite(there) else None
 
 
 def _motion(cut: CutReport) -> ToldMotion:

@@ -79,7 +79,10 @@ class ExplainedCut:
     ``duration_s``  of the cut as it is now;  ``programmed_s``  as it was written, None where nobody knows
     ``control``    the law by which the control times the moves;  ``unproven``  no control is known to follow
                    it: the verdict says what a control would do that follows the blocks exactly
-    ``acceleration_mm_s2``  the least that an axis must have
+    ``acceleration_mm_s2``  the least that an axis must have;  ``acceleration_share``  of what it has, None
+                   where nobody says that
+    ``override_band``  from which to which feed override, 1 for 100 %, its chips break at this spindle speed
+    ``follows_spindle``  the blocks say feed per revolution: N stays when the spindle droops
     ``servo_share``  what the axes make of the commanded stroke, None where they are taken to follow;
                    ``delay_s``  by how much they are late;  ``path_error_mm``  how far they leave the path
     ``moved``      axis -> what moves it, where the profile says so
@@ -116,6 +119,9 @@ class ExplainedCut:
     delay_s: float | None = None
     path_error_mm: float | None = None
     unproven: bool = False
+    acceleration_share: float | None = None
+    override_band: tuple[float, float] | None = None
+    follows_spindle: bool = False
 
     @property
     def written_moves(self) -> int:

@@ -30,6 +30,7 @@ from chipbreak.vibration.plan import CutPlan, plan_cut
 from chipbreak.vibration.request import Request
 from chipbreak.vibration.shared_spindle import shared_spindle
 from chipbreak.vibration.speeds import SpeedChange, UnknownSpeedError, speed_changes
+from chipbreak.vibration.spindle_encoder import needs_encoder
 
 _MOST_ADVISED = 3  # what works is tried for the first refused cuts; the others fail alike
 SMOOTHED = "VIB063"
@@ -112,7 +113,8 @@ def _tried(
         return {error.first: said} if may_be_left else Cuts([], [said], left)
     edits = _edits(interpreted, made.cuts, changes)
     warnings = [*made.warnings, *_smoothed(interpreted, [plan.chain for plan in plans])]
-    return Cuts(edits, [*warnings, *shared_spindle(interpreted, plans)], left)
+    warnings += [*shared_spindle(interpreted, plans), *needs_encoder(interpreted, plans)]
+    return Cuts(edits, warnings, left)
 
 
 def _edits(

@@ -12,7 +12,7 @@ from chipbreak.editing.restore import Region
 from chipbreak.kinematics.chip_model import Verdict, judge
 from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.machine_demand import flank_clearance_deg, least_acceleration_mm_s2
-from chipbreak.kinematics.waveform import WaveformParameters, full_window
+from chipbreak.kinematics.waveform import WaveformParameters, feed_override_band, full_window
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import SelfCheckError
@@ -96,6 +96,17 @@ class CutReport:
         """How long the cut would have taken as it was written, None where nobody knows."""
         was = programmed(self.plan)
         return None if was is None else was.duration_s
+
+    @property
+    def override_band(self) -> tuple[float, float] | None:
+        """From which to which feed override its chips break; None where the tool never turns back."""
+        wave = self.plan.wave
+        if not wave.shape.turns_back or not self.verdict.breaks or self.verdict.per_rev <= 0.0:
+            return None
+        ratio = self.verdict.stroke_mm / wave.feed_mm_rev
+        return feed_override_band(
+            wave.waveform, self.verdict.per_rev, ratio, alpha_share=wave.alpha_share, edges=self.plan.edges
+        )
 
     @property
     def each_dwell_s(self) -> float:

@@ -116,6 +116,7 @@ def plan_cut(chain: Chain, settings: Settings) -> CutPlan:
     _check_passes(wave, edges)
     wave = _commanded(wave, chain, path, settings, reasons)
     time_s, distance_mm = sample(wave)
+    reasons += wave.shape.remarks(wave.ticks)
     if not math.isclose(wave.alpha_share, alpha, abs_tol=1e-9):
         whole = f"{wave.forward_ticks * solution.period.ticks / wave.ticks:.5g} of {solution.period.ticks}"
         whole += " base periods"

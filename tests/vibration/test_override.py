@@ -1,0 +1,77 @@
+"""What a feed override, a drooping spindle and a spindle without an encoder do to a cut, and what is said."""
+
+from __future__ import annotations
+
+import pytest
+
+import chipbreak
+from chipbreak.kinematics.chip_model import judge
+from chipbreak.kinematics.waveform import feed_override_band
+
+PROGRAM = "G21 G99\nG97 S1500 M3\nG0 X50. Z2.\nG1 Z-20. F0.1 {}\nM30\n"
+
+
+@pytest.mark.parametrize("words", ["N1.5", "N1.5 Q1.5", "N0.5", "N2.5 Q2."])
+def test_at_the_ends_of_the_band_of_the_override_chips_just_break(words: str) -> None:
+    settings = chipbreak.load("fanuc-lathe")
+    result = chipbreak.rewrite(PROGRAM.format(words).encode(), settings)
+    (cut,) = result.cuts
+    (motion,) = chipbreak.motions(result, settings)
+    band = cut.override_band
+    assert band is not None
+    tried = [(band[0] + 0.01, True), (band[1] - 0.01, True), (band[1] + 0.01, False)]
+    if band[0] > 0.1:  # below that it is no override any more
+        tried.append((band[0] - 0.01, False))
+    for override, breaks in tried:
+        verdict = judge(
+            motion.time_s / override,
+            motion.distance_mm,
+            speed_rpm=cut.plan.solution.speed_rpm,
+            feed_mm_rev=0.1 * override,
+        )
+        assert verdict.breaks is breaks, (override, verdict.margin)
+
+
+def test_five_percent_is_too_much_for_the_usual_stroke() -> None:
+    band = feed_override_band("triangle", 1.5, 1.2)
+    assert band is not None
+    assert 1.0 < band[1] < 1.05
+    assert feed_override_band("triangle", 1.5, 0.9) is None
+
+
+def explained(profile: str, program: str, *sets: str) -> str:
+    return str(chipbreak.explain(program.encode(), chipbreak.load(profile, sets)))
+
+
+def test_the_report_says_what_feed_per_revolution_and_an_override_do() -> None:
+    said = explained("fanuc-lathe", PROGRAM.format("N1.5"))
+    assert "which feed per revolution ties to the spindle: N stays" in said
+    assert "of feed override, which takes N with it" in said
+    assert "ties to the spindle" not in explained(
+        "fanuc-lathe", PROGRAM.format("N1.5"), "output.feed_mode=minute"
+    )
+
+
+def test_the_report_says_how_much_of_the_acceleration_is_used() -> None:
+    sets = ("planner.model=trapezoid", "axes.Z.max_acceleration_mm_s2=5000")
+    assert "% of what there is" in explained("fanuc-lathe", PROGRAM.format("N0.5"), *sets)
+    assert "of what there is" not in explained("fanuc-lathe", PROGRAM.format("N0.5"))
+
+
+def test_a_sine_of_four_base_periods_is_called_a_triangle() -> None:
+    program = PROGRAM.format("").replace("G1", "(VIB S2500 F62.5 WAVE SINE)\nG1")
+    assert "a sine of 4 base periods is a triangle" in explained("fanuc-lathe", program)
+    assert "is a triangle" not in explained("fanuc-lathe", program.replace("62.5", "50"))
+
+
+def test_feed_per_revolution_in_a_milling_program_that_has_none_is_said() -> None:
+    drill = "G21 G90 G17\nS1200 M3\nG0 X0. Y0. Z2.\nG1 Z-20. F120. N0.5\nM30\n"
+    sets = ["checks.enabled=false"]
+
+    def said(program: str, *more: str) -> list[str]:
+        result = chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-mill", [*sets, *more]))
+        return [d.message for d in result.diagnostics if d.code == "VIB087"]
+
+    assert said(drill) == ["the blocks of this cut feed per revolution (G95), which the program does nowhere"]
+    assert not said(drill, "output.feed_mode=minute")
+    assert not said(drill.replace("G17", "G17 G95").replace("F120.", "F0.1"))
