@@ -41,6 +41,7 @@ _NO_STROKE_MM = 1e-9
 _USUAL_MM_S2 = 10_000.0  # of axes whose acceleration the profile does not say, no more is asked
 _MOST_TRIED = 10  # of what closed forms find, to say that there is something
 _LEAST_HZ = 0.1
+_WITH_ROUNDING = 1.05
 _SLOWER = 0.85  # of a frequency that did not work, the next that is tried at most
 _STEP = 0.95  # from one speed or feed that is tried for a way out to the next
 _FEED_STEP_MM = 0.001
@@ -130,12 +131,16 @@ class Chooser:
     def _try(self, cut: _Cut, conditions: Conditions, make: MakeCut) -> _Tried:
         """One choice, made and judged; margin 0 where the control would not keep to it."""
         made = make(_with(cut, conditions, self.settings))
+        plan = made[0]
+        # A stroke that makes up for what filters take may be more than anybody would command.
+        commanded = plan.wave.shape.least_acceleration_mm_s2(plan.wave, plan.solution.per_rev)
+        if commanded > cut.limits.acceleration_mm_s2 * _WITH_ROUNDING:
+            return _Tried(0.0, conditions, made)
         try:
             report = measure_planned(self.settings, *made)
         except SelfCheckError:
             return _Tried(0.0, conditions, made)
-        does = report.verdict.breaks and not report.misses_plan
-        return _Tried(report.verdict.margin if does else 0.0, conditions, made)
+        return _Tried(report.verdict.margin if report.holds else 0.0, conditions, made)
 
     def _candidates(self, cut: _Cut) -> Iterator[Conditions]:
         """What the machine can run, the best first.  Errors: VIB036, and VIB013 for what is too short."""
@@ -280,6 +285,9 @@ def _nothing_fits(cut: _Cut, settings: Settings) -> RefusalError:
         message = f"no N and f that the control can command {near} break these chips"
         return RefusalError(NOTHING_FITS, message, _ways_out(cut, group, 1.0))
     has = cut.limits.acceleration_mm_s2
+    if least.acceleration_mm_s2 <= has:
+        message = f"no N and f {near} break these chips by the law of this control ({cut.law.name})"
+        return RefusalError(NOTHING_FITS, message, _ways_out(cut, group, 1.0))
     needs = (
         f"N {shown(round(least.per_rev, 4))} at f {shown(least.period.frequency_hz)} Hz needs"
         f" {least.acceleration_mm_s2 / 1000.0:z.2f} m/s2, {cut.law.limiting} {has / 1000.0:z.2f} to give"

@@ -92,6 +92,11 @@ class CutReport:
         return self.following is not None and self.acceleration_mm_s2 > _ALMOST * self.allowed_mm_s2
 
     @property
+    def holds(self) -> bool:
+        """True where the cut breaks its chips, runs as planned, and asks of the axes what they have."""
+        return self.verdict.breaks and not self.misses_plan and not self.is_overloaded
+
+    @property
     def programmed_s(self) -> float | None:
         """How long the cut would have taken as it was written, None where nobody knows."""
         was = programmed(self.plan)
