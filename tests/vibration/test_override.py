@@ -70,7 +70,7 @@ def test_feed_per_revolution_in_a_milling_program_that_has_none_is_said() -> Non
 
     def said(program: str, *more: str) -> list[str]:
         result = chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-mill", [*sets, *more]))
-        return [d.message for d in result.diagnostics if d.code == "VIB087"]
+        return [d.message for d in result.diagnostics if d.code == "VIB088"]
 
     assert said(drill) == ["the blocks of this cut feed per revolution (G95), which the program does nowhere"]
     assert not said(drill, "output.feed_mode=minute")

@@ -8,7 +8,7 @@ from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.text.diagnostics import Diagnostic, Severity
 from chipbreak.vibration.plan import CutPlan
 
-NEEDS_ENCODER = "VIB087"
+NEEDS_ENCODER = "VIB088"
 
 
 def needs_encoder(interpreted: InterpretedProgram, plans: Sequence[CutPlan]) -> Iterator[Diagnostic]:
