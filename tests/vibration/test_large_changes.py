@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 import chipbreak
@@ -81,3 +83,21 @@ def test_explain_says_them_too() -> None:
     assert [one["code"] for one in report["diagnostics"]] == ["VIB074", "VIB076", "VIB079"]
     assert report["without_axis_data"]
     assert report["cuts"][0]["programmed_s"] == pytest.approx(32.0 / (0.2 * 3200) * 60.0)
+
+
+def test_an_acceleration_along_the_path_is_known_too() -> None:
+    program = "G21\nG90\nM3 S2500\nG0 X10. Z2.\nG1 Z-20. F500. N1.5\nG0 X30.\n"
+    profile = chipbreak.load("klipper", ["planner.path_acceleration_mm_s2=60000"])
+    result = chipbreak.rewrite(program.encode(), profile)
+    (cut,) = result.cuts
+    assert cut.acceleration_mm_s2 > 10_000
+    assert not [one for one in result.diagnostics if one.code == "VIB076"]
+    assert "no axis data" not in chipbreak.explain(result, profile).summary()
+    with pytest.raises(chipbreak.ProgramRejectedError, match=r"the path has 20 m/s2") as caught:
+        chipbreak.rewrite(
+            program.encode(), chipbreak.load("klipper", ["planner.path_acceleration_mm_s2=20000"])
+        )
+    need = re.search(r"needs ([0-9.]+) m/s2", caught.value.diagnostics[-1].message)
+    assert need
+    enough = chipbreak.load("klipper", [f"planner.path_acceleration_mm_s2={float(need[1]) * 1000.0}"])
+    assert chipbreak.rewrite(program.encode(), enough).cuts

@@ -53,9 +53,7 @@ def report_of(result: Result, settings: Settings) -> Report:
         left=tuple(_left(cut, source) for cut in joined(result.left)),
         feed_s=feed_time_s(result.source, settings) if checks else None,
         without_axis_data=any(
-            settings.axes[axis].max_acceleration_mm_s2 is None
-            for cut in result.cuts
-            for axis in cut.plan.chain.axes
+            settings.acceleration_mm_s2(axis) is None for cut in result.cuts for axis in cut.plan.chain.axes
         ),
     )
 

@@ -363,6 +363,11 @@ class Settings(ValueRecord):
         """Where the value of ``section.key`` came from, for messages."""
         return self.origins.get(key, "default")
 
+    def acceleration_mm_s2(self, axis: str) -> float | None:
+        """What an axis has, for itself or along the path; None where nobody said it."""
+        said = (self.axes[axis].max_acceleration_mm_s2, self.planner.path_acceleration_mm_s2)
+        return min((one for one in said if one is not None), default=None)
+
     def axis_step_mm(self, axis: str, *, is_diameter: bool) -> float:
         """What an axis moves by at least [mm of travel]; 0 where the profile does not say it."""
         one = self.axes[axis]

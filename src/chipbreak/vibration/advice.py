@@ -79,13 +79,16 @@ def _rounded_up(value: float) -> float:
 
 
 def _with_acceleration(settings: Settings, axes: str, acceleration_mm_s2: float) -> Settings:
-    """A machine whose axes have at least so much."""
+    """A machine whose axes have at least so much, and along the path too where that has a limit."""
     changed = {}
     for name in axes:
         axis = settings.axes[name]
         has = axis.max_acceleration_mm_s2
         changed[name] = replace(axis, max_acceleration_mm_s2=max(has or 0.0, acceleration_mm_s2))
-    return replace(settings, axes={**settings.axes, **changed})
+    path = settings.planner.path_acceleration_mm_s2
+    most = None if path is None else max(path, acceleration_mm_s2)
+    planner = replace(settings.planner, path_acceleration_mm_s2=most)
+    return replace(settings, axes={**settings.axes, **changed}, planner=planner)
 
 
 def _slower(cut: CutPlan, settings: Settings, trials: Trials) -> str:

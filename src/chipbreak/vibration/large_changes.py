@@ -50,8 +50,8 @@ def _time(judged: Judged) -> Diagnostic | None:
 def _acceleration(judged: Judged) -> Diagnostic | None:
     """An acceleration that many machines do not have, on axes of which the profile says nothing."""
     report = judged.report
-    axes = judged.interpreted.settings.axes
-    unknown = [axis for axis in report.plan.chain.axes if axes[axis].max_acceleration_mm_s2 is None]
+    settings = judged.interpreted.settings
+    unknown = [axis for axis in report.plan.chain.axes if settings.acceleration_mm_s2(axis) is None]
     if not unknown or report.acceleration_mm_s2 <= _USUAL_MM_S2:
         return None
     keys = ", ".join(f"axes.{axis}.max_acceleration_mm_s2" for axis in unknown)
