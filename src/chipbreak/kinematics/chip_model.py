@@ -10,7 +10,7 @@ reaches zero; for any motion g_1 <= 0 is enough.  Thickness is measured along th
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -85,6 +85,7 @@ def judge(
     steady_s: tuple[float, float] | None = None,
     waveform: str | None = None,
     alpha_share: float = 0.5,
+    vibration_s: float | None = None,
 ) -> Verdict:
     """The verdict on knots of shape (n,) as they will really be run; time rises strictly.
 
@@ -92,7 +93,9 @@ def judge(
     return stroke has at least 98 % of the longest.  Breaking is checked in every vibration of it, in O(n).
     The rest comes from its last 200 vibrations or revolutions (fewer when they have very many knots), worked
     out exactly: it repeats.  Where the wave never turns back,
-    its rests are judged; else ``waveform`` and ``alpha_share`` serve only the speed band.  Errors: VIB020.
+    its rests are judged; else ``waveform`` and ``alpha_share`` serve only the speed band.  ``vibration_s`` is
+    how long a vibration was meant to take: of a tool that never turns back nothing else tells its mean speed.
+    Errors: VIB020.
     """
     _check(time_s, distance_mm, speed_rpm, feed_mm_rev, edges)
     rev_s = S_PER_MIN / speed_rpm
@@ -101,6 +104,8 @@ def judge(
     turns_back = waveform is None or wave_named(waveform).turns_back
     rests = None if turns_back else rests_of(time_s, distance_mm, motion.touch_mm)
     steady = _steady_part(motion, steady_s, feed_mm_rev / rev_s, rests)
+    if rests is None and steady.crest.size <= 1 and vibration_s is not None:
+        steady = replace(steady, speed_mm_s=_mean_speed_mm_s(motion, steady, vibration_s))
     gaps = motion.corner_gaps()
     margin = _margin(gaps, steady, time_s[steady.crest], motion.pass_s)
     if rests is not None:
@@ -164,6 +169,15 @@ def _steady_part(
     if end_s - begin_s < min(period_s, motion.pass_s):
         begin_s = start_s
     return _Steady(crest, start_s, begin_s, end_s, period_s, speed_mm_s)
+
+
+def _mean_speed_mm_s(motion: Motion, steady: _Steady, vibration_s: float) -> float:
+    """The mean speed over as many whole vibrations as there are; the programmed one where there is none."""
+    whole_s = math.floor((steady.end_s - steady.start_s) / vibration_s + _EDGE) * vibration_s
+    if whole_s <= 0.0:
+        return steady.speed_mm_s
+    ends_mm = motion.at(np.array([steady.end_s - whole_s, steady.end_s]))
+    return float(ends_mm[1] - ends_mm[0]) / whole_s
 
 
 def _margin(gaps: Gaps, steady: _Steady, crest_s: Floats, pass_s: float) -> float:

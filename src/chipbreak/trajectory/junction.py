@@ -6,7 +6,7 @@ reversal is passed at the speed that its angle allows.  So the whole motion is p
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
@@ -35,6 +35,7 @@ from chipbreak.trajectory.ramps import ramp_knots
 from chipbreak.units import MS_PER_S
 
 _HALVINGS = 30
+_ROUNDS = 4  # the speed at a joint is the lower one of its two strokes
 _SAME_SHARE = 1e-4  # of the time of a stroke, by which it may be late at the highest feed
 _ENOUGH = 2.0  # times the speed that a stroke can reach from rest: a higher feed changes nothing
 
@@ -112,12 +113,15 @@ class Junction(ControlLaw):
         most_mm_s = np.minimum(plan.tops_mm_s[: strokes.stop], _ENOUGH * reach_mm_s)
         fast = np.maximum(strokes.most(most_mm_s / own_mm_s), 1.0)
         self._refuse_late(strokes, late_s(fast), plan)
-        for _ in range(_HALVINGS):
-            middle = np.sqrt(slow * fast)
-            is_late = late_s(middle) > 0.0
-            slow = np.where(is_late, middle, slow)
-            fast = np.where(is_late, fast, middle)
-        late_s(fast)
+        fastest = fast
+        for _ in range(_ROUNDS):
+            fast = _least_in_time(slow, fast, late_s)
+            is_late = late_s(fast) > _SAME_SHARE * strokes.wanted_s
+            if not is_late.any():
+                break
+            # Their neighbours have become slower since: these search on beside those as they are now.
+            slow = fast
+            fast = np.where(is_late, fastest, fast)
         return feeds_mm_s
 
     def motion_between_dwells(self, distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats) -> Motion:
@@ -197,6 +201,16 @@ class Junction(ControlLaw):
 
     def _acceleration_for(self, length_mm: float, time_s: float) -> float:
         return 4.0 * length_mm / time_s**2
+
+
+def _least_in_time(slow: Floats, fast: Floats, late_s: Callable[[Floats], Floats]) -> Floats:
+    """The least factors between two, (s,) each, with which no stroke is late, by halving."""
+    for _ in range(_HALVINGS):
+        middle = np.sqrt(slow * fast)
+        is_late = late_s(middle) > 0.0
+        slow = np.where(is_late, middle, slow)
+        fast = np.where(is_late, fast, middle)
+    return fast
 
 
 @dataclass(frozen=True, eq=False)

@@ -125,5 +125,6 @@ def _margin(wave: WaveformParameters, asked: Asked, law: ControlLaw, way: Direct
         steady_s=(settling_s, count * wave.period_s),
         waveform=wave.waveform,
         alpha_share=wave.alpha_share,
+        vibration_s=wave.period_s,
     )
     return verdict.margin

@@ -220,6 +220,7 @@ def _report(plan: CutPlan, expansion: Expansion, timed: _Timed) -> CutReport:
         steady_s=_steady_s(plan, expansion, time_s, motion),
         waveform=plan.wave.waveform,
         alpha_share=plan.wave.alpha_share,
+        vibration_s=plan.wave.period_s,
     )
     is_filtered = motion.delay_s > 0.0
     peak_mm_s = law.peak_speed_mm_s(blocks, moves.feed_mm_s)
