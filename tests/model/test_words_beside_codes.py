@@ -188,3 +188,48 @@ def test_a_table_made_by_hand_is_checked() -> None:
     with pytest.raises(ValueError, match="feed_mode has no value 'revv'"):
         check_dialect(dialect._replace(g_codes=codes))
     check_dialect(dialect._replace(g_codes={**codes, 950: Code(NON_MODAL, "anything")}))
+
+
+SHAPE = "N10 G0 X20.{s}\nG1 Z-30.{f}\nN20 X52."
+
+
+@pytest.mark.parametrize(
+    ("f", "s", "behind"),
+    [
+        ("", "", (0.3, 1000.0)),
+        (" F0.1", "", (None, 1000.0)),
+        ("", " S1200", (0.3, None)),
+        (" F0.1", " S1200", (None, None)),
+    ],
+)
+@pytest.mark.parametrize("place", ["before", "behind"])
+def test_feed_and_speed_of_a_shape_may_hold_behind_its_finishing_cycle(
+    f: str, s: str, behind: tuple[float | None, float | None], place: str
+) -> None:
+    """They act in G70; no manual says whether they stay. Those of the roughing cycle do."""
+    head = ["G21 G97 S1000 M3", "G0 X52. Z2.", "G71 U2. R1.", "G71 P10 Q20 U0.4 W0.1 F0.3"]
+    shape = SHAPE.format(f=f, s=s).split("\n")
+    lines = [*head, *shape, "G70 P10 Q20"] if place == "before" else [*head, "G70 P10 Q20", *shape]
+    known = [
+        None if value is None or math.isnan(value) else value
+        for value in values(after("fanuc-lathe", *lines))
+    ]
+    assert known == list(behind)
+    again = values(after("fanuc-lathe", *lines, "G1 X60. F0.2 S900"))
+    assert again == (0.2, 900.0)
+    assert values(after("fanuc-lathe", *lines[:4], *shape)) == (0.3, 1000.0)
+
+
+def test_a_cut_behind_a_finishing_cycle_is_not_planned_with_an_old_feed() -> None:
+    lines = ["G21 G97 S1000 M3", "G0 X52. Z2.", "G71 U2. R1.", "G71 P10 Q20 U0.4 W0.1 F0.3"]
+    lines += [
+        *SHAPE.format(f=" F0.1", s="").split("\n"),
+        "G70 P10 Q20",
+        "(VIB N1.5)",
+        "G0 X40.",
+        "G1 Z-20.",
+        "M30",
+    ]
+    (found,) = chipbreak.check("\n".join([*lines, ""]).encode(), chipbreak.load("fanuc-lathe"))
+    assert (found.code, found.place and found.place.line) == ("VIB050", 11)
+    assert "F0.1 of the shape of the finishing cycle in line 8" in found.message

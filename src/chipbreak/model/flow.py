@@ -9,6 +9,7 @@ from chipbreak.dialects import Dialect
 from chipbreak.dialects.base import NON_MODAL
 from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.parse import Program
+from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.named_tuple import NamedTuple
 
 CONTOUR_CYCLES = ("rough-cycle", "finish-cycle")
@@ -45,11 +46,13 @@ class Flow(NamedTuple):
     ``targets``   lines that a GOTO may reach
     ``contours``  [first, last] lines of shapes that G70 to G73 call by P and Q: no moves of their own
     ``missing``   the ends of shapes that are not in the program
+    ``finishes``  line of a finishing cycle -> the last F and S of its shape, those that it says
     """
 
     targets: frozenset[int]
     contours: tuple[_LineRange, ...]
     missing: tuple[MissingNumber, ...] = ()
+    finishes: Mapping[int, Mapping[str, str]] = FrozenTable()
 
     @property
     def is_straight(self) -> bool:
@@ -63,11 +66,15 @@ class Flow(NamedTuple):
 
 
 class _Cycle(NamedTuple):
-    """A cycle that reads a shape from the program: its line, and the numbers of the ends of the shape."""
+    """A cycle that reads a shape from the program: its line, and the numbers of the ends of the shape.
+
+    ``finishes``: it runs the shape with its F and S, which the others do not.
+    """
 
     line: int
     first: int
     last: int
+    finishes: bool
 
 
 def read_flow(program: Program, dialect: Dialect) -> Flow:
@@ -81,7 +88,18 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
     shapes = [_shape(cycle, numbers) for cycle in cycles]
     contours = _merged(shape for shape in shapes if not isinstance(shape, MissingNumber))
     missing = tuple(shape for shape in shapes if isinstance(shape, MissingNumber) and dialect.contour_cycles)
-    return Flow(_targets(jumps, numbers), contours, missing)
+    finishes = {
+        cycle.line: said
+        for cycle, shape in zip(cycles, shapes, strict=True)
+        if cycle.finishes and not isinstance(shape, MissingNumber) and (said := _last_said(program, shape))
+    }
+    return Flow(_targets(jumps, numbers), contours, missing, FrozenTable(finishes))
+
+
+def _last_said(program: Program, shape: _LineRange) -> dict[str, str]:
+    """The last F and S of a shape."""
+    blocks = map(program.block, range(shape[0], shape[1] + 1))
+    return {word.address: word.value_text for block in blocks for word in block.words_of("FS")}
 
 
 def contour_calls(program: Program, dialect: Dialect) -> list[ContourCall]:
@@ -113,14 +131,19 @@ def _cycles_of(block: Block, dialect: Dialect) -> list[_Cycle]:
     """P and Q of a cycle that reads a shape from the program."""
     first = block.number("P")
     last = block.number("Q")
-    if not dialect.contour_cycles or first is None or last is None or not _calls_contour(block, dialect):
+    if (
+        not dialect.contour_cycles
+        or first is None
+        or last is None
+        or not _calls(block, dialect, CONTOUR_CYCLES)
+    ):
         return []
-    return [_Cycle(block.line, int(first), int(last))]
+    return [_Cycle(block.line, int(first), int(last), _calls(block, dialect, CONTOUR_CYCLES[1:]))]
 
 
-def _calls_contour(block: Block, dialect: Dialect) -> bool:
+def _calls(block: Block, dialect: Dialect, cycles: Sequence[str]) -> bool:
     codes = [dialect.g_codes.get(round(number * 10)) for number in block.numbers("G")]
-    return any(code and code.group == NON_MODAL and code.value in CONTOUR_CYCLES for code in codes)
+    return any(code and code.group == NON_MODAL and code.value in cycles for code in codes)
 
 
 def sequence_lines(program: Program) -> dict[int, list[int]]:

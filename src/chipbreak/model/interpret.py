@@ -18,7 +18,7 @@ from chipbreak.model.codes import LOSES, BlockCodes, read_codes
 from chipbreak.model.cutting_speed import cutting_speed_of
 from chipbreak.model.flow import Flow
 from chipbreak.model.m_codes import m_code
-from chipbreak.model.modal import LOOPED, UNREAD, Position, Setting, State
+from chipbreak.model.modal import LOOPED, UNKNOWN, UNREAD, Position, Setting, State
 from chipbreak.model.motion import move_of
 from chipbreak.model.paths import (
     CALLERS_STATE,
@@ -129,6 +129,7 @@ class Interpreter:
         mode_words = self._mode_words(codes)
         vibration = self._vibration_words(block, codes, has_mode_words=bool(mode_words))
         after = values_after(Said(block, codes, state, vibration, self.dialect, self.number_rule))
+        after = self._behind_finishing(after, block)
         functions = self._functions(block)
         if self.dialect.converts_feed and any(code[:2] in _STARTS for code in functions):
             after = reread_speed(after, state.modes.units)  # worked out again where the spindle starts
@@ -144,6 +145,14 @@ class Interpreter:
         all_read = codes.reads_all or has_centre or block.has_macro
         unread = () if all_read else self._unread(block, seen, after, move)
         return BlockEffect(block, state, after, move, codes.non_modal, vibration, unread, functions=functions)
+
+    def _behind_finishing(self, state: State, block: Block) -> State:
+        """F and S of a shape act in its finishing cycle; whether they hold behind it, no manual says."""
+        said = self.flow.finishes.get(block.line, {})
+        unknown = {
+            letter: Setting(UNKNOWN, text, block.line, state.modes.units) for letter, text in said.items()
+        }
+        return state._replace(feed=unknown.get("F", state.feed), speed=unknown.get("S", state.speed))
 
     def _mode_words(self, codes: BlockCodes) -> str:
         return "PQR" if codes.changes.keys() & _MODES_WITH_WORDS else ""

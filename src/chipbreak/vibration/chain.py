@@ -272,6 +272,10 @@ def _feed_refusal(interpreted: InterpretedProgram, state: State) -> tuple[Refusa
     if not state.feed.value > 0.0:
         why = "is zero or negative" if state.feed.value <= 0.0 else "has no decimal point or is a variable"
         said = interpreted.program.source.place(state.feed.line).line
+        if not interpreted.program.block(state.feed.line).has("F"):
+            why = f"of the shape of the finishing cycle in line {said} may hold behind it or not"
+            message = f"the feed is not known: F{state.feed.text} {why}"
+            return RefusalError("VIB050", message, "give F on this block or before it"), None
         message = f"the feed F{state.feed.text} (line {said}) {why}"
         return RefusalError("VIB050", message, "give F with a decimal point, above zero"), None
     return None
