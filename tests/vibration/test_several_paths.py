@@ -7,6 +7,7 @@ import re
 import pytest
 
 import chipbreak
+from beam import BEAM
 from chipbreak.editing.restore import regions
 from chipbreak.text.source import read
 
@@ -62,7 +63,7 @@ def test_a_path_is_left_and_entered_again() -> None:
 
 
 def test_the_programmed_speed_is_back_where_a_path_is_left_or_waits() -> None:
-    for leaves in ("$2", "!2L1", "M203 S500", "S500 P12"):
+    for leaves in ("$2", "!2L1", "M203 S500", "S500 P12", "M131", "M100 P12"):
         lines = _filtered(f"$1\n{_ONE}{leaves}\nG0 X1.\n$0\nM30\n").decode().splitlines()
         before = [line for line in lines[: lines.index(leaves)] if re.fullmatch(r"S\d+", line)]
         assert before[-1] == "S3000", leaves
@@ -125,7 +126,7 @@ def test_a_p_of_another_meaning_chooses_no_spindle(words: str) -> None:
 
 def test_no_check_stands_in_a_program_of_several_paths() -> None:
     head = "$1\nT1 M6\nS3000 M3\nG0 X0 Y0\nG43 H1 Z10.\nG1 Z-1. F100.\nG0 Z10.\n"
-    settings = chipbreak.load("fanuc-mill", ["checks.enabled=true"])
+    settings = chipbreak.load("fanuc-mill", ["checks.enabled=true", *BEAM])
     result = chipbreak.rewrite((head + "$2\nT2 M6\nM30\n").encode(), settings)
     assert not result.changed
     assert "several paths ($1, line 1)" in " ".join(d.message for d in result.diagnostics)
@@ -145,3 +146,36 @@ def test_a_path_without_a_spindle_may_turn_with_another_ones() -> None:
     assert said(program, "vibration.correct='count'") == []
     assert said(program.replace("G0 X10.", "S900 M3\nG0 X10.")) == []
     assert said(f"$1\n{_ONE}$0\nM30\n") == []
+
+
+@pytest.mark.parametrize("profile", ["fanuc-lathe", "generic-lathe"])
+@pytest.mark.parametrize(
+    ("head", "code", "waits"),
+    [
+        ("", "M100 P12", True),
+        ("", "N5 M198 P123", False),  # a subprogram of another device
+        ("", "M250 P13", True),
+        ("$1\n", "M131", True),
+        ("$1\n", "N7 M100", True),
+        ("", "M131", False),  # a machine with one path has such codes of its builder too
+        ("$1\n", "M131 B2", False),
+        ("", "M100 P21", False),
+        ("", "M3 P12", None),  # a choice of spindle
+        ("", "M98 P12", False),
+        ("$1\n", "M42", False),
+    ],
+)
+def test_an_m_code_by_which_paths_wait_is_not_passed_over(
+    profile: str, head: str, code: str, waits: bool | None
+) -> None:
+    """Behind it another path may have commanded the spindle; S and M3 of its own end the doubt."""
+    lines = ["G99", "G97 S3000 M3", "G0 X20. Z2.", code, "G0 X20. Z2.", "G1 Z-30. F0.05 N1.5", "M30", ""]
+    settings = chipbreak.load(profile)
+    found = chipbreak.check((head + "\n".join(lines)).encode(), settings)
+    errors = [one for one in found if one.severity.value == "error"]
+    said = [one.message for one in errors if one.code == "VIB069"]
+    assert bool(said) == (waits is not False)
+    if waits:
+        assert f"may wait for another path ({code.removeprefix('N5 ').removeprefix('N7 ')})" in said[0]
+    started = "\n".join(lines).replace("G0 X20. Z2.\nG1", "S3000 M3\nG0 X20. Z2.\nG1")
+    assert chipbreak.rewrite((head + started).encode(), settings).cuts

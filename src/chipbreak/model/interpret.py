@@ -250,7 +250,7 @@ class Interpreter:
 
     def _other_spindles(self, after: State, before: State, block: Block, codes: BlockCodes) -> State:
         """What is left of the spindle where another path, or a choice of spindle, comes between."""
-        if block.controls:
+        if block.controls or block.has("M"):
             after = behind_wait(after, block, self.dialect, self._user_line(block))
         choice = spindle_choice(block, codes, self.dialect)
         return behind_choice(after, before, choice, self._user_line(block)) if choice else after

@@ -7,6 +7,7 @@ its caller's, and behind a wait another path may have commanded the spindle.  Wh
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from chipbreak.dialects import Dialect
@@ -17,6 +18,9 @@ from chipbreak.syntax.nodes import Block, Control
 
 CALLERS_STATE = "a subprogram, or another program, begins in line {line}: the caller's state is not followed"
 _FIRST_SPINDLE = "$0"
+_LEAST_WAITING_CODE = 100
+# Two paths or more, each once, in order: P12, P123, P13.
+_PATHS = re.compile(r"(?=\d\d)1?2?3?4?5?6?7?8?9?")
 _STARTS = frozenset({("spindle", "cw"), ("spindle", "ccw")})
 
 
@@ -69,7 +73,29 @@ def behind_wait(state: State, block: Block, dialect: Dialect, line: int) -> Stat
     for mark in marks_that(block, dialect, WAIT):
         why = f"line {line} waits for another path ({mark.label}), which is not followed"
         state = state._replace(speed=None, spindle_why=why)
+    code = _waiting_code(block, state, dialect)
+    if code:
+        why = f"line {line} may wait for another path ({code}), which is not followed"
+        state = state._replace(speed=None, spindle_why=why)
     return state
+
+
+def _waiting_code(block: Block, state: State, dialect: Dialect) -> str:
+    """The M code by which the paths of a machine wait for each other, with its P; empty where there is none.
+
+    The builder chooses the codes, three digits of which the control knows nothing (M100 to M199 on many).
+    They stand alone, with the paths in P (``M101 P12``), or in a program with marks of paths.
+    """
+    words = [word for word in block.words if word.address != "N"]
+    if WAIT not in dialect.marks.values() or not words or words[0].address != "M" or block.has_macro:
+        return ""
+    number = words[0].number
+    if number is None or number < _LEAST_WAITING_CODE or int(number) in dialect.m_codes:
+        return ""
+    named = "".join(word.value_text for word in words[1:] if word.address == "P")
+    is_alone = len(words) == 1 and bool(state.path)
+    names_paths = len(words) == 2 and _PATHS.fullmatch(named) is not None
+    return " ".join(map(block.text_of, words)) if is_alone or names_paths else ""
 
 
 def behind_choice(state: State, before: State, choice: str, line: int) -> State:
