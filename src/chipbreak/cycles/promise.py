@@ -198,7 +198,7 @@ class _Left:
         low, high = np.searchsorted(self.t, (onward[0], onward[-1])).tolist()
         if sinks and not is_cut and high - low < _BESIDE:
             self._check_sinking(float(way[:, 1].min()), low)
-        there = np.interp(self.t[low:high], onward, way[:, 1])
+        there = _heights_at(self.t[low:high], onward, way[:, 1])
         taken_mm = self._taken_mm(low, there, is_cut=is_cut)
         if not is_cut and taken_mm > self.tolerance_mm:
             raise SelfCheckError(f"a rapid of an unrolled cycle goes through {taken_mm:z.3f} mm of stock")
@@ -237,6 +237,15 @@ class _Left:
         if max(above_mm, below_mm) > self.tolerance_mm:
             wrong = f"{above_mm:z.3f} mm too much, {below_mm:z.3f} mm too little"
             raise SelfCheckError(f"an unrolled cycle leaves {wrong} over its contour")
+
+
+def _heights_at(places: Floats, t_mm: Floats, h_mm: Floats) -> Floats:
+    """The heights of a way at places along it; most ways are straight."""
+    if len(t_mm) > 2 or t_mm[-1] <= t_mm[0]:
+        return np.interp(places, t_mm, h_mm)
+    slope = (h_mm[-1] - h_mm[0]) / (t_mm[-1] - t_mm[0])
+    heights: Floats = h_mm[0] + (places - t_mm[0]) * slope
+    return heights
 
 
 def _lowest_near(heights: Floats, beside: int = _BESIDE) -> Floats:
