@@ -16,6 +16,7 @@ from stopwatch import BenchmarkError, Contestant, in_turn, ratio, run
 from subject import LATHE, LINUXCNC, Context, add_memory, filtering, insertions, output_of, rate_goal, title
 
 _MOVES = 1_000_000
+_IDEAL = ("planner.model=ideal",)
 _LOOP = Path(__file__).with_name("printf_moves.c")
 
 _PRINT_MOVES = """
@@ -50,18 +51,31 @@ def expansion(context: Context) -> Table:
 
 
 def planned(context: Context) -> Table:
-    """The same where LinuxCNC's planner is followed: one block a stroke, and a sine of many."""
+    """The same where LinuxCNC's planner is followed: one block a stroke, and a sine of many.
+
+    Beside it stands the same program for a control that follows the blocks exactly, in the same rounds.
+    """
     table = Table("planned", f"cuts whose feeds are found for LinuxCNC's planner, {LINUXCNC}")
     for name, cuts, wave in (("strokes", 40, "1.5"), ("sine", 2, "0.5 WAVE SINE")):
         program = context.path(f"{name}.ngc")
         programs.planned(program, max(1, context.blocks(cuts)), wave)
-        subject = filtering(program, LINUXCNC, 1)
-        run(subject)
-        with output_of(program).open("rb") as file:
-            moves = sum(line.startswith((b"Z", b"G1 Z")) for line in file)
-        (samples,) = in_turn([filtering(program, LINUXCNC, moves)], context.rounds)
-        table.add(filtering(program, LINUXCNC, moves), samples, note=f"{name}: {moves:,} moves")
+        counts = [_moves_of(program, *sets) for sets in ((), _IDEAL)]
+        own, ideal = (
+            filtering(program, LINUXCNC, moves, *sets)
+            for moves, sets in zip(counts, ((), _IDEAL), strict=True)
+        )
+        samples, other = in_turn([own, ideal], context.rounds)
+        goal = Goal(ratio(other, samples, counts[1] / counts[0]), 0.5, at_least=True, unit="of the ideal law")
+        table.add(own, samples, goal if name == "strokes" else None, note=f"{name}: {counts[0]:,} moves")
+        table.add(ideal, other, note=f"{name}, ideal law: {counts[1]:,} moves")
     return table
+
+
+def _moves_of(program: Path, *sets: str) -> int:
+    """How many moves the output has."""
+    run(filtering(program, LINUXCNC, 1, *sets))
+    with output_of(program).open("rb") as file:
+        return sum(line.startswith((b"Z", b"G1 Z")) for line in file)
 
 
 def emit(context: Context) -> Table:

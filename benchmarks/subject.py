@@ -37,9 +37,10 @@ def command() -> tuple[str, ...]:
     return (str(script),) if script.is_file() else (sys.executable, "-m", "chipbreak")
 
 
-def filtering(program: Path, profile: str, units: int) -> Contestant:
-    """The whole way, from start-up to the written file."""
-    words = (*command(), "filter", "-q", "-p", profile, str(program), "-o", str(output_of(program)))
+def filtering(program: Path, profile: str, units: int, *sets: str) -> Contestant:
+    """The whole way, from start-up to the written file; ``sets`` change the profile."""
+    options = [word for one in sets for word in ("--set", one)]
+    words = (*command(), "filter", "-q", "-p", profile, *options, str(program), "-o", str(output_of(program)))
     return Contestant("chipbreak filter", words, units)
 
 

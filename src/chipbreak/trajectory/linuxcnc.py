@@ -167,8 +167,11 @@ class LinuxCnc(ControlLaw):
         along_mm *= np.repeat(np.sign(lengths_mm[parts.starts]), runs.counts)
         along_mm += np.repeat(distance_mm[parts.starts], runs.counts)
         knots_mm = np.concatenate([np.zeros(1), interpolated(planned), distance_mm[-1:]])
-        bent = np.abs(np.diff(knots_mm, 2)) > _STILL_EVEN_MM
-        kept = np.flatnonzero(np.concatenate([[True], bent, [True]]))
+        speeds = knots_mm[1:] - knots_mm[:-1]
+        bent = np.empty(len(knots_mm), np.bool_)
+        bent[0] = bent[-1] = True
+        np.greater(np.abs(speeds[1:] - speeds[:-1]), _STILL_EVEN_MM, out=bent[1:-1])
+        kept = np.flatnonzero(bent)
         return kept.astype(np.float64) * self.servo_period_s, knots_mm[kept]
 
     def _feed_for(self, length_mm: float, time_s: float) -> float:
