@@ -150,6 +150,15 @@ def test_what_is_chosen_breaks_by_the_law_of_the_control(model: str) -> None:
             assert not cut.misses_plan
 
 
+@pytest.mark.parametrize("wave", ["SINE", "DWELL"])
+def test_another_wave_is_chosen_for_too(wave: str) -> None:
+    settings = chipbreak.load("fanuc-lathe", MACHINE)
+    program = turned(cut=f"(VIB AUTO WAVE {wave})\nG1 Z-30. F0.2")
+    (cut,) = chipbreak.rewrite(program.encode(), settings).cuts
+    assert cut.verdict.breaks
+    assert cut.plan.wave.waveform == wave.lower()
+
+
 def test_many_cuts_of_a_kind_are_chosen_once(monkeypatch: pytest.MonkeyPatch) -> None:
     from chipbreak.vibration import choice
 

@@ -42,6 +42,7 @@ _USUAL_MM_S2 = 10_000.0  # of axes whose acceleration the profile does not say, 
 _MOST_TRIED = 10  # of what closed forms find, to say that there is something
 _LEAST_HZ = 0.1
 _WITH_ROUNDING = 1.05
+_STANDS = (1.25, 1.5, 2.0, 3.0, 5.0)  # revolutions per edge
 _SLOWER = 0.85  # of a frequency that did not work, the next that is tried at most
 _STEP = 0.95  # from one speed or feed that is tried for a way out to the next
 _FEED_STEP_MM = 0.001
@@ -144,6 +145,8 @@ class Chooser:
 
     def _candidates(self, cut: _Cut) -> Iterator[Conditions]:
         """What the machine can run, the best first.  Errors: VIB036, and VIB013 for what is too short."""
+        if not expander_named(cut.chain.requests[0].waveform).wave.turns_back:
+            return _standing(cut, command_group(self.settings))
         found = _best(cut.wanted, command_group(self.settings), cut.rules, cut.limits)
         if not found:
             raise _nothing_fits(cut, self.settings)
@@ -209,6 +212,18 @@ def _periods(wanted: Wanted, group: CommandGroup) -> tuple[Period, ...]:
     turns_hz = wanted.speed_rpm * wanted.edges / S_PER_MIN
     low_hz = LEAST_PER_REV * turns_hz * (1.0 - wanted.tolerance)
     return group.between(low_hz, MOST_PER_REV * turns_hz * (1.0 + wanted.tolerance))
+
+
+def _standing(cut: _Cut, group: CommandGroup) -> Iterator[Conditions]:
+    """Dwells need no acceleration: the shortest that stand for a revolution (per edge) with time to spare."""
+    alpha = cut.chain.requests[0].values["ALPHA"].value
+    wanted = cut.wanted
+    for turns in _STANDS:
+        per_rev = wanted.edges * (1.0 - alpha) / turns
+        period = group.nearest(per_rev * wanted.speed_rpm / S_PER_MIN)
+        per_rev = S_PER_MIN * period.frequency_hz / wanted.speed_rpm
+        chip_rev = wanted.edges / per_rev
+        yield Conditions(wanted.speed_rpm, per_rev, period, alpha, 0.0, 0.0, chip_rev)
 
 
 def _kind(cut: _Cut) -> tuple[object, ...]:
