@@ -8,6 +8,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -53,8 +54,15 @@ def used(tree: ast.Module) -> Iterator[str]:
             yield node.value  # the table of public functions, and annotations in quotes
 
 
-TREES = {name: ast.parse(file.read_bytes()) for name, file in MODULES.items()}
-SAID = {word for tree in TREES.values() for word in used(tree)} | CALLED_FROM_OUTSIDE | SAID_FOR_THE_READER
+@cache
+def trees() -> dict[str, ast.Module]:
+    return {name: ast.parse(file.read_bytes()) for name, file in MODULES.items()}
+
+
+@cache
+def said() -> set[str]:
+    """Every name that some module says."""
+    return {word for tree in trees().values() for word in used(tree)}
 
 
 def is_command(node: ast.stmt) -> bool:
@@ -63,15 +71,16 @@ def is_command(node: ast.stmt) -> bool:
 
 
 def test_every_module_is_reached() -> None:
-    graph = {name: {found for _, found in own_imports(tree, MODULES)} for name, tree in TREES.items()}
+    graph = {name: {found for _, found in own_imports(tree, MODULES)} for name, tree in trees().items()}
     left = set(MODULES) - reached(graph, DOORS)
     assert not left, f"no import leads to {sorted(left)}: what only tests use belongs into tests/"
 
 
-@pytest.mark.parametrize("name", TREES)
+@pytest.mark.parametrize("name", MODULES)
 def test_every_function_is_used(name: str) -> None:
-    handed_over = {node.name for node in TREES[name].body if is_command(node)}
-    left = set(defined(TREES[name])) - SAID - handed_over
+    tree = trees()[name]
+    handed_over = {node.name for node in tree.body if is_command(node)}
+    left = set(defined(tree)) - said() - CALLED_FROM_OUTSIDE - SAID_FOR_THE_READER - handed_over
     assert not left, f"{name} defines {sorted(left)}, which nothing in the package uses"
 
 

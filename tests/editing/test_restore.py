@@ -75,6 +75,13 @@ def test_there_and_back(program: bytes) -> None:
     assert out != program
 
 
+@pytest.mark.parametrize("end", [b"", b"\n", b"\r\n"])
+def test_a_file_without_a_last_line_end_gets_none(end: bytes) -> None:
+    """A control may read what stands behind the last line end as one more block."""
+    found = there_and_back(CUT[:-5].rstrip() + end)
+    assert found.endswith(b")" + end)
+
+
 def test_the_line_that_was_stands_readable_where_it_can() -> None:
     assert b"(CHIPBREAK WAS G1 Z-3. F0.05 N1.5)\n" in there_and_back(CUT)
     assert b"(CHIPBREAK HEX " in there_and_back(CUT.replace(b"N1.5", b"N1.5 (x)"))

@@ -10,6 +10,7 @@ from __future__ import annotations
 import pytest
 
 from chipbreak.dialects import FANUC_MILL, GENERIC_LATHE, LINUXCNC_MILL, Dialect
+from chipbreak.syntax.expressions import DEEPEST
 from chipbreak.syntax.nodes import (
     Assignment,
     Block,
@@ -378,3 +379,12 @@ def test_a_place_lies_in_its_line(text: str, column: int, end: int) -> None:
     place = program.diagnose(1, "SYN001", "something").place
     assert place is not None
     assert (place.line, place.column, place.end_column) == (2, column, end)
+
+
+@every_iso_control
+def test_an_expression_is_read_to_a_depth_that_recursion_bears(dialect: Dialect) -> None:
+    nested = {
+        depth: read_block(0, f"#1={'ABS[' * depth}#2{']' * depth}", dialect)
+        for depth in (DEEPEST, DEEPEST + 1)
+    }
+    assert [block.opaque for block in nested.values()] == ["", "it is nested too deeply"]
