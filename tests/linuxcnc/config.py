@@ -57,7 +57,7 @@ SUBROUTINE_PATH = {folder}/subs
 RS274NGC_STARTUP_CODE = {START_UP[lathe].decode()}
 [EMCMOT]
 EMCMOT = motmod
-COMM_TIMEOUT = 4.0
+COMM_TIMEOUT = 30.0
 SERVO_PERIOD = {round(servo_period_s * 1e9)}
 [TASK]
 TASK = milltask

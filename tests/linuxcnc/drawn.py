@@ -7,7 +7,7 @@ size, and another one of the same kinds that nobody has looked at, are one numbe
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -411,11 +411,20 @@ def run_cuts(
         kinds = [(cut.machine, 1.0 if "dwell" in cut.kind else speed) for cut, _ in waiting]
         for one, speed_up in dict.fromkeys(kinds):
             group = [pair for pair, kind in zip(waiting, kinds, strict=True) if kind == (one, speed_up)]
-            runs = machine.run(
-                [result.data for _, result in group], lathe=True, speed_up=speed_up, **one._asdict()
-            )
-            for (cut, result), run in zip(group, runs, strict=True):
-                found = in_record(cut, result, run)
-                done[cut.seed] = Ran(cut, result.cuts[0].verdict.breaks, found, run.errors)
-        waiting = [pair for pair in waiting if done[pair[0].seed].misses]
+            done |= {ran.cut.seed: ran for ran in _run_group(group, one, speed_up)}
+        waiting = [pair for pair in waiting if pair[0].seed not in done or done[pair[0].seed].misses]
+    unseen = [str(cut) for cut, _ in waiting if cut.seed not in done]
+    if unseen:
+        raise machine.MachineError(f"never ran: {unseen}")
     return list(done.values()), refused
+
+
+def _run_group(group: Sequence[tuple[Cut, chipbreak.Result]], one: Machine, speed_up: float) -> Iterator[Ran]:
+    """Run cuts in one start of the machine; none where it did not start, on a busy computer."""
+    programs = [result.data for _, result in group]
+    try:
+        runs = machine.run(programs, lathe=True, speed_up=speed_up, **one._asdict())
+    except machine.MachineError:
+        return
+    for (cut, result), run in zip(group, runs, strict=True):
+        yield Ran(cut, result.cuts[0].verdict.breaks, in_record(cut, result, run), run.errors)

@@ -166,6 +166,13 @@ def _period(ini: _Ini) -> Iterator[Found]:
         yield Found("planner.servo_period_ms", entry.number / _NS_PER_MS, entry.source)
 
 
+def _override(ini: _Ini) -> Iterator[Found]:
+    """How far the feed can be turned up, which its planner reckons with."""
+    entry = ini.get("DISPLAY", "MAX_FEED_OVERRIDE")
+    if entry is not None and entry.number is not None and entry.number >= 1.0:
+        yield Found("planner.max_feed_override", entry.number, entry.source)
+
+
 def _start_up_codes(ini: _Ini) -> Iterator[Found]:
     """The path mode that is in force where a program says none."""
     entry = ini.get("RS274NGC", "RS274NGC_STARTUP_CODE") or ini.get("EMC", "RS274NGC_STARTUP_CODE")
@@ -194,6 +201,7 @@ def _tool_table(ini: _Ini) -> Iterator[Found]:
 
 _RULES: tuple[Callable[[_Ini], Iterator[Found]], ...] = (
     _period,
+    _override,
     _start_up_codes,
     _limits,
     _spindle,
