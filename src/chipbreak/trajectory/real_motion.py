@@ -18,7 +18,7 @@ from chipbreak.trajectory.junctions import Blocks
 from chipbreak.trajectory.motion import Motion
 
 _PIECES = 32  # of a stroke: a parabola in so many chords is off by a thousandth of its height
-_MOST_TIMES = 2_000_000
+_MOST_TIMES = 4_000_000
 _STRAIGHT_MM = 0.002  # off a line by no more than rounding
 _STILL_MM = 1e-12
 _LOOKS = 2  # along the path, each from the place that the last one found
