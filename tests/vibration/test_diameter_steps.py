@@ -89,6 +89,18 @@ def test_loops_step_between_blocks_only() -> None:
     assert len(result.edits) >= 3
 
 
+def test_a_move_along_the_axis_stays_in_its_step() -> None:
+    data = program(
+        "G0 X85.3096 Z2.\nG3 X87.3096 Z1. R1. F0.35\nX97.3096 Z-4. R5.\nG1 Z-6.\nX77.3096\nG0 X87.3096\nZ2.\n"
+        "X30.9602\nG1 X50.9602 F0.1\nZ-23.\nX51.9602 Z-23.5\nZ-23.8\n",
+        "G96 S80",
+        "G50 S4000",
+    )
+    result = chipbreak.rewrite(data, settings_for("auto", "axes.Z.max_acceleration_mm_s2=500"))
+    assert result.cuts
+    assert chipbreak.restore(result.data) == data
+
+
 def test_a_step_that_cannot_be_planned_leaves_one_speed() -> None:
     result = chipbreak.rewrite(program(CUTS["facing"]), settings_for("1.5"))
     assert [cut.plan.solution.speed_rpm for cut in result.cuts] == [769.0]

@@ -91,6 +91,8 @@ class _Splitter:
     def _over(self, request: Request, move: Move) -> tuple[Request | None, Request] | None:
         """None where the whole move fits the step; else the part that does, if any, and the rest."""
         end_rpm = self.asked.rpm(move.end.x)
+        if move.kind == "line" and move.end.x == move.start.x:
+            return None
         if max(self.high, end_rpm) / min(self.low, end_rpm) <= self.most * (1.0 + _FUZZ):
             return None
         if move.kind != "line" or not self.splits_blocks:
