@@ -178,7 +178,10 @@ def test_an_arc_is_one_block_per_stroke() -> None:
     """A stroke that is cut into pieces bends, and LinuxCNC rests at each bend or slows down."""
     result = Job(ARC, 1250, "N1.5", 20000).filtered()
     (cut,) = result.cuts
-    assert cut.move_count <= 2 * cut.wave.vibrations + 2
+    # A small return stroke that goes on forward has a step back of its own before it.
+    small = int(np.count_nonzero(np.abs(np.diff(cut.expansion.distance_mm)) < 2e-4))
+    assert small <= 2
+    assert cut.move_count <= 2 * cut.wave.vibrations + 2 + small
 
 
 @pytest.mark.linuxcnc("machine")
