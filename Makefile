@@ -11,7 +11,7 @@ PROFILE := generic-lathe
 CODE := src tests benchmarks
 FUZZ_SECONDS ?= 120
 
-.PHONY: real-control demo test fuzz lint man site test-pythons hooks bench wheel release-dry-run clean
+.PHONY: real-control demo test check-table fuzz lint man site test-pythons hooks bench wheel release-dry-run clean
 
 $(BIN)/chipbreak: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -45,6 +45,11 @@ test: $(VENV)/.dev lint
 	@sh tests/klipper/install.sh $(VENV)/klipper
 	$(BIN)/pytest -n auto --dist worksteal --cov --cov-report= $(FAST)
 	$(BIN)/pytest -n auto --dist worksteal $(FAST:%=--ignore=%)
+
+# Faults, tools, controls, units and speeds: the macros and numpy must say the same (some minutes).
+check-table: $(VENV)/.dev
+	$(BIN)/python tests/macros/table.py
+	$(BIN)/python tests/macros/table.py --random 1000
 
 fuzz: $(VENV)/.dev
 	$(BIN)/python tests/fuzz.py $(FUZZ_SECONDS)

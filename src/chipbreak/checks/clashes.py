@@ -1,9 +1,9 @@
 """What a program shares with the programs behind the calls: variables, and program numbers.
 
 A macro that works in #105 leaves its limit there, and ``X#105`` after the check goes to that place.  So a
-program that names one of their variables anywhere gets no check that calls them.  A program that calls P9810
+program that names one of their variables anywhere gets no check that calls them.  A program that calls P8900
 with X and Y means the program of another maker, which then is on the control instead of ours; one that
-defines O9811 would be called itself.
+defines O8901 would be called itself.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from chipbreak.syntax.parse import Program
 from chipbreak.syntax.variables import variables_of
 from chipbreak.text.named_tuple import NamedTuple
 
-_ONE_PROGRAM = 10_000  # M98 P39810 calls O9810 three times
+_ONE_PROGRAM = 10_000  # M98 P38900 calls O8900 three times
 _NO_ARGUMENTS = frozenset("GPLN")
 _PROGRAM = re.compile(r"\bP(\d+)\b")
 
