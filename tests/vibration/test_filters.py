@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 import chipbreak
 from chipbreak.trajectory.filters import AxisFilter, axis_filter, filtered, times_to_look_at
+from chipbreak.trajectory.look_ahead import LookAhead
 from chipbreak.vibration.measure import CutReport
 
 Floats = NDArray[np.float64]
@@ -214,3 +215,36 @@ def test_axes_of_unlike_filters_leave_the_path_of_a_taper_and_say_by_how_much() 
     steady_mm = speed_mm_s * np.sqrt(0.5) * (1.0 / 45.0 - 1.0 / 60.0) * np.sqrt(0.5)
     assert steady_mm < other.following.path_error_mm < 12.0 * steady_mm
     assert other.verdict.margin == pytest.approx(1.2, rel=0.03)
+
+
+@pytest.mark.parametrize(("average_ms", "gain_1_s"), [(16, 200), (48, 30), (32, 40)])
+def test_what_a_refusal_names_breaks_on_these_axes(average_ms: float, gain_1_s: float) -> None:
+    sets = ("planner.model=after-interpolation", f"axes.Z.acc_dec_ms={average_ms}")
+    sets = (*sets, f"axes.Z.position_gain_1_s={gain_1_s}")
+    program = FAST.replace(" Q1.2", "")
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-lathe", sets))
+    (found,) = caught.value.diagnostics
+    ways = found.help.split("works: ")[1].split("; --allow")[0].split(", or ")
+    assert len(ways) >= 2
+    for way in ways:
+        words = way.split()
+        wish = f"E{words[1]}" if words[0] == "E" else f"N{words[1]} f{words[3]}"
+        result = chipbreak.rewrite(
+            program.replace("N1.5", wish).encode(),
+            chipbreak.load("fanuc-lathe", sets),
+        )
+        assert all(cut.verdict.breaks for cut in result.cuts)
+
+
+@pytest.mark.parametrize(("joint_mm_min", "passed_mm_s"), [(0.0, 0.0), (600.0, 5.0), (6000.0, 12.5)])
+def test_look_ahead_passes_a_reversal_at_half_the_joint_speed_or_the_lower_feed(
+    joint_mm_min: float, passed_mm_s: float
+) -> None:
+    """Strokes of 0.2 mm: at rest before and behind, up and down at 8 m/s^2, 20 and 12.5 mm/s in between."""
+    law = LookAhead(acceleration_mm_s2=8000.0, joint_speed_mm_s=joint_mm_min / 60.0)
+    times_s = law.block_times([0.2, -0.2], [20.0, 12.5])
+    for time_s, feed_mm_s in zip(times_s.tolist(), (20.0, 12.5), strict=True):
+        ramps_s = feed_mm_s / 8000.0 + (feed_mm_s - passed_mm_s) / 8000.0
+        ramps_mm = (2.0 * feed_mm_s**2 - passed_mm_s**2) / 16000.0
+        assert time_s == pytest.approx(ramps_s + (0.2 - ramps_mm) / feed_mm_s)

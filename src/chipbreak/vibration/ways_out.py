@@ -13,13 +13,16 @@ from chipbreak.vibration.plan import command_group
 from chipbreak.vibration.trial import Trials, with_values
 
 _STROKES = (1.05, 1.25, 1.5, 2.0, 2.5, 3.0)  # times the least stroke by the formula
+_TURNS = (2.0, 3.0)  # of the spindle, per edge, in one vibration
 _SLOWER = (0.8, 0.6, 0.45, 0.3, 0.2, 0.12)
 
 
 def ways_out(settings: Settings, report: CutReport) -> str:
-    """A larger Q, and a lower frequency, that break the chips of this cut; empty where none was found."""
-    # Each gets half of what may be tried.
-    found = (_larger_stroke(settings, report), _lower_frequency(settings, report))
+    """A larger Q, a lower frequency, behind filters an E, that break chips; empty where none was found."""
+    # Each gets its part of what may be tried.
+    found = [_larger_stroke(settings, report), _lower_frequency(settings, report)]
+    if report.following is not None:
+        found.append(_fewer_vibrations(settings, report))
     return ", or ".join(way for way in found if way)
 
 
@@ -50,4 +53,19 @@ def _lower_frequency(settings: Settings, report: CutReport) -> str:
         if works is not None:
             speed = f"S {works.plan.solution.speed_rpm:z.0f}"
             return f"N {shown(per_rev)} f {shown(frequency_hz)} Hz ({speed}) with the same feed and stroke"
+    return ""
+
+
+def _fewer_vibrations(settings: Settings, report: CutReport) -> str:
+    """Revolutions a vibration at about the programmed speed: slow axes follow that sooner than an N."""
+    plan = report.plan
+    trials = Trials(plan, settings)
+    for turns in _TURNS:
+        if turns / plan.edges <= 1.0 / plan.solution.per_rev:
+            continue
+        works = trials.works(with_values(plan.chain, {"E": turns / plan.edges}, without="NF"))
+        if works is not None:
+            solution = works.plan.solution
+            runs = f"S {solution.speed_rpm:z.0f}, f {shown(round(solution.frequency_hz, 3))} Hz"
+            return f"E {shown(turns / plan.edges)} ({runs}) with the same feed"
     return ""
