@@ -75,3 +75,23 @@ def test_feed_per_revolution_in_a_milling_program_that_has_none_is_said() -> Non
     assert said(drill) == ["the blocks of this cut feed per revolution (G95), which the program does nowhere"]
     assert not said(drill, "output.feed_mode=minute")
     assert not said(drill.replace("G17", "G17 G95").replace("F120.", "F0.1"))
+
+
+HELD = ("planner.override_off=M50 P0", "planner.override_on=M50 P1")
+LINUXCNC = "G21 G7 G90 G95 G97 S1000 M3\nG0 X20 Z2\nG1 Z-20 F0.1 N0.5\nG0 X30\nM2\n"
+
+
+def test_the_feed_override_is_held_in_the_cut_and_given_back() -> None:
+    settings = chipbreak.load("linuxcnc-lathe", HELD)
+    result = chipbreak.rewrite(LINUXCNC.encode(), settings)
+    lines = result.data.decode().splitlines()
+    first = next(i for i, line in enumerate(lines) if line.startswith("G1 Z"))
+    assert lines.index("M50 P0") < first < lines.index("M50 P1")
+    assert chipbreak.restore(result.data) == LINUXCNC.encode()
+    own = LINUXCNC.replace("G0 X20", "M49\nG0 X20")
+    assert b"M50" not in chipbreak.rewrite(own.encode(), settings).data
+
+
+def test_who_holds_the_override_gives_it_back() -> None:
+    with pytest.raises(chipbreak.SettingsError, match="override_on"):
+        chipbreak.load("linuxcnc-lathe", HELD[:1])

@@ -26,7 +26,7 @@ from chipbreak.settings.checking import (
 )
 from chipbreak.settings.plug_ins import check_plug_ins
 from chipbreak.settings.profile_files import profile_names, profile_text
-from chipbreak.settings.ranges import check_filters, check_only, check_ranges, check_steps
+from chipbreak.settings.ranges import check_filters, check_only, check_override, check_ranges, check_steps
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS, Axis, Control, Planner, Settings
 from chipbreak.settings.tool_rules import check_macros, check_sisters
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
@@ -79,6 +79,7 @@ def _build(
     check_ranges(layer, sections["command"], sections["spindle"])
     check_only(layer, sections["vibration"])
     check_steps(layer, axes)
+    check_override(layer, sections["planner"])
     check_filters(layer, axes)
     check_macros(layer, sections["macros"], dialect)
     check_sisters(layer, sections["checks"])

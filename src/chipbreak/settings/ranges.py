@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 
 from chipbreak.settings.checking import IMPOSSIBLE, Layer, hint_at
-from chipbreak.settings.sections import OPERATION_KINDS, Axis, Command, Spindle, Vibration
+from chipbreak.settings.sections import OPERATION_KINDS, Axis, Command, Planner, Spindle, Vibration
 
 
 def check_ranges(layer: Layer, command: Command, spindle: Spindle) -> None:
@@ -53,3 +53,12 @@ def check_steps(layer: Layer, axes: Mapping[str, Axis]) -> None:
         if axis.increment_mm is not None and axis.steps_per_mm is not None:
             message = f"axes.{name} has increment_mm and steps_per_mm, which say the same"
             raise layer.fail(IMPOSSIBLE, f"axes.{name}.steps_per_mm", message, "give one of them")
+
+
+def check_override(layer: Layer, planner: Planner) -> None:
+    """What takes the feed override from the operator gives it back."""
+    for key, other in (("override_off", "override_on"), ("override_on", "override_off")):
+        if getattr(planner, key) and not getattr(planner, other):
+            message = f"planner.{key} = {getattr(planner, key)!r} without {other}"
+            hint = 'give both, on LinuxCNC "M50 P0" and "M50 P1"'
+            raise layer.fail(IMPOSSIBLE, f"planner.{key}", message, hint)

@@ -20,6 +20,8 @@ from chipbreak.vibration.dwell import dwell_block
 from chipbreak.vibration.measure import CutMotion, CutReport, measure_cut, measured_motion
 from chipbreak.vibration.plan import CutPlan
 
+_OVERRIDES = (48.0, 49.0, 50.0, 51.0, 52.0, 53.0)  # M codes that switch overrides
+
 
 class Step(NamedTuple):
     """One vibrated cut with its blocks, and the words that command its speed, empty where it has it."""
@@ -64,9 +66,17 @@ def cut_edit(steps: Sequence[Step], interpreted: InterpretedProgram) -> Edit:
     first = steps[0].plan.chain
     last = steps[-1].plan.chain
     switched, given_back = _modes_around(first, settings)
+    held, free = _override_around(interpreted)
     feed_mode, feed_back = _feed_modes(steps[-1].plan, interpreted)
     comments = [text for step in steps for text in _comments(step.plan.chain, interpreted)]
-    head = [*dict.fromkeys(comments), first.preamble(), *_speed(steps[0], settings), feed_mode, *switched]
+    head = [
+        *dict.fromkeys(comments),
+        first.preamble(),
+        *_speed(steps[0], settings),
+        feed_mode,
+        *switched,
+        *held,
+    ]
     content: list[str | MoveTable] = [text for text in head if text]
     lines = []
     for step in steps:
@@ -74,7 +84,7 @@ def cut_edit(steps: Sequence[Step], interpreted: InterpretedProgram) -> Edit:
         begin = _line_count(content)
         content += step.expansion.content
         lines.append((begin, _line_count(content)))
-    content += [text for text in (*feed_back, *given_back) if text]
+    content += [text for text in (*feed_back, *free, *given_back) if text]
     reason = "; ".join(part for step in steps for part in step.plan.reasons) or "nothing to correct"
     promise = VibratedCut(
         cuts=tuple((step.plan, step.expansion) for step in steps),
@@ -150,6 +160,15 @@ def _modes_around(chain: Chain, settings: Settings) -> tuple[list[str], list[str
         head.append(planner.path_mode)
         tail.append(before.path_words or planner.usual_path_mode)
     return head, tail
+
+
+def _override_around(interpreted: InterpretedProgram) -> tuple[list[str], list[str]]:
+    """What holds the feed override in the cut and gives it back; nothing in a program that does so itself."""
+    planner = interpreted.settings.planner
+    own = any(
+        word.number in _OVERRIDES for effect in interpreted.effects for word in effect.block.words_of("M")
+    )
+    return ([], []) if own or not planner.override_off else ([planner.override_off], [planner.override_on])
 
 
 def _is_same_mode(one: str, other: str) -> bool:
