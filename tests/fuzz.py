@@ -2,21 +2,26 @@
 
 ``make test`` draws the same examples every time.  This draws others: round after round with another seed,
 each round with the tests in another order, so that a short search reaches other tests than the last one.
-When the time is over no further test is started; an example that fails is still made small first.
+When the time is over no further test is started and no further example tried; one that has failed is still
+made small first.
 
 The file is also the pytest plugin that does so; the two numbers reach it in the environment.
 """
 
 from __future__ import annotations
 
+import functools
 import os
 import random
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
+from hypothesis.errors import UnsatisfiedAssumption
 
 TESTS = Path(__file__).parent
 SEED, END = "CHIPBREAK_FUZZ_SEED", "CHIPBREAK_FUZZ_END"
@@ -35,8 +40,33 @@ filter spoils or refuses becomes a file in tests/cases/ or tests/bad/.  Then men
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Shuffle the tests; every worker in the same way."""
+    """Shuffle the tests, every worker in the same way, and let none of them try examples for ever."""
     random.Random(os.environ[SEED]).shuffle(items)
+    for handle in {id(one): one for item in items if (one := _handle(item)) is not None}.values():
+        handle.inner_test = until_the_end(handle.inner_test, float(os.environ[END]))
+
+
+def _handle(item: pytest.Item) -> Any:
+    """Where hypothesis keeps what it calls for each example; tests of one function share it."""
+    return getattr(getattr(item, "obj", None), "hypothesis", None)
+
+
+def until_the_end(inner: Callable[..., object], end: float) -> Callable[..., object]:
+    """The test of one example, which does nothing when the time is over, unless an example has failed."""
+    has_failed = False
+
+    @functools.wraps(inner)
+    def bounded(*arguments: object, **named: object) -> object:
+        nonlocal has_failed
+        if time.time() > end and not has_failed:
+            return None
+        try:
+            return inner(*arguments, **named)
+        except Exception as error:
+            has_failed = has_failed or not isinstance(error, UnsatisfiedAssumption)
+            raise
+
+    return bounded
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
