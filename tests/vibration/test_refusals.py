@@ -217,3 +217,12 @@ def test_the_reason_of_an_unknown_place_is_the_last_one(profile: str, blocks: st
     (found,) = chipbreak.check(f"{head}{blocks}\n{cut}".encode(), chipbreak.load(profile, NO_CHECKS))
     assert found.code == "VIB051"
     assert found.message == f"where Z stands before this cut cannot be known: {reason}"
+
+
+@pytest.mark.parametrize("decimals", ["5", "6"])
+def test_a_feed_below_the_smallest_number_of_f_is_refused(decimals: str) -> None:
+    """It would be written as that number, and the cut would take a part of its time."""
+    program = b"G21 G95 G18\nG97 S1 M3\nG0 X1. Z0.\n(VIB N0.5)\nG1 Z-3. F0.005\nM30\n"
+    sets = [f"output.decimals={decimals}", "output.feed_decimals=3", "output.feed_mode=minute"]
+    codes = [one.code for one in chipbreak.check(program, chipbreak.load("generic-lathe", sets))]
+    assert codes[:1] == ["VIB059"]

@@ -241,11 +241,14 @@ def _knots(cut: CutPlan, chord_mm: float) -> tuple[Floats, Floats]:
     return np.interp(place, knots, time_s), np.interp(place, knots, distance_mm)
 
 
-def _check_feed_digits(cut: CutPlan, spans: Floats, feeds: Floats, digits: int) -> None:
-    """Refuse feeds that lose so many digits that the cut would take another time."""
+def _check_feed_digits(cut: CutPlan, spans: Floats, exact: Floats, feeds: Floats, digits: int) -> None:
+    """Refuse feeds that lose so many digits that the cut would take another time.
+
+    ``feeds`` are the ``exact`` ones, but none below the smallest number that F can say.
+    """
     planned_s = cut.wave.duration_s
     with np.errstate(divide="ignore"):
-        took_s = float((spans * feeds / np.round(feeds, digits)).sum())
+        took_s = float((spans * exact / np.round(feeds, digits)).sum())
     if abs(took_s - planned_s) > PLANNED_TIME_SHARE * planned_s:
         message = f"with {digits} decimals of F this cut of {planned_s:z.3f} s would take {took_s:z.3f} s"
         raise RefusalError("VIB059", message, "raise output.feed_decimals, or take another output.feed_mode")
@@ -328,11 +331,12 @@ def _feed_words(cut: CutPlan, ends: _Ends, settings: Settings) -> Floats:
     same_feeds(feeds_mm_s, ends.words.loops, blocks, law, cut.wave.period_s)
     state = cut.chain.before
     digits = _feed_decimals(cut, settings)
-    feeds: Floats = np.maximum(_typed_feeds(cut, feeds_mm_s, blocks.lengths_mm, settings), 10.0**-digits)
+    exact = _typed_feeds(cut, feeds_mm_s, blocks.lengths_mm, settings)
     if _tail_is_programmed(cut, settings):
         assert state.feed is not None
-        feeds[plain_from:] = typed_feed(state.feed.value, is_inch=state.is_inch)
-    _check_feed_digits(cut, spans, feeds, digits)
+        exact[plain_from:] = typed_feed(state.feed.value, is_inch=state.is_inch)
+    feeds: Floats = np.maximum(exact, 10.0**-digits)
+    _check_feed_digits(cut, spans, exact, feeds, digits)
     return feeds
 
 
