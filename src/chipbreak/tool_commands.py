@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -23,6 +23,7 @@ from chipbreak.options import (
     settings_of,
 )
 from chipbreak.streams import read_input, replace_file, say, write_json
+from chipbreak.text.named_tuple import NamedTuple
 
 if TYPE_CHECKING:
     from chipbreak.inspection.edge_figure import EdgeCurves

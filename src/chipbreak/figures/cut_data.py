@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from chipbreak.kinematics.floats import Floats
 from chipbreak.report.model import ExplainedCut
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.units import S_PER_MIN
 from chipbreak.vibration.measure import CutMotion
 

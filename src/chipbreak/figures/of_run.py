@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import NamedTuple
 
 from chipbreak.api import motions
 from chipbreak.figures.cut_data import DrawnCut
@@ -17,6 +16,7 @@ from chipbreak.report.build import report_of
 from chipbreak.report.model import ExplainedCut, Report
 from chipbreak.settings import Settings
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.vibration.plan import command_group
 
 # What can be drawn of a cut, and of a program.

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from chipbreak.figures.style import BLUE, GREEN, GREY, ORANGE, names_beside
 from chipbreak.kinematics.speed_solver import CommandGroup, never_breaks
 from chipbreak.kinematics.waveform import least_stroke_mm
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.units import S_PER_MIN
 
 if TYPE_CHECKING:

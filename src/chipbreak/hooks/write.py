@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import NamedTuple
+
+from chipbreak.text.named_tuple import NamedTuple
 
 _HOME = "files"
 

@@ -10,10 +10,10 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import NamedTuple
 
 from chipbreak.machine_files.found import Found, Machine, Value, first_of, plain
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 
 _PARAMETER = re.compile(rb"N\s*0*(\d{1,5})(?!\d)((?:\s*[QALST]\s*\d+|\s*P\s*-?[\d.]+|\s*M(?=\s|[PA]))*)")
 _VALUE = re.compile(rb"(?:([ALS])\s*(\d+))?[\sM]*P\s*(-?[\d.]+)")

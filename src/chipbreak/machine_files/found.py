@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator
-from typing import NamedTuple
+
+from chipbreak.text.named_tuple import NamedTuple
 
 Value = str | float | bool | list[str]
 

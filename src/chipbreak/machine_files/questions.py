@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 from chipbreak.machine_files.found import Found, Value
 from chipbreak.settings.sections import Settings
+from chipbreak.text.named_tuple import NamedTuple
 
 _ASKED = "asked for"
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.syntax.parse import Program
 from chipbreak.text.diagnostics import Diagnostic
+from chipbreak.text.named_tuple import NamedTuple
 
 STOPS = "MOD010"
 _MOST_TOLD = 20

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from html import escape
-from typing import NamedTuple
 
 from chipbreak.figures.of_run import CHIPS, RAMP, SPEEDS, THICKNESS, figure_of_times, figures_of_cut
 from chipbreak.page.figure_text import inline
@@ -14,6 +13,7 @@ from chipbreak.report.build import report_of
 from chipbreak.report.model import ExplainedCut, Report
 from chipbreak.settings import Settings
 from chipbreak.text.encoding import escaped
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.units import S_PER_MIN
 
 # So many cuts are drawn; of cuts that are alike the first.

@@ -8,11 +8,11 @@ over.  Strokes that hardly differ share what was found; that each of them takes 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from chipbreak.kinematics.floats import Floats
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.linuxcnc_joints import Bools
 from chipbreak.trajectory.linuxcnc_many import Stretches, times_of_many
 from chipbreak.trajectory.linuxcnc_planner import Clock

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from chipbreak.kinematics.floats import Floats
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.linuxcnc_feeds import Found, Wanted, factors_for
 from chipbreak.trajectory.linuxcnc_joints import Bends, Joints
 from chipbreak.trajectory.linuxcnc_many import Stretches

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from math import inf
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.kinematics.floats import Floats
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.linuxcnc_planner import LEAST_PERIODS, NOTHING, STANDING, Clock
 
 Bools = NDArray[np.bool_]

@@ -8,8 +8,8 @@ from __future__ import annotations
 from functools import lru_cache
 from itertools import pairwise
 from math import inf, sqrt
-from typing import NamedTuple
 
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.planner import Numbers
 
 NOTHING = 1e-12  # mm and s that count as none

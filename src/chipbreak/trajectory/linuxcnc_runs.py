@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from math import inf
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.kinematics.floats import Floats
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.linuxcnc_joints import Bools
 from chipbreak.trajectory.linuxcnc_many import Stretches, linuxcnc_many
 from chipbreak.trajectory.linuxcnc_planner import Clock, Stretch, linuxcnc

@@ -10,12 +10,11 @@ All arrays are (m,), a block each: lengths in mm, feeds in mm/s, accelerations i
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.kinematics.floats import Floats
+from chipbreak.text.named_tuple import NamedTuple
 
 Counts = NDArray[np.intp]
 _HALVINGS = 14
