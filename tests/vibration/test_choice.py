@@ -153,10 +153,11 @@ def test_what_is_chosen_breaks_by_the_law_of_the_control(model: str) -> None:
 @pytest.mark.parametrize("wave", ["SINE", "DWELL"])
 def test_another_wave_is_chosen_for_too(wave: str) -> None:
     settings = chipbreak.load("fanuc-lathe", MACHINE)
-    program = turned(cut=f"(VIB AUTO WAVE {wave})\nG1 Z-30. F0.2")
-    (cut,) = chipbreak.rewrite(program.encode(), settings).cuts
-    assert cut.verdict.breaks
-    assert cut.plan.wave.waveform == wave.lower()
+    for speed in ("G97 S1500", "G97 S700", "G97 S1370"):
+        program = turned(speed, cut=f"(VIB AUTO WAVE {wave})\nG1 Z-30. F0.2")
+        (cut,) = chipbreak.rewrite(program.encode(), settings).cuts
+        assert cut.verdict.breaks
+        assert cut.plan.wave.waveform == wave.lower()
 
 
 def test_many_cuts_of_a_kind_are_chosen_once(monkeypatch: pytest.MonkeyPatch) -> None:

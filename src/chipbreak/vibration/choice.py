@@ -277,8 +277,9 @@ def _with(cut: _Cut, conditions: Conditions, settings: Settings) -> Chain:
     chosen = {
         "N": SourcedValue(conditions.per_rev, origin),
         "F": SourcedValue(conditions.period.frequency_hz, origin),
-        "ALPHA": SourcedValue(conditions.alpha, origin),
     }
+    if not expander_named(cut.chain.requests[0].waveform).wave.is_even:
+        chosen["ALPHA"] = SourcedValue(conditions.alpha, origin)
     if _may_shorten(cut.chain):
         ramp = cut.chain.requests[0].values["RAMP"]
         room = (_vibrations(conditions, cut, settings) - 1.0) / 2.0
