@@ -160,6 +160,7 @@ def test_the_page_is_whole_and_alone() -> None:
     used = set(re.findall(r"url\(#([\w.-]+)\)", html)) | set(re.findall(r'href="#([\w.-]+)"', html))
     assert used <= set(page.ids)
     assert "G1 Z-30. F0.05 N1.5" in page.texts
+    assert "would break (unproven)" in page.texts
 
 
 def test_a_page_without_cuts() -> None:

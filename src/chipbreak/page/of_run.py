@@ -170,6 +170,15 @@ def _assumed(run: _Run) -> Iterator[str]:
         yield "<h2>What this rests on</h2>"
         yield f"<p>Motion and times are those of the planner model {_text(', '.join(laws))} with the numbers"
         yield " of the profile; the chips are judged from the moves as the filtered program has them.</p>"
+    if any(cut.unproven for cut in run.report.cuts):
+        yield "<p>That chips break is <b>unproven</b>: the profile does not say what the axes can do, and it"
+        yield " holds only on a control that follows the blocks exactly.</p>"
+
+
+def _chips(cut: ExplainedCut) -> str:
+    if not cut.verdict.breaks:
+        return "DO NOT BREAK"
+    return "would break (unproven)" if cut.unproven else "break"
 
 
 def _seconds(value: float | None) -> str:
@@ -183,7 +192,7 @@ _COLUMNS: tuple[tuple[str, Callable[[ExplainedCut], str]], ...] = (
     ("f [Hz]", lambda cut: f"{cut.frequency_hz:.4g}"),
     ("feed [mm/rev]", lambda cut: f"{cut.feed_mm_rev:.4g}"),
     ("stroke [mm]", lambda cut: f"{cut.stroke_mm:.4g}"),
-    ("chips", lambda cut: "break" if cut.verdict.breaks else "DO NOT BREAK"),
+    ("chips", _chips),
     ("margin", lambda cut: f"{cut.verdict.margin:z.2f}"),
     ("longest chip [rev]", lambda cut: f"{cut.verdict.longest_chip_rev:z.2f}"),
     ("axis [mm/min]", lambda cut: f"{cut.verdict.peak_speed_mm_s * S_PER_MIN:z.0f}"),
