@@ -21,7 +21,7 @@ def pass_through(context: Context) -> Table:
     programs.milling(program, blocks)
     programs.milling(bare, part, comments=False)
     programs.milling(few, part // 5, comments=False)
-    table = Table("pass-through", title(program, blocks, f"{programs.OPERATIONS} operations, {MILL}"))
+    table = Table("pass-through", title(program, blocks, f"{programs.OPERATIONS} operations, fanuc-mill"))
     wanted = [
         (peers.gcodeparser(program, blocks), 1.3),
         (peers.rs274(program, blocks, context.path("rs274")), 3.0),
