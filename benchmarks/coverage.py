@@ -16,6 +16,7 @@ import math
 import sys
 import time
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -122,12 +123,23 @@ def main() -> int:
     all_of = [measure(path, settings, plain) for path in paths]
     if options.files:
         for one in all_of:
-            share = one.vibrated_mm / one.total_mm if one.total_mm else 0.0
-            state = "out" if one.is_out else "---"
-            cuts = f"{one.cuts:4} cuts {share:4.0%} of {one.total_mm:8.0f} mm"
-            print(f"{state} {cuts} {one.seconds:5.1f} s {one.name}")
-            for reason, count in one.reasons.most_common(3):
-                print(f"        {count:4} x {reason}")
+            print_file(one)
+    print_shares(all_of)
+    return 0
+
+
+def print_file(one: Coverage) -> None:
+    """A line for a file, and its most frequent reasons."""
+    share = one.vibrated_mm / one.total_mm if one.total_mm else 0.0
+    state = "out" if one.is_out else "---"
+    cuts = f"{one.cuts:4} cuts {share:4.0%} of {one.total_mm:8.0f} mm"
+    print(f"{state} {cuts} {one.seconds:5.1f} s {one.name}")
+    for reason, count in one.reasons.most_common(3):
+        print(f"        {count:4} x {reason}")
+
+
+def print_shares(all_of: Sequence[Coverage]) -> None:
+    """What comes out, how much of it vibrates, and the reasons of what does not."""
     count = len(all_of)
     out = sum(one.is_out for one in all_of)
     cutting = sum(one.cuts > 0 for one in all_of)
@@ -142,7 +154,6 @@ def main() -> int:
         reasons.update(one.reasons)
     for reason, times in reasons.most_common(25):
         print(f"{times:6} x {reason}")
-    return 0
 
 
 if __name__ == "__main__":

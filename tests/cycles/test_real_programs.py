@@ -40,22 +40,27 @@ def written_cycles(output: str) -> Iterator[Written]:
     """The cycles of a program in millimetres with X as a diameter, in order."""
     at = {"X": float("nan"), "Z": float("nan")}
     inside: Written | None = None
-    kept = ""
+    kept: list[str] = []
     for line in output.splitlines():
         if head := _HEADS.search(line):
             inside = Written(head[1], [], [], (at["Z"], at["X"] / 2.0))
-            kept = ""
-        elif "(CHIPBREAK ROLLED" in line and inside is not None:
-            yield inside
-            inside = None
-        elif line.startswith("(CHIPBREAK ") and inside is not None:
-            _, kind, text = line[:-1].split(" ", 2)
-            kept += bytes.fromhex(text).decode("latin-1") if kind == "HEX" else f"{text}\n"
-            inside.was = kept.splitlines()
+            kept = []
         elif not line.startswith("("):
             at |= {letter: float(number) for letter, number in _WORD.findall(line) if letter in "XZ"}
             if inside is not None:
                 inside.blocks.append(line)
+        elif inside is not None and "(CHIPBREAK ROLLED" in line:
+            yield inside
+            inside = None
+        elif inside is not None and line.startswith("(CHIPBREAK "):
+            kept.append(kept_text(line))
+            inside.was = "".join(kept).splitlines()
+
+
+def kept_text(line: str) -> str:
+    """What a comment of a bracket keeps of the program as it was."""
+    _, kind, text = line[:-1].split(" ", 2)
+    return bytes.fromhex(text).decode("latin-1") if kind == "HEX" else f"{text}\n"
 
 
 def words_of(block: str) -> dict[str, float]:
@@ -72,21 +77,28 @@ def outline_of(contour: list[str], start: tuple[float, float]) -> tuple[Floats, 
         code = next((float(g) for g in re.findall(r"G0*([0-3])(?!\d)", block)), code)
         if not words.keys() & set("XZUW"):
             continue
-        if "," in block or words.keys() & set("AC") or (code < 2.0 and words.keys() & set("RIK")):
+        if has_corners(block, words, code):
             return np.empty((0, 2)), False
         z = words.get("Z", at[0]) + words.get("W", 0.0)
         x = words["X"] / 2.0 if "X" in words else at[1] + words.get("U", 0.0) / 2.0
         end = np.array([z, x])
-        places = end[None]
-        if code >= 2.0 and rows:
-            ccw = code == 3.0
-            centre = np.add(at, (words.get("K", 0.0), words.get("I", 0.0)))
-            if "R" in words:
-                centre = centre_by_radius(at, end, words["R"], ccw=ccw)
-            places = arc_places(at, end, centre, ccw=ccw)[1:]
-        rows.append(places)
+        rows.append(arc_of(at, end, words, ccw=code == 3.0) if code >= 2.0 and rows else end[None])
         at = end
     return np.concatenate(rows), True
+
+
+def has_corners(block: str, words: dict[str, float], code: float) -> bool:
+    """True where a block draws more than its own line or arc."""
+    letters = set(words)
+    return "," in block or bool(letters & set("AC")) or (code < 2.0 and bool(letters & set("RIK")))
+
+
+def arc_of(at: Floats, end: Floats, words: dict[str, float], *, ccw: bool) -> Floats:
+    """Places on an arc by R, or by I and K, behind its start."""
+    centre = np.add(at, (words.get("K", 0.0), words.get("I", 0.0)))
+    if "R" in words:
+        centre = centre_by_radius(at, end, words["R"], ccw=ccw)
+    return arc_places(at, end, centre, ccw=ccw)[1:]
 
 
 def check(cycle: Written, contour: list[str]) -> bool:

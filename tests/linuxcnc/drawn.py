@@ -386,6 +386,29 @@ class Ran(NamedTuple):
         return [*self.kept.misses(), *self.errors]
 
 
+def _runs_again(ran: Ran | None) -> bool:
+    return ran is None or bool(ran.misses)
+
+
+def _result(cut: Cut) -> chipbreak.Result | None:
+    """The filtered cut; None where it is refused or does not vibrate."""
+    try:
+        result = cut.filtered()
+    except chipbreak.ProgramRejectedError:
+        return None
+    return result if result.cuts else None
+
+
+def _run_at(waiting: Sequence[tuple[Cut, chipbreak.Result]], speed: float) -> dict[int, Ran]:
+    """What ran, by seed: all cuts of one machine at a time."""
+    kinds = [(cut.machine, 1.0 if "dwell" in cut.kind else speed) for cut, _ in waiting]
+    done: dict[int, Ran] = {}
+    for kind in dict.fromkeys(kinds):
+        group = [pair for pair, its in zip(waiting, kinds, strict=True) if its == kind]
+        done |= {ran.cut.seed: ran for ran in _run_group(group, *kind)}
+    return done
+
+
 def run_cuts(
     cuts: Sequence[Cut], *, speeds: Sequence[float] = (1.0, 0.5, 0.25)
 ) -> tuple[list[Ran], list[Cut]]:
@@ -394,25 +417,13 @@ def run_cuts(
     On a busy computer the machine waits for its program now and then; what missed something is run again,
     slower.  A dwell is waited for by the clock on the wall, so its cuts are not slowed down.
     """
-    refused = list[Cut]()
-    waiting = list[tuple[Cut, chipbreak.Result]]()
-    for cut in cuts:
-        try:
-            result = cut.filtered()
-        except chipbreak.ProgramRejectedError:
-            refused.append(cut)
-            continue
-        if result.cuts:
-            waiting.append((cut, result))
-        else:
-            refused.append(cut)
+    results = [(cut, _result(cut)) for cut in cuts]
+    refused = [cut for cut, result in results if result is None]
+    waiting = [(cut, result) for cut, result in results if result is not None]
     done: dict[int, Ran] = {}
     for speed in speeds:
-        kinds = [(cut.machine, 1.0 if "dwell" in cut.kind else speed) for cut, _ in waiting]
-        for one, speed_up in dict.fromkeys(kinds):
-            group = [pair for pair, kind in zip(waiting, kinds, strict=True) if kind == (one, speed_up)]
-            done |= {ran.cut.seed: ran for ran in _run_group(group, one, speed_up)}
-        waiting = [pair for pair in waiting if pair[0].seed not in done or done[pair[0].seed].misses]
+        done |= _run_at(waiting, speed)
+        waiting = [pair for pair in waiting if _runs_again(done.get(pair[0].seed))]
     unseen = [str(cut) for cut, _ in waiting if cut.seed not in done]
     if unseen:
         raise machine.MachineError(f"never ran: {unseen}")

@@ -183,12 +183,16 @@ class _Machine:
             self.state[what] = float(said[0]) * self.scale
         elif name == "STOP_SPEED_FEED_SYNCH":
             self.state["pitch"] = 0.0
-        elif name in _PLACES:
-            texts = rs274.arc_end(said, self.plane) if name == "ARC_FEED" else said[:3]
-            self.state["place"] = tuple(float(text) * self.scale for text in texts)
         elif name in _COOLANT:
             self.state[name.split("_", maxsplit=1)[0]] = name
+        elif name in _PLACES:
+            self._place(name, said)
         self._spindle(name, said)
+
+    def _place(self, name: str, said: Sequence[str]) -> None:
+        """Where a move ends."""
+        texts = rs274.arc_end(said, self.plane) if name == "ARC_FEED" else said[:3]
+        self.state["place"] = tuple(float(text) * self.scale for text in texts)
 
     def _spindle(self, name: str, said: Sequence[str]) -> None:
         """A surface speed is worked out where S is said and where the spindle starts, in the units then."""

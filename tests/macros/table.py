@@ -12,7 +12,7 @@ import argparse
 import itertools
 import sys
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -195,27 +195,39 @@ def _judge_drawn(pair: tuple[Row, Nominal]) -> str:
     return by_macros(pair[0])
 
 
+def _drawn_tools(pool: Executor, count: int) -> tuple[list[str], int]:
+    """What good and bad tools at random came to, and how many of them wrongly."""
+    lines: list[str] = []
+    wrong = 0
+    for name, runout_mm, expected in (("good", (0.0, 0.004), ""), ("runout", (0.01, 0.01), "RUNOUT")):
+        pairs = [(row, TOOLS[row.tool]) for row in drawn(count, runout_mm)]
+        said = list(pool.map(_judge_drawn, pairs, chunksize=20))
+        bad = [pair[0].text for pair, one in zip(pairs, said, strict=True) if one != expected]
+        wrong += len(bad)
+        lines += [f"{name}: {len(said) - len(bad)} of {len(said)} {expected or 'pass'}", *bad]
+    return lines, wrong
+
+
+def _whole_table(pool: Executor) -> tuple[list[str], int]:
+    """A line a row, and how many of them differ from what numpy says."""
+    lines: list[str] = []
+    wrong = 0
+    for row, macros, truth in pool.map(_judge, rows(), chunksize=4):
+        wrong += macros != truth
+        mark = "" if macros == truth else "  <-- numpy says " + truth
+        lines.append(f"{row.text}: {macros or 'passes'}{mark}")
+    lines.append(f"{len(lines)} rows, {wrong} differ")
+    return lines, wrong
+
+
 def main() -> int:
     """Write the table, or what the drawn tools came to."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--random", type=int, default=0)
     parser.add_argument("-o", "--output", type=Path)
     asked = parser.parse_args()
-    lines, wrong = [], 0
     with ProcessPoolExecutor(2) as pool:
-        if asked.random:
-            for name, runout_mm, expected in (("good", (0.0, 0.004), ""), ("runout", (0.01, 0.01), "RUNOUT")):
-                pairs = [(row, TOOLS[row.tool]) for row in drawn(asked.random, runout_mm)]
-                said = list(pool.map(_judge_drawn, pairs, chunksize=20))
-                bad = [pair[0].text for pair, one in zip(pairs, said, strict=True) if one != expected]
-                wrong += len(bad)
-                lines += [f"{name}: {len(said) - len(bad)} of {len(said)} {expected or 'pass'}", *bad]
-        else:
-            for row, macros, truth in pool.map(_judge, rows(), chunksize=4):
-                wrong += macros != truth
-                mark = "" if macros == truth else "  <-- numpy says " + truth
-                lines.append(f"{row.text}: {macros or 'passes'}{mark}")
-            lines.append(f"{len(lines)} rows, {wrong} differ")
+        lines, wrong = _drawn_tools(pool, asked.random) if asked.random else _whole_table(pool)
     text = "\n".join(lines) + "\n"
     sys.stdout.write(text if asked.output is None else lines[-1] + "\n")
     if asked.output is not None:
