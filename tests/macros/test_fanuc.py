@@ -207,7 +207,7 @@ def test_what_a_call_lacks_is_an_alarm() -> None:
         "G65 P8903 T1",
     ):
         assert stand.run(f"{STRAIGHT.data(1)}\n{call}") == "CALL", call
-    for missing in (" K1.", " D10.", " H50.", " Q4"):
+    for missing in (" K1.", " D10.", " H50.", " Q4."):
         assert stand.run(STRAIGHT.data(1).replace(f"{missing} ", " ")) == "CALL", missing
     assert stand.run("G65 P8903 T1 W0.02") == "NO EDGE"
 
