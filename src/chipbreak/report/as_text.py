@@ -73,7 +73,7 @@ def _operation(operation: ExplainedOperation) -> str:
 
 def _check(check: ExplainedCheck) -> str:
     where = "at the end" if check.is_at_end else f"before line {check.line}"
-    takes = "" if check.duration_s is None else f" (about {check.duration_s:.0f} s)"
+    takes = "" if check.duration_s is None else f" (about {check.duration_s:z.0f} s)"
     return f"{where}: {check.title}{takes}: {check.reason}"
 
 
@@ -83,11 +83,11 @@ def _together(report: Report) -> str:
     if not known:
         return ""
     whole = sum(known)
-    said = f", about {whole:.0f} s together"
+    said = f", about {whole:z.0f} s together"
     if not report.feed_s:
         return said
     share = whole / (whole + report.feed_s)
-    return f"{said}, {100.0 * share:.0f} % of checks and feed ({report.feed_s:.0f} s)"
+    return f"{said}, {100.0 * share:z.0f} % of checks and feed ({report.feed_s:z.0f} s)"
 
 
 def _cut(cut: ExplainedCut) -> Iterator[str]:
