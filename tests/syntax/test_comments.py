@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 import chipbreak
+from machine_reader import beside_unproven
 
 _CUT = "G97 S1000 M3\nG99 G0 X30. Z2.\nG1 Z-20. F0.1 N1.5\n"
 
@@ -31,7 +32,7 @@ def test_what_is_changed_before_it_stays_changed() -> None:
     program = f"{_CUT}G0 X50.\n(END\nM30\n".encode()
     result = chipbreak.rewrite(program, chipbreak.load("fanuc-lathe"))
     assert result.changed
-    assert [d.code for d in result.diagnostics] == ["SYN003"]
+    assert [d.code for d in beside_unproven(result.diagnostics)] == ["SYN003"]
 
 
 @pytest.mark.parametrize("line", ["; (APPROACH", "(A) ; (B", "(A", "(A))", "((A)"])

@@ -21,10 +21,10 @@ class Recorder(Machine):
     feeds: list[float] = field(default_factory=list)
     words: dict[str, float] = field(default_factory=dict)
 
-    def move(self, target: tuple[float, float, float]) -> None:
+    def move(self, target: tuple[float, float, float], feed_mm_min: float = 0.0) -> None:
         self.ends.append(target)
         self.feeds.append(self.words.get("F", 0.0))
-        super().move(target)
+        super().move(target, feed_mm_min)
 
 
 def run(program: str, reads_ahead: bool) -> tuple[np.ndarray, np.ndarray]:
