@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import difflib
 import os
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from chipbreak.options import PROFILE, SET, Asked, asking
-from chipbreak.streams import write_stdout
+from chipbreak.streams import read_input, write_stdout
 
 if TYPE_CHECKING:
     from chipbreak.settings import Settings
@@ -25,7 +24,7 @@ def textconv(file: str) -> None:
 
     A program that cannot be read so is printed as it is.
     """
-    write_stdout([f"{line}\n".encode("latin-1", "replace") for line in _lines(Path(file).read_bytes(), file)])
+    write_stdout([f"{line}\n".encode("latin-1", "replace") for line in _lines(read_input(file), file)])
 
 
 @click.command("git-diff")
@@ -57,7 +56,7 @@ def _compared(asked: Asked, path: str, files: tuple[str, str], names: tuple[str,
     from chipbreak.editing.diff import compare, items_of
     from chipbreak.text.diagnostics import ProgramRejectedError
 
-    data = [b"" if file == _NOTHING else Path(file).read_bytes() for file in files]
+    data = [b"" if file == _NOTHING else read_input(file) for file in files]
     head = [f"diff --chipbreak {names[0]} {names[1]}"]
     settings = _settings(asked, path)
     try:

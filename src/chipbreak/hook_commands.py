@@ -95,7 +95,10 @@ def hooks_watch(asked: Asked, folder: str, output: str) -> None:
         for name in sorted({Path(path).name for _, path in changes}):
             source = Path(folder, name)
             if is_program(name) and source.is_file():
-                _filter_into(asked, source, Path(output, name))
+                try:
+                    _filter_into(asked, source, Path(output, name))
+                except click.UsageError as error:  # gone again, or not yet to be read: the next one may be
+                    asked.reporter.tell(escaped(f"{source}: {error.message}"))
 
 
 def _watcher() -> Callable[..., Iterable[set[tuple[object, str]]]]:

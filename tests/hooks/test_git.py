@@ -134,3 +134,13 @@ def test_a_rejected_unicode_program_is_shown_as_it_is(driver: Path) -> None:
     (driver / "plain.nc").write_bytes(PROGRAM.decode().encode("utf-16"))
     done = git(driver, "diff", "--text")
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    "args", [["textconv", "gone.nc"], ["git-diff", "a", "gone.nc", "0", "0", "b", "0", "0"]]
+)
+def test_a_file_that_is_not_there(args: list[str], tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "chipbreak", *args]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "cannot read gone.nc" in done.stderr
