@@ -77,21 +77,55 @@ def test_feed_per_revolution_in_a_milling_program_that_has_none_is_said() -> Non
     assert not said(drill.replace("G17", "G17 G95").replace("F120.", "F0.1"))
 
 
-HELD = ("planner.override_off=M50 P0", "planner.override_on=M50 P1")
 LINUXCNC = "G21 G7 G90 G95 G97 S1000 M3\nG0 X20 Z2\nG1 Z-20 F0.1 N0.5\nG0 X30\nM2\n"
+HELD = ["M50 P0", "M51 P0"]
+GIVEN_BACK = ["M50 P1", "M51 P1"]
+LEFT_TO_THE_OPERATOR = ("planner.override_off=[]", "planner.override_on=[]")
 
 
-def test_the_feed_override_is_held_in_the_cut_and_given_back() -> None:
-    settings = chipbreak.load("linuxcnc-lathe", HELD)
-    result = chipbreak.rewrite(LINUXCNC.encode(), settings)
+def overrides_in(data: bytes) -> list[str]:
+    return [line for line in data.decode().splitlines() if line.startswith(("M48", "M49", "M50", "M51"))]
+
+
+def test_the_overrides_are_held_in_the_cut_and_given_back() -> None:
+    result = chipbreak.rewrite(LINUXCNC.encode(), chipbreak.load("linuxcnc-lathe"))
     lines = result.data.decode().splitlines()
     first = next(i for i, line in enumerate(lines) if line.startswith("G1 Z"))
-    assert lines.index("M50 P0") < first < lines.index("M50 P1")
+    last = next(i for i, line in enumerate(lines) if "CHIPBREAK END" in line)
+    assert overrides_in(result.data) == HELD + GIVEN_BACK
+    assert all(lines.index(line) < first for line in HELD)
+    assert all(first < lines.index(line) < last for line in GIVEN_BACK)
     assert chipbreak.restore(result.data) == LINUXCNC.encode()
-    own = LINUXCNC.replace("G0 X20", "M49\nG0 X20")
-    assert b"M50" not in chipbreak.rewrite(own.encode(), settings).data
+    assert not chipbreak.rewrite(result.data, chipbreak.load("linuxcnc-lathe")).changed
+    assert "of feed override, which this cut holds at 100%" in explained("linuxcnc-lathe", LINUXCNC)
+
+
+def test_every_cut_holds_them_for_itself() -> None:
+    twice = LINUXCNC.replace("G0 X30\n", "G0 X30\nZ2\nX18\nG1 Z-20 F0.1 N0.5\n")
+    data = chipbreak.rewrite(twice.encode(), chipbreak.load("linuxcnc-lathe")).data
+    assert overrides_in(data) == 2 * (HELD + GIVEN_BACK)
+
+
+def test_a_program_that_switches_overrides_itself_keeps_them() -> None:
+    for own in ("M49", "M50 P0", "M51"):
+        program = LINUXCNC.replace("G0 X20", f"{own}\nG0 X20")
+        data = chipbreak.rewrite(program.encode(), chipbreak.load("linuxcnc-lathe")).data
+        assert overrides_in(data) == [own]
+
+
+def test_they_can_be_left_to_the_operator() -> None:
+    data = chipbreak.rewrite(LINUXCNC.encode(), chipbreak.load("linuxcnc-lathe", LEFT_TO_THE_OPERATOR)).data
+    assert overrides_in(data) == []
+
+
+def test_a_variable_of_the_control_holds_them_on_fanuc() -> None:
+    lathe = "G21 G99 G97 S1000 M3\nG0 X20. Z2.\nG1 Z-20. F0.1 N0.5\nG0 X30.\nM30\n"
+    sets = ["planner.override_off=#3004=2", "planner.override_on=#3004=0"]
+    result = chipbreak.rewrite(lathe.encode(), chipbreak.load("fanuc-lathe", sets))
+    assert [line for line in result.data.decode().splitlines() if "#" in line] == ["#3004=2", "#3004=0"]
+    assert chipbreak.restore(result.data) == lathe.encode()
 
 
 def test_who_holds_the_override_gives_it_back() -> None:
     with pytest.raises(chipbreak.SettingsError, match="override_on"):
-        chipbreak.load("linuxcnc-lathe", HELD[:1])
+        chipbreak.load("linuxcnc-lathe", ["planner.override_on=[]"])

@@ -164,7 +164,8 @@ def _band(cut: ExplainedCut) -> Iterator[str]:
         least, most = cut.override_band
         # Rounded towards 100 %: what is said breaks.
         percents = f"{math.ceil(100.0 * least)}% to {math.floor(100.0 * most)}%"
-        yield f"breaks from {percents} of feed override, which takes N with it"
+        with_it = "which this cut holds at 100%" if cut.holds_override else "which takes N with it"
+        yield f"breaks from {percents} of feed override, {with_it}"
 
 
 def _machine(cut: ExplainedCut) -> Iterator[str]:

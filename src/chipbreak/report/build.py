@@ -114,6 +114,7 @@ def _cut(cut: CutReport, source: Source, settings: Settings) -> ExplainedCut:
         override_band=cut.override_band,
         follows_spindle=plan.expander.feed_mode(plan.chain.before.modes.feed_mode, settings.output.feed_mode)
         == "rev",
+        holds_override=cut.holds_override,
     )
 
 

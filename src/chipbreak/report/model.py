@@ -81,7 +81,8 @@ class ExplainedCut:
                    it: the verdict says what a control would do that follows the blocks exactly
     ``acceleration_mm_s2``  the least that an axis must have;  ``acceleration_share``  of what it has, None
                    where nobody says that
-    ``override_band``  from which to which feed override, 1 for 100 %, its chips break at this spindle speed
+    ``override_band``  from which to which feed override, 1 for 100 %, its chips break at this spindle speed;
+                   ``holds_override``  the cut holds it at 100 %
     ``follows_spindle``  the blocks say feed per revolution: N stays when the spindle droops
     ``servo_share``  what the axes make of the commanded stroke, None where they are taken to follow;
                    ``delay_s``  by how much they are late;  ``path_error_mm``  how far they leave the path
@@ -122,6 +123,7 @@ class ExplainedCut:
     acceleration_share: float | None = None
     override_band: tuple[float, float] | None = None
     follows_spindle: bool = False
+    holds_override: bool = False
 
     @property
     def written_moves(self) -> int:

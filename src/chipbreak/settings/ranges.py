@@ -58,7 +58,7 @@ def check_steps(layer: Layer, axes: Mapping[str, Axis]) -> None:
 def check_override(layer: Layer, planner: Planner) -> None:
     """What takes the feed override from the operator gives it back."""
     for key, other in (("override_off", "override_on"), ("override_on", "override_off")):
-        if getattr(planner, key) and not getattr(planner, other):
-            message = f"planner.{key} = {getattr(planner, key)!r} without {other}"
-            hint = 'give both, on LinuxCNC "M50 P0" and "M50 P1"'
+        if any(getattr(planner, key)) and not any(getattr(planner, other)):
+            message = f"planner.{key} = {list(getattr(planner, key))!r} without {other}"
+            hint = 'give both, on LinuxCNC "M50 P0" and "M50 P1", or neither'
             raise layer.fail(IMPOSSIBLE, f"planner.{key}", message, hint)

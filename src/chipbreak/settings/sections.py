@@ -161,7 +161,8 @@ class Planner(ValueRecord):
     move that runs evenly.  The limits of the path count in every direction, beside those of the axes.
     A dwell takes whole ``dwell_step_ms``.  No move is slower than ``least_feed_mm_min``, nor its steps than
     ``least_steps_per_s``.  For ``segment_ms`` at once the control works out its steps.
-    ``override_off`` and ``override_on`` stand around a vibrated cut: the feed override would take N with it.
+    ``override_off`` and ``override_on`` are the blocks around a vibrated cut that hold the overrides at 100 %
+    and give them back: they would take N with them.
     ``numbers_at`` says to people where these numbers, and those of the axes, are kept on the control.
     """
 
@@ -186,8 +187,8 @@ class Planner(ValueRecord):
     usual_path_mode: str = "G64"
     smoothing_off: str = ""
     smoothing_on: str = ""
-    override_off: str = ""
-    override_on: str = ""
+    override_off: tuple[str, ...] = ()
+    override_on: tuple[str, ...] = ()
     numbers_at: str = ""
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from chipbreak.editing.edits import Edit, MoveTable
 from chipbreak.editing.promise import Promise, Written
@@ -31,20 +32,40 @@ class Step(NamedTuple):
     speed: str
 
 
+class Overrides(NamedTuple):
+    """The blocks that hold the overrides in a cut, and those that give them back."""
+
+    held: Sequence[str] = ()
+    given_back: Sequence[str] = ()
+
+
+def overrides_of(interpreted: InterpretedProgram) -> Overrides:
+    """Those of the profile; none in a program that switches overrides itself."""
+    planner = interpreted.settings.planner
+    if not any(planner.override_off):
+        return Overrides()
+    words = (word for effect in interpreted.effects for word in effect.block.words_of("M"))
+    is_own = any(word.number in _OVERRIDES for word in words)
+    return Overrides() if is_own else Overrides(planner.override_off, planner.override_on)
+
+
 class VibratedCut(Promise, kw_only=True):
     """The blocks of the edit run these plans: along their paths, in their times, at their spindle speeds.
 
     ``lines`` are the blocks of each in the edit, from ``first`` to ``last`` (exclusive), from the first line
-    behind the brackets on; a single cut has them all.
+    behind the brackets on; a single cut has them all.  ``holds_override``: the operator's overrides do not
+    count in them.
     """
 
     cuts: tuple[tuple[CutPlan, Expansion], ...]
     lines: tuple[tuple[int, int], ...] = ()
     leaves_speed: bool = True
+    holds_override: bool = False
 
     def check(self, written: Written) -> tuple[CutReport, ...]:
         """Measure the cuts as the output commands them, and judge their chips."""
-        return tuple(measure_cut(written.result, where, *cut) for cut, where in self._each(written))
+        reports = (measure_cut(written.result, where, *cut) for cut, where in self._each(written))
+        return tuple(replace(report, holds_override=self.holds_override) for report in reports)
 
     def motions(self, written: Written) -> Iterator[CutMotion]:
         """The cuts in time, as the output commands them."""
@@ -60,22 +81,21 @@ class VibratedCut(Promise, kw_only=True):
             yield cut, whole._replace(body=whole.body + first, last=whole.body + last)
 
 
-def cut_edit(steps: Sequence[Step], interpreted: InterpretedProgram) -> Edit:
-    """The edit of one cut, or of the steps in which it vibrates."""
+def cut_edit(steps: Sequence[Step], interpreted: InterpretedProgram, overrides: Overrides) -> Edit:
+    """The edit of one cut, or of the steps in which it vibrates; ``overrides`` stand around it."""
     settings = interpreted.settings
     first = steps[0].plan.chain
     last = steps[-1].plan.chain
     switched, given_back = _modes_around(first, settings)
-    held, free = _override_around(interpreted)
     feed_mode, feed_back = _feed_modes(steps[-1].plan, interpreted)
     comments = [text for step in steps for text in _comments(step.plan.chain, interpreted)]
     head = [
         *dict.fromkeys(comments),
         first.preamble(),
+        *overrides.held,  # before the speed, which then has its time to settle
         *_speed(steps[0], settings),
         feed_mode,
         *switched,
-        *held,
     ]
     content: list[str | MoveTable] = [text for text in head if text]
     lines = []
@@ -84,12 +104,13 @@ def cut_edit(steps: Sequence[Step], interpreted: InterpretedProgram) -> Edit:
         begin = _line_count(content)
         content += step.expansion.content
         lines.append((begin, _line_count(content)))
-    content += [text for text in (*feed_back, *free, *given_back) if text]
+    content += [text for text in (*feed_back, *given_back, *overrides.given_back) if text]
     reason = "; ".join(part for step in steps for part in step.plan.reasons) or "nothing to correct"
     promise = VibratedCut(
         cuts=tuple((step.plan, step.expansion) for step in steps),
         lines=tuple(lines) if len(steps) > 1 else (),
         leaves_motion=last.after.modes.motion != "line",
+        holds_override=any(overrides.held),
     )
     return Edit(first.first, last.last, tuple(content), _title(steps), reason, promise)
 
@@ -160,15 +181,6 @@ def _modes_around(chain: Chain, settings: Settings) -> tuple[list[str], list[str
         head.append(planner.path_mode)
         tail.append(before.path_words or planner.usual_path_mode)
     return head, tail
-
-
-def _override_around(interpreted: InterpretedProgram) -> tuple[list[str], list[str]]:
-    """What holds the feed override in the cut and gives it back; nothing in a program that does so itself."""
-    planner = interpreted.settings.planner
-    own = any(
-        word.number in _OVERRIDES for effect in interpreted.effects for word in effect.block.words_of("M")
-    )
-    return ([], []) if own or not planner.override_off else ([planner.override_off], [planner.override_on])
 
 
 def _is_same_mode(one: str, other: str) -> bool:

@@ -22,7 +22,7 @@ from chipbreak.vibration.advice import with_advice
 from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.chain import Chain, chains_of, legs_of
 from chipbreak.vibration.choice import Chooser, is_open
-from chipbreak.vibration.cut_edit import Step, cut_edit, settling
+from chipbreak.vibration.cut_edit import Step, cut_edit, overrides_of, settling
 from chipbreak.vibration.diameter_steps import diameter_steps
 from chipbreak.vibration.left_cut import LeftCut
 from chipbreak.vibration.loop_names import LoopNames, free_names
@@ -132,7 +132,8 @@ def _edits(
             steps[-1].append(step)
         else:
             steps.append([step])
-    edits = [cut_edit(group, interpreted) for group in steps]
+    overrides = overrides_of(interpreted)
+    edits = [cut_edit(group, interpreted, overrides) for group in steps]
     return edits + [_speed_back(change, interpreted) for change in changes if change.for_cut is None]
 
 

@@ -60,7 +60,8 @@ class CutReport:
     ``acceleration_mm_s2`` is the least that can run it, behind filters that of the motion itself, and
     ``allowed_mm_s2`` what the axes have.  ``following`` says how the axes follow their command, None where
     they are taken to follow it exactly.  ``clearances`` are the flank clearance that the forward stroke uses
-    up at the largest and the smallest diameter, none where the diameter is not known.
+    up at the largest and the smallest diameter, none where the diameter is not known.  ``holds_override``:
+    the operator's overrides do not count in it.
     """
 
     plan: CutPlan
@@ -75,6 +76,7 @@ class CutReport:
     allowed_mm_s2: float
     following: Following | None
     clearances: tuple[Clearance, ...]
+    holds_override: bool = False
 
     def __repr__(self) -> str:
         chips = "chips break" if self.verdict.breaks else "chips do not break"

@@ -8,6 +8,8 @@ M2
 ; flags: -p linuxcnc-mill --set planner.model=ideal --set checks.enabled=false
 G21 G17 G90 G90.1 G95 S1000 M3
 G0 X10 Y5 Z0
+M50 P0
+M51 P0
 G61
 G1 X9.9984 Y5.08 F0.4801
 X9.9936 Y5.1598 F0.47967
@@ -95,5 +97,7 @@ X8.2272 Y6.9870 F0.30000
 X8.1138 Y6.9968 F0.30000
 X8. Y7. F0.3
 G64
+M50 P1
+M51 P1
 G0 Z5
 M2

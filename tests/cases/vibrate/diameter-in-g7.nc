@@ -8,6 +8,8 @@ M2
 ; flags: -p linuxcnc-lathe --set axes.X.max_acceleration_mm_s2=10000
 G7 G21 G95 G97 S400 M3
 G0 X20 Z0
+M50 P0
+M51 P0
 G61
 G1 X19.7562 F0.1215
 X19.7563 F0.00500
@@ -33,5 +35,7 @@ X16.5573 F0.00500
 X16.4000 F0.08175
 X16. F0.1
 G64
+M50 P1
+M51 P1
 G0 X40
 M2

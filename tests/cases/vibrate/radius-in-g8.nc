@@ -8,6 +8,8 @@ M2
 ; flags: -p linuxcnc-lathe --set axes.X.max_acceleration_mm_s2=10000
 G8 G21 G95 G97 S400 M3
 G0 X10 Z0
+M50 P0
+M51 P0
 G61
 G1 X9.878 F0.12159
 X9.8781 F0.01000
@@ -33,5 +35,7 @@ X8.2787 F0.01000
 X8.2000 F0.08180
 X8. F0.1
 G64
+M50 P1
+M51 P1
 G0 X20
 M2
