@@ -131,6 +131,10 @@ WAYS: dict[str, list[Way]] = {
     "rotary-axis": [("G1 Z-30. C90.", "G0 C90.\nG1 Z-30.")],
     "ramp-exponent-as-a-word": [("G1(.*) N1.5 K2", r"(VIB N1.5 K2)\nG1\1")],
     "rotated-coordinates": [("G68 X0. Z0. R30.", "G68 X0. Z0. R30.\nG69"), (" N1.5", "")],
+    "look-ahead-with-feed-per-revolution": [
+        "output.feed_mode=minute",
+        "planner.model=after-interpolation",
+    ],
     "unproven-under-strict": ["planner.model=after-interpolation"],
     "servo-leaves-too-little": [("N1.5", "N1.5 f2."), ("Q1.2", "Q10.6"), (" Q1.2", "")],
     "sine-in-strokes": ['output.segments="tick"', ("SINE", "TRIANGLE")],

@@ -61,6 +61,8 @@ class ControlLaw(ABC):
     needs_acceleration: ClassVar[bool] = True
     needs_filters: ClassVar[bool] = False
     """What the axes make of their command must be known too."""
+    needs_feed_per_minute: ClassVar[bool] = False
+    """Where feed is per revolution the control goes by another law."""
     keeps_time: ClassVar[bool] = False
     """Blocks take the time that they say: a crest moved by rounding is then no other frequency."""
     runs_whole_periods: ClassVar[bool] = False

@@ -25,6 +25,7 @@ class LookAhead(Junction):
 
     name: ClassVar[str] = "look-ahead"
     needs_filters: ClassVar[bool] = True
+    needs_feed_per_minute: ClassVar[bool] = True
 
     joint_speed_mm_s: float = 0.0
 

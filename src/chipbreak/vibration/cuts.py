@@ -25,6 +25,7 @@ from chipbreak.vibration.choice import Chooser, is_open
 from chipbreak.vibration.cut_edit import Step, cut_edit, overrides_of, settling
 from chipbreak.vibration.diameter_steps import diameter_steps
 from chipbreak.vibration.left_cut import LeftCut
+from chipbreak.vibration.look_ahead_feed import without_look_ahead
 from chipbreak.vibration.loop_names import LoopNames, free_names
 from chipbreak.vibration.plan import CutPlan, plan_cut
 from chipbreak.vibration.request import Request
@@ -114,6 +115,7 @@ def _tried(
     edits = _edits(interpreted, made.cuts, changes)
     warnings = [*made.warnings, *_smoothed(interpreted, [plan.chain for plan in plans])]
     warnings += [*shared_spindle(interpreted, plans), *needs_encoder(interpreted, plans)]
+    warnings += without_look_ahead(interpreted, plans)
     return Cuts(edits, warnings, left)
 
 
