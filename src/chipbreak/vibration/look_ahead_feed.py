@@ -27,7 +27,8 @@ def without_look_ahead(interpreted: InterpretedProgram, plans: Sequence[CutPlan]
     message = (
         f"look-ahead needs feed per minute, and the blocks of this cut feed per revolution ({code})"
     )
-    help_text = 'set output.feed_mode = "minute", or planner.model = "after-interpolation" without joint_speed_mm_min'
+    instead = 'planner.model = "after-interpolation" without joint_speed_mm_min'
+    help_text = f'set output.feed_mode = "minute", or {instead}'
     severity = Severity.ERROR if settings.checks.strict else Severity.WARNING
     yield interpreted.program.diagnose(plan.chain.first, NO_LOOK_AHEAD, message, help_text, severity=severity)
 
