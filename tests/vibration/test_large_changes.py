@@ -101,3 +101,34 @@ def test_an_acceleration_along_the_path_is_known_too() -> None:
     assert need
     enough = chipbreak.load("klipper", [f"planner.path_acceleration_mm_s2={float(need[1]) * 1000.0}"])
     assert chipbreak.rewrite(program.encode(), enough).cuts
+
+
+def test_a_cut_that_leaves_hardly_any_acceleration() -> None:
+    program = CUT.format(wish="N1.5", s="3000", f="0.05").encode()
+
+    def shares(has: int, *more: str) -> list[str]:
+        sets = ["planner.model=trapezoid", f"axes.Z.max_acceleration_mm_s2={has}", *more]
+        return [one.message for one in chipbreak.check(program, chipbreak.load("generic-lathe", sets))]
+
+    assert shares(5000) == ["this cut uses 96% of the acceleration that the profile gives Z"]
+    assert shares(6000) == []
+    assert shares(5000, "vibration.reserve=0.02") == []
+
+
+def test_of_many_such_cuts_one_warning_is_given() -> None:
+    program = "G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nG0 X30.\nZ2.\nX19.\nG1 Z-30. F0.05 N1.5\nM30\n"
+    sets = ["planner.model=trapezoid", "axes.Z.max_acceleration_mm_s2=5000"]
+    (one,) = chipbreak.check(program.encode(), chipbreak.load("generic-lathe", sets))
+    assert one.code == "VIB090"
+    assert one.message.startswith("this and one more cut use up to 96%")
+
+
+def test_the_steps_of_one_block_are_told_of_once() -> None:
+    face = "G50 S2500\nG96 S200 M3\nG0 X100. Z0.\n(VIB N1.5)\nG1 X10. F0.2\nM30\n"
+    found = chipbreak.check(face.encode(), chipbreak.load("generic-lathe"))
+    assert len({one.code for one in found}) == len(found)
+    (load,) = [one for one in found if one.code == "VIB076"]
+    cuts = chipbreak.rewrite(face.encode(), chipbreak.load("generic-lathe")).cuts
+    needs = [cut.acceleration_mm_s2 for cut in cuts]
+    assert len(needs) > 1
+    assert f"need {max(needs) / 1000.0:.1f} m/s2" in load.message

@@ -65,7 +65,8 @@ OPERATION_KINDS = ("rough", "semi-finish", "finish", "drill", "thread", "probe",
 class Vibration(ValueRecord):
     """Defaults for what a program does not say about its vibrated cuts.
 
-    ``n`` ``auto``: the machine chooses N, f and S for each cut, and leaves ``reserve`` of its acceleration.
+    ``n`` ``auto``: the machine chooses N, f and S for each cut, and leaves ``reserve`` of its acceleration;
+    of cuts with N and f of their own that leave less it is said.
     ``only`` names the operations for whose cuts the profile asks, kinds or tools (``T3``).  ``refused`` says
     what becomes of a cut that cannot vibrate: ``auto`` leaves those that only the profile asks for.  ``air``
     is what becomes of a feed back through what was just cut.

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from itertools import groupby
 
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.kinds import Kind
@@ -12,6 +13,7 @@ from chipbreak.text.diagnostics import Diagnostic, Severity
 from chipbreak.units import MS_PER_S
 from chipbreak.vibration.judged import Judged
 from chipbreak.vibration.large_changes import LARGE_CHANGES
+from chipbreak.vibration.little_to_spare import little_to_spare
 from chipbreak.vibration.measure import CutReport
 from chipbreak.vibration.unproven import unproven
 
@@ -35,13 +37,18 @@ def findings_of_cuts(
 ) -> list[Diagnostic]:
     """What is wrong with the vibrated cuts among the reports, in their order."""
     found: list[Diagnostic] = []
-    for report in reports:
-        if isinstance(report, CutReport):
-            advise = sum(d.code in (UNBROKEN, MISSED) for d in found) < _MOST_ADVISED
-            judged = Judged(interpreted, operations, report, allow_unbroken, advise)
-            said = (rule(judged) for rule in _RULES)
-            found += [diagnostic for diagnostic in said if diagnostic is not None]
-    return found + unproven(interpreted, [report for report in reports if isinstance(report, CutReport)])
+    cuts = [report for report in reports if isinstance(report, CutReport)]
+    for _, steps in groupby(cuts, lambda report: report.plan.chain.first):
+        advise = sum(d.code in (UNBROKEN, MISSED) for d in found) < _MOST_ADVISED
+        found += _of_block(Judged(interpreted, operations, one, allow_unbroken, advise) for one in steps)
+    return [*found, *little_to_spare(interpreted, cuts), *unproven(interpreted, cuts)]
+
+
+def _of_block(steps: Iterable[Judged]) -> list[Diagnostic]:
+    """What is wrong with the steps of one block, each thing once: of the step that needs most."""
+    hardest_first = sorted(steps, key=lambda one: -one.report.acceleration_mm_s2)
+    said = (next(filter(None, map(rule, hardest_first)), None) for rule in _RULES)
+    return [diagnostic for diagnostic in said if diagnostic is not None]
 
 
 def errors_of_cuts(
@@ -80,13 +87,21 @@ def _missed(judged: Judged) -> Diagnostic | None:
         f"the control would take {report.duration_s:z.2f} s for this cut of {planned_s:z.2f} s"
         f" and make N {report.verdict.per_rev:z.3f} of {plan.solution.per_rev:z.3f}"
     )
-    if len(plan.path.legs) > 1 or plan.path.arcs[0] is not None:
-        message += ": it rests at bends of the path"
-    elif plan.wave.form == "tick":
-        message += ": strokes of several blocks do not keep their times"
+    message += _why_missed(report)
     works = judged.ways_out()
     help_text = f"works: {works}" if works else "ask for a lower frequency, or vibrate each block on its own"
     return judged.diagnose(MISSED, message, help_text, Severity.ERROR)
+
+
+def _why_missed(report: CutReport) -> str:
+    plan = report.plan
+    if report.duration_s < plan.wave.duration_s + plan.end_dwell_s:
+        return ": it runs no move as slowly as this cut asks"
+    if plan.path.corners_mm().size or any(arc is not None for arc in plan.path.arcs):
+        return ": it slows down at bends of the path"
+    if plan.wave.form == "tick":
+        return ": strokes of several blocks do not keep their times"
+    return ""
 
 
 def _unbroken(judged: Judged) -> Diagnostic | None:

@@ -24,9 +24,7 @@ def without_look_ahead(interpreted: InterpretedProgram, plans: Sequence[CutPlan]
     if plan is None:
         return
     code = settings.dialect.code("feed_mode", "rev")
-    message = (
-        f"look-ahead needs feed per minute, and the blocks of this cut feed per revolution ({code})"
-    )
+    message = f"look-ahead needs feed per minute, and the blocks of this cut feed per revolution ({code})"
     instead = 'planner.model = "after-interpolation" without joint_speed_mm_min'
     help_text = f'set output.feed_mode = "minute", or {instead}'
     severity = Severity.ERROR if settings.checks.strict else Severity.WARNING
