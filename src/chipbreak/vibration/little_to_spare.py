@@ -20,7 +20,7 @@ def little_to_spare(interpreted: InterpretedProgram, cuts: Sequence[CutReport]) 
     Where the machine chooses it keeps the reserve; what is asked for by N and f is run as asked.
     """
     reserve = interpreted.settings.vibration.reserve
-    close = [cut for cut in cuts if cut.verdict.breaks and _share(cut) > _WITH_ROUNDING * (1.0 - reserve)]
+    close = [cut for cut in cuts if cut.holds and _share(cut) > _WITH_ROUNDING * (1.0 - reserve)]
     if not close:
         return
     most = max(map(_share, close))
