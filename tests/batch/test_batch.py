@@ -173,7 +173,7 @@ def test_a_folder_becomes_a_folder(shop: Path) -> None:
     lines = done.stdout.splitlines()
     assert lines[0].split("  ", 1) == [
         "in/O0001",
-        "        1 cut vibrates, it breaks; these cuts take 0:01.2 -> 0:01.7",
+        "        1 cut vibrates, it breaks; cycle 0:02.2 -> 0:02.7",
     ] or (lines[0].startswith("in/O0001 "))
     assert lines[-1] == "4 programs: 3 written, 2 of them with cuts that vibrate; 1 rejected"
 

@@ -262,7 +262,8 @@ def test_explain_lists_what_stays() -> None:
             MIXED,
             PROFILE,
             "2 cuts vibrate, unproven: all would break on a control that follows the blocks exactly;"
-            " 1 left as it was; these cuts take 0:25.6 -> 0:30.7;"
+            " 1 left as it was; cycle 0:53.2 -> 0:58.3 "
+            "(assumed: rapids 10 m/min, 1 s a rapid where a place is unknown);"
             " profile names no axis data",
             id="all of it",
         ),
@@ -270,10 +271,11 @@ def test_explain_lists_what_stays() -> None:
             MIXED,
             (*PROFILE, "axes.Z.max_acceleration_mm_s2=50000"),
             "2 cuts vibrate, unproven: all would break on a control that follows the blocks exactly;"
-            " 1 left as it was; these cuts take 0:25.6 -> 0:30.7",
+            " 1 left as it was; cycle 0:53.2 -> 0:58.3 "
+            "(assumed: rapids 10 m/min, 1 s a rapid where a place is unknown)",
             id="with axis data",
         ),
-        pytest.param(f"{HEAD}M30\n", PROFILE, "no cut vibrates", id="nothing"),
+        pytest.param(f"{HEAD}M30\n", PROFILE, "no cut vibrates: nothing asks for it", id="nothing"),
     ],
 )
 def test_the_summary(program: str, sets: tuple[str, ...], line: str) -> None:

@@ -53,14 +53,15 @@ class Subprograms:
     def call_tools(self, effect: BlockEffect) -> bool:
         """True when a subprogram in this file, called by a block, calls tools."""
         dialect = self.interpreted.settings.dialect
-        bodies = [self._body(key) for key in _called(effect)]
+        bodies = [self.body(key) for key in called_by(effect)]
         return any(
             calls_tool(inner, dialect)
             for inner in self.interpreted.effects
             if any(body is not None and inner.block.line in body for body in bodies)
         )
 
-    def _body(self, key: _Key) -> range | None:
+    def body(self, key: _Key) -> range | None:
+        """The lines of a subprogram in this file, None for one that is not there."""
         if isinstance(key, int) and key not in self.bodies:
             key %= _ONE_PROGRAM
         return self.bodies.get(key)
@@ -68,7 +69,7 @@ class Subprograms:
     def _after(self, effect: BlockEffect, callers: tuple[_Key, ...]) -> _Return | None:
         """The state after a block with all that it calls."""
         found = _Return(effect.after, frozenset())
-        for key in _called(effect):
+        for key in called_by(effect):
             end = self._run(key, found.state, callers)
             if end is None:
                 return None
@@ -85,7 +86,7 @@ class Subprograms:
         return self._runs[here]
 
     def _follow(self, key: _Key, state: State, callers: tuple[_Key, ...]) -> _Return | None:
-        body = self._body(key)
+        body = self.body(key)
         if body is None or len(body) > _LONGEST:
             return None
         program = self.interpreted.program
@@ -104,7 +105,7 @@ class Subprograms:
         return _Return(state, frozenset() if is_straight else frozenset(perhaps))
 
 
-def _called(effect: BlockEffect) -> Iterator[_Key]:
+def called_by(effect: BlockEffect) -> Iterator[_Key]:
     """The labels or numbers of what a block calls; an empty text where it has no name that can be read."""
     for control in effect.block.controls:
         if control.keyword == "O-CALL":

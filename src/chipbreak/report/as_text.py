@@ -6,16 +6,19 @@ import math
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
+from chipbreak.report.summary import clock
 from chipbreak.text.encoding import escaped
 from chipbreak.units import MS_PER_S, S_PER_MIN
 
 if TYPE_CHECKING:
     from chipbreak.report.model import (
+        CycleTime,
         ExplainedCheck,
         ExplainedCut,
         ExplainedLeft,
         ExplainedLoop,
         ExplainedOperation,
+        ExplainedUnasked,
         Report,
     )
 
@@ -23,6 +26,7 @@ if TYPE_CHECKING:
 _OTHER_STROKE = 0.03  # of the planned stroke, from which on the reached one is told
 _MUCH_THICKER = 1.01
 _LEAST_DRIFT_STEPS = 0.001
+_MOST_UNTIMED = 20
 _MEMBERS = {"tool": "the tool (tool post)", "work": "the work (spindle carrier)"}
 
 
@@ -34,7 +38,7 @@ def report_lines(report: Report) -> Iterator[str]:
 def _lines_of(report: Report) -> Iterator[str]:
     yield f"{report.file}, profile {report.profile}"
     yield ""
-    yield f"Vibrated cuts: {len(report.cuts) or 'none'}"
+    yield f"Vibrated cuts: {len(report.cuts) or 'none'}{_nothing_asks(report)}"
     for cut in report.cuts:
         yield from _cut(cut)
     if report.left:
@@ -42,6 +46,10 @@ def _lines_of(report: Report) -> Iterator[str]:
         yield f"Left as they were: {len(report.left)}"
         for left in report.left:
             yield from _left(left)
+    if report.unasked and (report.cuts or report.left):
+        yield ""
+        yield "Not asked to vibrate:"
+        yield from map(_unasked, report.unasked)
     yield ""
     yield f"Operations: {len(report.operations) or 'none'}"
     for number, operation in enumerate(report.operations, 1):
@@ -50,6 +58,37 @@ def _lines_of(report: Report) -> Iterator[str]:
     yield f"Tool checks: {len(report.checks) or 'none'}{_together(report)}"
     for check in report.checks:
         yield f"  {_check(check)}"
+    if report.time is not None:
+        yield ""
+        yield from _time(report.time)
+
+
+def _nothing_asks(report: Report) -> str:
+    """How to ask, where nobody does: no silent nothing."""
+    if report.cuts or report.left:
+        return ""
+    return "; nothing asks: N1.5 in a cut, (VIB N1.5) before it, or vibration.n in the profile would"
+
+
+def _unasked(unasked: ExplainedUnasked) -> str:
+    blocks = f"{unasked.blocks} blocks that cut" if unasked.blocks > 1 else "1 block that cuts"
+    lines = _lines(unasked.first_line, unasked.last_line)
+    return f"  {unasked.operation}, {lines}: {blocks}: {unasked.reason}"
+
+
+def _time(time: CycleTime) -> Iterator[str]:
+    yield f"Time of the program: {clock(time.before_s)} as programmed, {clock(time.after_s)} filtered"
+    for part in time.parts:
+        changed = clock(part.before_s) != clock(part.after_s)
+        after = f" -> {clock(part.after_s)}" if changed else ""
+        yield f"  {part.name:14}{clock(part.before_s)}{after}"
+    for assumed in time.assumed:
+        key = f": {assumed.key} in the profile says yours" if assumed.key else ""
+        yield f"  {'assumed':14}{assumed.what}{key}"
+    for one in time.untimed[:_MOST_UNTIMED]:
+        yield f"  {'not timed':14}line {one.line}: {one.why}"
+    if len(time.untimed) > _MOST_UNTIMED:
+        yield f"  {'not timed':14}and {len(time.untimed) - _MOST_UNTIMED} more lines"
 
 
 def _left(left: ExplainedLeft) -> Iterator[str]:

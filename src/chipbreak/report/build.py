@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from chipbreak.operations.operations import Operation
 from chipbreak.passes import CHECK_TOOLS
 from chipbreak.pipeline import Result
-from chipbreak.report.feed_time import feed_time_s
 from chipbreak.report.model import (
     ExplainedCheck,
     ExplainedCut,
@@ -20,6 +19,8 @@ from chipbreak.report.model import (
     Report,
     ToldMotion,
 )
+from chipbreak.report.unasked import unasked_cuts
+from chipbreak.report.whole_time import cutting_s, whole_time
 from chipbreak.settings import Settings
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.source import Source
@@ -33,6 +34,7 @@ def report_of(result: Result, settings: Settings) -> Report:
     """Every vibrated cut, operation and check of a run, with the reasons."""
     source = result.source
     checks = [edit for edit in result.edits if edit.pass_name == CHECK_TOOLS]
+    time = whole_time(result, settings)
     return Report(
         file=source.name,
         profile=settings.name,
@@ -51,7 +53,9 @@ def report_of(result: Result, settings: Settings) -> Report:
         ),
         diagnostics=result.diagnostics,
         left=tuple(_left(cut, source) for cut in joined(result.left)),
-        feed_s=feed_time_s(result.source, settings) if checks else None,
+        feed_s=cutting_s(time) if checks else None,
+        time=time,
+        unasked=unasked_cuts(result, settings),
         without_axis_data=any(
             settings.acceleration_mm_s2(axis) is None for cut in result.cuts for axis in cut.plan.chain.axes
         ),

@@ -152,6 +152,17 @@ class ExplainedLeft:
 
 
 @dataclass(frozen=True)
+class ExplainedUnasked:
+    """The cuts of an operation that nothing asks to vibrate: so many ``blocks``, and the ``reason``."""
+
+    operation: str
+    first_line: int
+    last_line: int
+    blocks: int
+    reason: str
+
+
+@dataclass(frozen=True)
 class ExplainedOperation:
     """What one tool does from ``first_line`` to ``last_line``: its ``kind``, and the ``reason`` for that."""
 
@@ -178,12 +189,53 @@ class ExplainedCheck:
 
 
 @dataclass(frozen=True)
+class TimePart:
+    """What a program spends time on: as it was written, and filtered."""
+
+    name: str
+    before_s: float
+    after_s: float
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """What was taken where nobody says it, in short words; ``key`` of the profile would say it, if any."""
+
+    what: str
+    key: str
+
+
+@dataclass(frozen=True)
+class UntimedLine:
+    """A line whose time nobody knows, and why."""
+
+    line: int
+    why: str
+
+
+@dataclass(frozen=True)
+class CycleTime:
+    """How long the whole program runs, as it was written and filtered.
+
+    ``assumed`` is what was taken where neither profile nor program says it;  ``untimed`` are lines whose time
+    is in neither sum.
+    """
+
+    before_s: float
+    after_s: float
+    parts: tuple[TimePart, ...]
+    assumed: tuple[Assumption, ...]
+    untimed: tuple[UntimedLine, ...]
+
+
+@dataclass(frozen=True)
 class Report:
     """All that is said of a run.  ``str()`` of it is what ``chipbreak explain`` prints.
 
     ``left`` are the cuts that were asked to vibrate and stay as they were.  ``without_axis_data``: an axis of
     a vibrated cut has no acceleration in the profile.  ``feed_s`` is how long the program feeds as it is
-    written, where checks are inserted and it can be known.
+    written, where checks are inserted and it can be known.  ``time`` is that of the whole program, None where
+    nothing of it can be timed.  ``unasked`` are the cuts that nothing asks to vibrate.
     """
 
     file: str
@@ -196,6 +248,8 @@ class Report:
     left: tuple[ExplainedLeft, ...] = ()
     without_axis_data: bool = False
     feed_s: float | None = None
+    time: CycleTime | None = None
+    unasked: tuple[ExplainedUnasked, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """The facts as plain values, in a stable order, ready for JSON; ``schema`` is their version."""

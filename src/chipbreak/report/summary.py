@@ -15,14 +15,14 @@ _IF_EXACT = "on a control that follows the blocks exactly"
 
 
 def summary_line(report: Report) -> str:
-    """``5 cuts vibrate, all break; 3 left as they were; these cuts take 12:40 -> 13:05``."""
+    """``5 cuts vibrate, all break; 3 left as they were; cycle 12:40 -> 13:05``."""
     return "; ".join(text for rule in _RULES if (text := rule(report)))
 
 
 def _cuts(report: Report) -> str:
     count = len(report.cuts)
     if not count:
-        return "" if report.checks and not report.left else "no cut vibrates"
+        return "" if report.checks and not report.left else "no cut vibrates" + _why_none(report)
     whole = sum(not cut.verdict.breaks for cut in report.cuts)
     vibrate = f"{count} cuts vibrate" if count > 1 else "1 cut vibrates"
     if whole:
@@ -30,6 +30,10 @@ def _cuts(report: Report) -> str:
     if any(cut.unproven for cut in report.cuts):
         return f"{vibrate}, unproven: {'all' if count > 1 else 'it'} would break {_IF_EXACT}"
     return f"{vibrate}, {'all break' if count > 1 else 'it breaks'}"
+
+
+def _why_none(report: Report) -> str:
+    return "" if report.left else ": nothing asks for it"
 
 
 def _left(report: Report) -> str:
@@ -47,17 +51,18 @@ def _checks(report: Report) -> str:
 
 
 def _time(report: Report) -> str:
-    """Of the vibrated cuts: how long the rest of a program takes is not known."""
-    was = [cut.programmed_s for cut in report.cuts]
-    known = [one for one in was if one is not None]
-    if not known or len(known) < len(was):
+    """The whole program before and after, with what that is built on."""
+    time = report.time
+    if time is None or not (report.cuts or report.checks):
         return ""
-    before = _clock(sum(known))
-    after = _clock(sum(cut.duration_s for cut in report.cuts))
-    return f"these cuts take {before} -> {after}"
+    told = [f"assumed: {', '.join(one.what for one in time.assumed)}"] if time.assumed else []
+    count = len(time.untimed)
+    told += [f"{count} lines not timed" if count > 1 else "1 line not timed"] if count else []
+    rests_on = f" ({'; '.join(told)})" if told else ""
+    return f"cycle {clock(time.before_s)} -> {clock(time.after_s)}{rests_on}"
 
 
-def _clock(time_s: float) -> str:
+def clock(time_s: float) -> str:
     """``0:07.4`` below ten minutes, where tenths can be seen, and ``12:40`` above."""
     if time_s < 10.0 * S_PER_MIN:
         minutes, tenths = divmod(round(time_s * 10.0), 600)

@@ -324,6 +324,17 @@ class Cycles(ValueRecord):
     plain_corners: bool = True
 
 
+class Times(ValueRecord):
+    """What the time of a whole program is worked out with, where the axes do not say it.
+
+    ``rapid_mm_min`` is the speed of rapids, and goes before the fastest that the axes are said to move.
+    ``tool_change_s`` is from chip to chip.
+    """
+
+    rapid_mm_min: float | None = _above(None)
+    tool_change_s: float | None = _at_least(None)
+
+
 class Passes(ValueRecord):
     """Passes of other installed packages that run behind the shipped ones, in the order of their names."""
 
@@ -348,6 +359,7 @@ class Settings(ValueRecord):
     planner: Planner
     passes: Passes
     cycles: Cycles
+    times: Times
     axes: Mapping[str, Axis]
     axis_words: AxisWords
     call_sets: Mapping[str, Mapping[str, tuple[str, ...]]]
@@ -398,6 +410,7 @@ SECTIONS: Mapping[str, type[Any]] = {
     "tools": Tools,
     "passes": Passes,
     "cycles": Cycles,
+    "times": Times,
     **{f"axes.{axis}": Axis for axis in AXES},
 }
 # Tables whose keys the user chooses: operation kinds with regular expressions, named sets of calls, options

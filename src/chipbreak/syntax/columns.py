@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 from chipbreak.kinematics.floats import Floats
 from chipbreak.syntax.parse import Program
 
 _MOST_DECIMALS = 9
+_SEQUENCE_OR_CODE = re.compile(rb"[NG][ \t]*=?[ \t]*[0-9.]+")
 _LETTERS = b"ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
@@ -85,3 +88,30 @@ def _even_numbers(text: bytes, count: int, width: int) -> Floats | None:
         return None
     numbers: Floats = (whole.reshape(count, width) / powers).ravel()
     return numbers
+
+
+def read_words(program: Program, first: int, last: int, wanted: str) -> Floats | None:
+    """The numbers of these letters on lines ``first`` to ``last`` (exclusive), all plain: (n, len(wanted)).
+
+    NaN where a line does not have the letter; None where the lines cannot be read all at once.
+    """
+    ids = program.plain[first:last]
+    shapes = program.shapes
+    width = max(len(shape.letters) for shape in shapes)
+    letters = np.array([[ord(c) for c in shape.letters.ljust(width, "\0")] for shape in shapes], np.uint8)
+    of_line = letters[ids]
+    source = program.source
+    text = _SEQUENCE_OR_CODE.sub(b" ", source.data[source.starts[first] : source.starts[last]])
+    between = _LETTERS + program.table.grammar.separators.encode("latin-1")
+    text = text.translate(bytes.maketrans(between, b" " * len(between)))
+    numbers = np.fromstring(text.decode("latin-1"), np.float64, sep=" ")
+    filled = of_line > 0
+    if len(numbers) != int(filled.sum()):
+        return None
+    table = np.full(of_line.shape, np.nan)
+    table[filled] = numbers
+    columns = np.full((last - first, len(wanted)), np.nan)
+    for at, letter in enumerate(wanted):
+        rows, places = np.nonzero(of_line == ord(letter))
+        columns[rows, at] = table[rows, places]
+    return columns

@@ -1,0 +1,101 @@
+"""The time of a whole program, as it is written, from its first line to its end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from chipbreak.cycle_time.blocks import BlockTimer
+from chipbreak.cycle_time.clock import Clock, Machine
+from chipbreak.cycle_time.runs import time_run
+from chipbreak.insertion.subprograms import Subprograms, called_by
+from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.flow import Flow
+from chipbreak.model.interpret import Interpreter
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.modal import State
+from chipbreak.operations.main_program import MainProgram
+
+_ONE_PROGRAM = 10_000  # P51234 calls O1234 five times
+_MOST_STEPS = 100_000
+_DEEPEST = 8
+_LONG_RUN = 16
+
+
+def time_program(interpreted: InterpretedProgram, main: MainProgram) -> Clock:
+    """Add up what every line of the main program takes, with the subprograms that are in the file."""
+    return _Walk(interpreted, main).clock
+
+
+class _Walk:
+    """Goes through a program once: runs of plain moves at a time, other lines one by one."""
+
+    def __init__(self, interpreted: InterpretedProgram, main: MainProgram) -> None:
+        self.interpreted = interpreted
+        self.main = main
+        self.clock = Clock(Machine(interpreted.settings))
+        self.timer = BlockTimer(interpreted.settings, self.clock)
+        self.subprograms = Subprograms(interpreted)
+        self.steps = 0
+        effects = {effect.block.line: effect for effect in interpreted.effects}
+        at = main.first
+        specials = interpreted.program.special_lines
+        state = interpreted.before(at)
+        for line in [*specials[(specials >= at) & (specials < main.last)].tolist(), main.last]:
+            self._run(state, at, line)
+            state = interpreted.skip(state, at, line)
+            effect = effects.get(line)
+            if effect is not None and line < main.last:
+                if main.has(line):
+                    self.timer.time(effect)
+                    self._call(effect, 0)
+                state = effect.after
+            at = line + 1
+
+    def _run(self, state: State, first: int, last: int) -> None:
+        """Plain lines between two others."""
+        if first >= last or not self.main.has(first):
+            return
+        if last - first >= _LONG_RUN and time_run(self.interpreted, state, first, last, self.clock):
+            return
+        for effect in self._stepped(state, first, last):
+            self.timer.time(effect)
+
+    def _stepped(self, state: State, first: int, last: int) -> Iterator[BlockEffect]:
+        for line in range(first, last):
+            effect = self.interpreted.interpreter.advance(state, self.interpreted.program.block(line))
+            yield effect
+            state = effect.after
+
+    def _call(self, effect: BlockEffect, depth: int) -> None:
+        """Add the time of what a block calls, as often as it does."""
+        for key in called_by(effect):
+            body = self.subprograms.body(key)
+            if body is None or depth >= _DEEPEST or self.steps + len(body) > _MOST_STEPS:
+                self.clock.cannot(effect.block.line, "what it calls is not followed")
+                continue
+            count = _count(effect, key)
+            self.clock.calls.append((body, count))
+            before = self.clock.seconds.copy()
+            # The call itself moves nothing: the subprogram begins where the tool stands.
+            state = effect.after if effect.move else effect.after._replace(position=effect.before.position)
+            self._body(state, body, depth)
+            for what, seconds in self.clock.seconds.items():
+                self.clock.seconds[what] = before[what] + count * (seconds - before[what])
+
+    def _body(self, state: State, body: range, depth: int) -> None:
+        """One run through a subprogram, from the state of its caller."""
+        interpreter = Interpreter(self.interpreted.settings, Flow(frozenset(), ()))
+        for line in body:
+            self.steps += 1
+            effect = interpreter.advance(state, self.interpreted.program.block(line))
+            self.timer.time(effect)
+            self._call(effect, depth + 1)
+            state = effect.after
+
+
+def _count(effect: BlockEffect, key: str | int) -> int:
+    """How often a block calls: ``M98 P1000 L3``, ``M98 P31000``."""
+    said = effect.block.number("L")
+    if said is not None:
+        return max(1, int(said))
+    return max(1, key // _ONE_PROGRAM) if isinstance(key, int) and key > _ONE_PROGRAM else 1
