@@ -79,11 +79,23 @@ def _filtered(
     unread: list[Finished] = []
     results: list[Finished] = []
     for finished in _progress(_run(_tasks(inputs, asked, unread), workers, asked), len(inputs), asked):
-        write_or_note(targets[finished.number], finished.data, finished.diagnostics)
-        results.append(finished._replace(data=None))
-    for finished in unread:
-        write_or_note(targets[finished.number], finished.data, finished.diagnostics)
-    return sorted([*results, *unread], key=lambda one: one.number)
+        results.append(_written(finished, targets[finished.number]))
+    results += [_written(finished, targets[finished.number]) for finished in unread]
+    return sorted(results, key=lambda one: one.number)
+
+
+def _written(finished: Finished, target: Path) -> Finished:
+    """A result that is on the disk, or says that it is not: the others go on."""
+    from chipbreak.batch.table import NOT_WRITTEN
+    from chipbreak.text.diagnostics import Diagnostic, Severity
+
+    try:
+        write_or_note(target, finished.data, finished.diagnostics)
+    except click.UsageError as error:
+        said = Diagnostic(NOT_WRITTEN, Severity.ERROR, error.message)
+        code = max(finished.code, USAGE)
+        return finished._replace(code=code, diagnostics=(said, *finished.diagnostics), data=None, report=None)
+    return finished._replace(data=None)
 
 
 def _targets(inputs: Sequence[Input], folder: Path) -> list[Path]:

@@ -42,6 +42,8 @@ from chipbreak.options import (
 from chipbreak.profile_commands import profile
 from chipbreak.streams import (
     Commands,
+    complain,
+    keep_file,
     note_rejection,
     read_input,
     replace_file,
@@ -146,6 +148,8 @@ def _names(sources: tuple[str, ...], *, many: bool) -> list[str]:
 def _filter_one(run: _Filter, source: str) -> int:
     """Filter one program; the exit code it leads to.  What is no fault of the program ends the command."""
     asked = run.asked
+    if run.in_place and Path(source).exists() and not Path(source).is_file():
+        raise click.UsageError(f"-i replaces INPUT itself, and {source} is no file")
     data = read_input(source)
     settings = settings_of(asked, source)
     outcome = rewrite_program(data, settings, source, asked)
@@ -157,20 +161,29 @@ def _filter_one(run: _Filter, source: str) -> int:
     if result is None:
         return outcome.code
     if not run.check:
-        if run.backup is not None and result.changed:
-            replace_file(Path(source + run.backup), [data])
-        _write(result, target, only_changed=run.in_place)
+        _write(run, source, data, result)
     if run.check or target not in (None, "-"):
         _print_summary(result, settings, asked)
     return DIFFERENT if run.check and result.changed else DONE
 
 
-def _write(result: Result, target: str | None, *, only_changed: bool) -> None:
-    """The program to a file or, without one, to stdout; a file that would not change is left alone."""
-    if target is None or target == "-":
+def _write(run: _Filter, source: str, data: bytes, result: Result) -> None:
+    """The program to where it is asked for; one filtered in place that would not change is left alone."""
+    if not run.in_place and run.output in (None, "-"):
         write_stdout([result.data])
-    elif result.changed or not only_changed:
-        replace_file(Path(target), [result.data])
+    elif not run.in_place:
+        replace_file(Path(str(run.output)), [result.data])
+    elif result.changed:
+        if run.backup is not None:
+            _keep(source, data, run.backup, run.asked)
+        replace_file(Path(source), [result.data], instead_of=data)
+
+
+def _keep(source: str, data: bytes, suffix: str, asked: Asked) -> None:
+    """The backup of a program; says its name where that is not the one that was asked for."""
+    kept = keep_file(Path(source), data, suffix)
+    if kept.name != Path(source).name + suffix and not asked.quiet and not asked.as_json:
+        asked.reporter.tell(escaped(f"{source}: an older backup is there; the original is kept as {kept}"))
 
 
 @cli.command()
@@ -374,6 +387,8 @@ cli.add_command(profile)
 
 def main() -> None:
     """The ``chipbreak`` command; whatever happens, no traceback."""
+    if sys.stderr is None:  # closed by who called: what is said is lost, what is done is not
+        sys.stderr = os.fdopen(os.open(os.devnull, os.O_WRONLY), "w")
     gc.disable()  # loading modules leaves no garbage in circles: looking for it costs a tenth of a short run
     try:
         cli()
@@ -381,6 +396,6 @@ def main() -> None:
         if os.environ.get("CHIPBREAK_TRACEBACK"):
             raise
         if isinstance(error, OSError) and error.filename is None:  # of a stream: nothing of ours has failed
-            click.echo(f"Error: cannot read or write: {error.strerror}", err=True)
+            complain(f"Error: cannot read or write: {error.strerror}")
             sys.exit(USAGE)
         fail(f"error SLF002: internal fault, {type(error).__name__}: {error}")

@@ -10,7 +10,7 @@ from pathlib import Path
 import click
 
 from chipbreak.options import LOG, PROFILE, READING, SET, Asked, asking, settings_for, settings_of
-from chipbreak.streams import read_input, replace_file, write_or_note
+from chipbreak.streams import complain, read_input, replace_file, write_or_note
 from chipbreak.text.encoding import escaped
 
 _NAMES = ("linuxcnc", "freecad", "cam", "git", "editors")
@@ -90,7 +90,7 @@ def hooks_watch(asked: Asked, folder: str, output: str) -> None:
         raise click.UsageError("-o names the folder that is watched: name another one")
     watch = _watcher()
     settings_of(asked, str(Path(folder, "-")))
-    click.echo(f"watching {folder}; Ctrl-C ends it", err=True)
+    complain(escaped(f"watching {folder}; Ctrl-C ends it"))
     for changes in watch(folder, recursive=False, raise_interrupt=False):
         for name in sorted({Path(path).name for _, path in changes}):
             source = Path(folder, name)

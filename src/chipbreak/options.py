@@ -21,7 +21,7 @@ from chipbreak.outcome import (
     Outcome,
     outcome_of,
 )
-from chipbreak.streams import Reporter
+from chipbreak.streams import Reporter, complain
 from chipbreak.text.encoding import escaped
 from chipbreak.text.named_tuple import NamedTuple
 
@@ -56,9 +56,10 @@ class Asked(NamedTuple):
         colour = self.colours(sys.stderr)
         return Reporter(as_json=self.as_json, quiet=self.quiet, colour=colour, log=self.log)
 
-    def colours(self, stream: TextIO) -> bool:
-        """True when what goes to this stream is to be coloured."""
-        on_screen = self.color == "auto" and stream.isatty() and "NO_COLOR" not in os.environ
+    def colours(self, stream: TextIO | None) -> bool:
+        """True when what goes to this stream, None for a closed one, is to be coloured."""
+        is_screen = stream is not None and stream.isatty()
+        on_screen = self.color == "auto" and is_screen and "NO_COLOR" not in os.environ
         return self.color == "always" or on_screen
 
 
@@ -282,7 +283,7 @@ def verify_program(data: bytes, settings: Settings, source: str, asked: Asked) -
             way_out = "verify it with the profile and the settings that filtered it, or filter it again"
             if find(data, BEGIN) < 0:
                 way_out = "nothing in it was written by chipbreak: filter it first"
-            click.echo(escaped(f"{name}: error SLF003: {what}") + f"\n  help: {way_out}", err=True)
+            complain(escaped(f"{name}: error SLF003: {what}") + f"\n  help: {way_out}")
             sys.exit(FAILED)
 
     outcome = _unless_failed(name, asked, outcome_of(work))
@@ -310,6 +311,6 @@ def _unless_failed(name: str, asked: Asked, outcome: Outcome) -> Outcome:
 
 def fail(message: str) -> NoReturn:
     """Say that the fault is ours, and exit with 4."""
-    click.echo(escaped(message), err=True)
-    click.echo("  help: nothing was written; please report this with the program", err=True)
+    complain(escaped(message))
+    complain("  help: nothing was written; please report this with the program")
     sys.exit(FAILED)

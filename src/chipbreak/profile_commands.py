@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from chipbreak.options import REPORTING, SET, USAGE, Asked, asking, settings_of
-from chipbreak.streams import replace_file, say, write_json
+from chipbreak.streams import complain, replace_file, say, write_json
 from chipbreak.text.encoding import escaped
 
 if TYPE_CHECKING:
@@ -152,7 +152,7 @@ def _write(asked: Asked, target: Path, machine: Machine, origin: str | None) -> 
         count = len(machine.found)
         said = f"{target}: {count} value{'s' if count != 1 else ''} over {machine.base}"
         for line in (said, *(f"  still to be said: {one}" for one in machine.missing)):
-            click.echo(escaped(line), err=True)
+            complain(escaped(line))
 
 
 def _try_out(asked: Asked, target: Path, text: bytes) -> None:

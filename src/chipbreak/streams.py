@@ -8,7 +8,7 @@ import os
 import sys
 import time
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,9 @@ from chipbreak.report.schema import SCHEMA
 from chipbreak.text.diagnostics import Diagnostic
 from chipbreak.text.encoding import escaped
 
+INTERRUPTED = 130  # what a shell says of a command that Ctrl-C has ended
 _LONG_BYTES = 1 << 18
+_written: list[str] = []
 _COLOURS = {"error": "red", "warning": "yellow", "note": "cyan"}
 
 
@@ -45,12 +47,12 @@ class Reporter:
                 mark = f"{diagnostic.severity.value} {diagnostic.code}"
                 styled = click.style(mark, fg=_COLOURS[diagnostic.severity.value], bold=True)
                 text = text.replace(mark, styled, 1)
-            click.echo(text, err=True, color=self.colour)
+            complain(text, colour=self.colour)
 
     def tell(self, text: str) -> None:
         """Text to stderr and to the log file."""
         self.note(text)
-        click.echo(text, err=True)
+        complain(text)
 
     @contextmanager
     def logging(self, command: str, names: Iterable[str]) -> Iterator[None]:
@@ -86,8 +88,19 @@ class Commands(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command that is named."""
-        with _shown_errors():
-            return super().invoke(ctx)
+        try:
+            with _shown_errors():
+                return super().invoke(ctx)
+        except KeyboardInterrupt:
+            _say_interrupted()
+            sys.exit(INTERRUPTED)
+
+
+def _say_interrupted() -> None:
+    """Say which files are new; the others are as they were."""
+    files = ", ".join(_written)
+    said = f"written: {files}; nothing else was" if files else "nothing was written"
+    complain(escaped(f"Interrupted; {said}"))
 
 
 @contextmanager
@@ -106,13 +119,22 @@ def write_json(value: Any, *, indent: int | None = None, err: bool = False, vers
     if versioned and isinstance(value, dict):
         value = {"schema": SCHEMA, **value}
     # Of what is not printable, JSON leaves this one character as it is.
-    click.echo(json.dumps(value, indent=indent).replace("\x7f", "\\u007f"), err=err)
+    text = json.dumps(value, indent=indent).replace("\x7f", "\\u007f")
+    if err:
+        complain(text)
+    else:
+        write_stdout([f"{text}\n".encode("ascii")])
+
+
+def complain(text: str, *, colour: bool | None = None) -> None:
+    """A line to stderr.  Where that takes none, the exit code says it all the same."""
+    with suppress(OSError):
+        click.echo(text, err=True, color=colour)
 
 
 def say(line: str) -> None:
     """A line to stdout; what its encoding does not have, and what cannot be printed, is escaped."""
-    encoding = _stdout_encoding()
-    click.echo(escaped(line).encode(encoding, "backslashreplace").decode(encoding))
+    write_lines([escaped(line)])
 
 
 def write_lines(lines: Iterable[str]) -> None:
@@ -142,10 +164,21 @@ def _read(source: str) -> bytes:
     try:
         if source == "-":
             return sys.stdin.buffer.read()
-        return Path(source).read_bytes()
+        return _read_whole(Path(source))
     except OSError as error:
         shown = "standard input" if source == "-" else source or "a file without a name"
         raise click.UsageError(escaped(f"cannot read {shown}: {error.strerror}")) from None
+
+
+def _read_whole(path: Path) -> bytes:
+    """All bytes of a file that stays the same meanwhile.  Raises OSError."""
+    with path.open("rb") as file:
+        before = os.fstat(file.fileno())
+        data = file.read()
+        after = os.fstat(file.fileno())
+    if (before.st_size, before.st_mtime_ns) != (after.st_size, after.st_mtime_ns):
+        raise OSError(errno.EBUSY, "it changes while it is read; try again when it is whole")
+    return data
 
 
 def write_stdout(pieces: Iterable[bytes]) -> None:
@@ -171,43 +204,58 @@ def _forget_stdout() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def replace_file(target: Path, pieces: Iterable[bytes]) -> None:
+def replace_file(target: Path, pieces: Iterable[bytes], *, instead_of: bytes | None = None) -> None:
     """Write a file so that it has either the old or the new content, never a part.
 
-    A device or a pipe is written into: a file in its place would be no device any more.
+    ``instead_of`` is what was read from it: a file that says something else by now is left alone.  Raises
+    click.UsageError (exit 2), which says what is there now.
     """
+    from chipbreak import whole_files  # noqa: PLC0415 (most runs write to stdout)
+
+    pieces = list(pieces)
+
+    def before(real: Path) -> None:
+        if instead_of is not None and real.read_bytes() not in (instead_of, b"".join(pieces)):
+            raise whole_files.NotReplacedError("somebody else has changed it since it was read")
+
     try:
-        if target.exists() and not target.is_file() and not target.is_dir():
-            with target.open("wb") as stream:
-                stream.writelines(pieces)
-            return
-        real = Path(os.path.realpath(target))
-        if real.is_symlink():  # only a link that leads back to itself is left
-            raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
-        if real.exists() and not os.access(real, os.W_OK):  # renaming would not ask
-            raise OSError(errno.EACCES, os.strerror(errno.EACCES))
-        temporary = real.with_name(f".{real.name}.{os.getpid()}")
-        mode = real.stat().st_mode & 0o7777 if real.exists() else None
-        # "x": never into a file that is there, or through a link somebody put there.
-        # A new file gets the mode that the system gives to new files.
-        with open(temporary, "xb", opener=None if mode is None else _private) as file:
-            try:
-                file.writelines(pieces)
-                file.flush()
-                os.fsync(file.fileno())
-                if mode is not None:
-                    temporary.chmod(mode)
-                temporary.replace(real)
-            except BaseException:
-                temporary.unlink(missing_ok=True)
-                raise
+        with _noted(target):
+            whole_files.replace(target, pieces, before=before)
     except OSError as error:
-        raise click.UsageError(escaped(f"cannot write {target}: {error.strerror}")) from None
+        raise click.UsageError(escaped(f"cannot write {target}: {error.strerror}{_left(target)}")) from None
 
 
-def _private(path: str, flags: int) -> int:
-    """Open for nobody else, until the file has the mode of the one it replaces."""
-    return os.open(path, flags, 0o600)
+@contextmanager
+def _noted(target: Path) -> Iterator[None]:
+    """Remember a file that has been replaced, for the message of an interrupted run."""
+    _written.append(str(target))
+    try:
+        yield
+    except BaseException:
+        _written.pop()
+        raise
+
+
+def _left(target: Path) -> str:
+    """What a target is when it could not be written; a device or pipe may have taken a part."""
+    if target.is_file():
+        return "; the file is as it was"
+    return "" if os.path.lexists(target) else "; no file was written"
+
+
+def keep_file(original: Path, data: bytes, suffix: str) -> Path:
+    """Keep the content of a file under its name with a suffix, and a number where that name is taken.
+
+    Raises click.UsageError (exit 2).
+    """
+    from chipbreak import whole_files  # noqa: PLC0415
+
+    try:
+        return whole_files.keep(original, data, suffix)
+    except OSError as error:
+        name = f"{original}{suffix}"
+        why = f"cannot write the backup {name}: {error.strerror}; {original} is as it was"
+        raise click.UsageError(escaped(why)) from None
 
 
 def remove_file(target: Path) -> None:

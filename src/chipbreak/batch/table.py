@@ -10,6 +10,7 @@ from chipbreak.outcome import DONE, FAILED, REJECTED, USAGE
 from chipbreak.text.diagnostics import Severity
 from chipbreak.text.encoding import escaped
 
+NOT_WRITTEN = "BAT004"
 _WORDS = {DONE: "", USAGE: "NOT READ", REJECTED: "REJECTED", FAILED: "FAILED"}
 
 
@@ -27,9 +28,12 @@ def total(results: Sequence[Finished]) -> str:
     written = [one for one in results if one.report]
     vibrating = sum(bool(one.report and one.report.cuts) for one in written)
     parts = [f"{len(written)} written, {vibrating} of them with cuts that vibrate"]
+    unwritten = [one for one in results if _is_unwritten(one)]
+    others = [one for one in results if not _is_unwritten(one)]
+    counts = [(len(unwritten), "not written")]
     for code, word in ((REJECTED, "rejected"), (USAGE, "not read"), (FAILED, "failed")):
-        count = sum(one.code == code for one in results)
-        parts += [f"{count} {word}"] if count else []
+        counts.append((sum(one.code == code for one in others), word))
+    parts += [f"{count} {word}" for count, word in counts if count]
     programs = f"{len(results)} programs" if len(results) != 1 else "1 program"
     return f"{programs}: {'; '.join(parts)}"
 
@@ -42,7 +46,12 @@ def told(one: Finished) -> str:
     first = errors[0]
     where = f"line {first.place.line}: " if first.place else ""
     more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
-    return f"{_WORDS[one.code]} {where}{first.code}, {first.message}{more}"
+    word = "NOT WRITTEN" if _is_unwritten(one) else _WORDS[one.code]
+    return f"{word} {where}{first.code}, {first.message}{more}"
+
+
+def _is_unwritten(one: Finished) -> bool:
+    return any(said.code == NOT_WRITTEN for said in one.diagnostics)
 
 
 def as_dicts(results: Sequence[Finished]) -> list[dict[str, Any]]:
