@@ -41,6 +41,7 @@ class BlockRunner:
         for code in m_codes:
             self._before(code, words, block)
         self._move(block, words, non_modal)
+        self.machine.end_block()
         for code in m_codes:
             if code in (2, 30):
                 raise ProgramEnd
@@ -61,10 +62,11 @@ class BlockRunner:
         self.modes.words["M"] = float(code)
         self.m_codes.append(code)
         self.machine.do(lambda: self.machine.wait(self.machine.control.m_code_s))
+        moves_too = any(address in AXES for address, _ in words)
         if code in (3, 4):
-            self.machine.turn(float(round(self.modes.words.get("S", 0.0))))
+            self.machine.turn(float(round(self.modes.words.get("S", 0.0))), moves_too=moves_too)
         elif code == 5:
-            self.machine.turn(0.0)
+            self.machine.turn(0.0, moves_too=moves_too)
         elif code in (GAP_ON, GAP_OFF):
             self.machine.look_for_gap(is_on=code == GAP_ON)
         elif code == 6:
@@ -117,6 +119,7 @@ class BlockRunner:
         if axes and not self.modes.is_absolute:
             raise fault(MOTION, f"G53 under G91 moves nothing: {block.text}")
         self.machine.move(self._with(self._rounded(axes), self.machine.planned))
+        self.machine.end_block()
         self.machine.catch_up()
 
     def _check_straight(self, block: Block) -> None:

@@ -97,7 +97,7 @@ class Machine:
         self.planned = self.at
         self._here_since_s = 0.0  # at this place, turning like this
         self._turned_from_s = 0.0
-        self._last_edge_s = _LONG_AGO
+        self._last_edge_s = self._busy_until_s = _LONG_AGO
 
     @property
     def is_turning(self) -> bool:
@@ -169,8 +169,8 @@ class Machine:
         self._arrive(_position(start + took / duration * (end - start)))
         self.skipped_at = self.planned = self.at
 
-    def turn(self, speed_rpm: float, angle_deg: float | None = None) -> None:
-        """Start, stop or orient the spindle."""
+    def turn(self, speed_rpm: float, angle_deg: float | None = None, *, moves_too: bool = False) -> None:
+        """Start, stop or orient the spindle; a block that also moves ends when both are done."""
 
         def act() -> None:
             before, was_turning = self._is_in_beam(self.at), self.is_turning
@@ -178,10 +178,22 @@ class Machine:
             self.angle_deg = now if angle_deg is None else angle_deg
             self.speed_rpm = speed_rpm
             takes = self.control.spindle_s if speed_rpm or was_turning else 0.0
-            self.wait(takes if angle_deg is None else self.control.orient_s)
+            takes = takes if angle_deg is None else self.control.orient_s
+            if moves_too:
+                self._busy_until_s = self.clock_s + takes
+            else:
+                self.wait(takes)
             self._turned_from_s = self._here_since_s = self.clock_s
             if self._is_in_beam(self.at) and not before:
                 self.crossings.append(self.at)
+
+        self.do(act)
+
+    def end_block(self) -> None:
+        """The spindle is as fast as it should be before the next block begins."""
+
+        def act() -> None:
+            self.wait(max(0.0, self._busy_until_s - self.clock_s))
 
         self.do(act)
 

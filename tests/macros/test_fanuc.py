@@ -96,7 +96,7 @@ def mutated(name: str, old: str, new: str) -> Library:
         ("O8915.nc", "LT ROUND[#23/#135]", "LE ROUND[#23/#135]", "chip: exactly 0.02"),
         ("O8923.nc", "#176=#108-#170", "GOTO 9", "chip: too small on a ball"),
         ("O8901.nc", "A[#112+#13*360./#113]", "A0.", "diameter OD-0.498"),
-        ("O8920.nc", "#102=1\nG53", "#102=0\nGOTO 2\nG53", "runout 0.006"),
+        ("O8920.nc", "#164=0\nN1", "#102=0\nGOTO 4\nN1", "runout 0.006"),
         ("O8925.nc", "IF [ABS[#5023*#100-#110+#7] GT 0.004] GOTO 9", "", "chip: 0.03 on one of four"),
     ],
 )

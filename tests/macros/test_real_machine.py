@@ -106,7 +106,7 @@ def test_the_length_alone_is_checked_in_seconds() -> None:
     stand = Stand(STRAIGHT, STRAIGHT.real())
     stand.calibrate()
     assert stand.run("T1 M6") == stand.trace(0.0) == ""
-    assert stand.seconds("G65 P8903 T1. W0.05 D0.") < 6.0
+    assert stand.seconds("G65 P8903 T1. W0.05 D0.") < 2.5
     stand.change(STRAIGHT.real(length_mm=STRAIGHT.length_mm + 0.95))
     assert stand.chip_check(0.05, 0) == "CHIP"
     stand.change(STRAIGHT.real(length_mm=STRAIGHT.length_mm + 0.951))

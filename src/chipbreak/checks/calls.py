@@ -32,7 +32,8 @@ UNREADABLE_BLOCK: Final = "SET033"
 LONG_BLOCK: Final = "SET034"
 NOT_HANDED_OVER: Final = "SET035"
 LEFT_BEHIND: Final = "SET036"
-# How much of an edge a CHIP CHECK looks at; its calls count these from 0.
+# How much of an edge a CHIP CHECK looks at; its calls count these from 0.  Where a value that is left out
+# reads as 0, the shortest one is -1.
 DEPTHS: Final = ("breakage", "limit-line", "full")
 # No inserted block is longer, whatever the control takes: people read them on its screen.
 LONGEST_BLOCK = 80
@@ -79,6 +80,7 @@ class CallValues(NamedTuple):
                 texts[f"{name}_mm"] = print_number(value, _DECIMALS)
                 texts[name] = print_number(value / scale, _DECIMALS)
         texts |= {"every": str(self.every), "sister": str(self.sister), "depth": str(self.depth)}
+        texts["depth_signed"] = str(self.depth or -1)
         if self.tool is not None:
             texts["tool"] = str(self.tool)
         if self.speed_rpm is not None:
@@ -101,13 +103,14 @@ _LONGEST_DATA = ToolData(
     holder_mm=1999.9999,
 )
 _LONGEST = CallValues(99999999, 99999.999, 20.123457, 20.123457, "SEMI-FINISH", _LONGEST_DATA, 9999, 99999999)
+_DEPTH = ("depth", "depth_signed")
 _HEIGHT = ("height", "height_mm")
 _LIMIT = ("limit", "limit_mm", "operation")
 _FIELDS_OF: Final[Mapping[CheckKind, tuple[str, ...]]] = {
     CheckKind.CALIBRATE: ("every",),
     CheckKind.TOOL_CHECK: ("tool", "speed_rpm", "every", "sister", *_LIMIT, *DATA_FIELDS),
     CheckKind.TRACE: ("tool", "speed_rpm", "every", *_HEIGHT, *DATA_FIELDS),
-    CheckKind.CHIP_CHECK: ("tool", "depth", "every", "sister", *_LIMIT, *_HEIGHT, *DATA_FIELDS),
+    CheckKind.CHIP_CHECK: ("tool", *_DEPTH, "every", "sister", *_LIMIT, *_HEIGHT, *DATA_FIELDS),
 }
 
 
@@ -143,6 +146,10 @@ class CallSet(NamedTuple):
         return any(
             self.needs(kind, field) or field in _fields(self.tails.get(kind, "")) for kind in CheckKind
         )
+
+    def hands_over_depth(self) -> bool:
+        """True when a call says how much of an edge is looked at."""
+        return self.hands_over("depth") or self.hands_over("depth_signed")
 
     def uses_tool_data(self) -> bool:
         """True when any call says something about the tool but its number."""

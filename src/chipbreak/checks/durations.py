@@ -16,8 +16,9 @@ from chipbreak.settings.sections import Settings
 from chipbreak.units import S_PER_MIN
 
 _CALIBRATE_S: Final = 15.0
-_LENGTH_S, _LENGTH_TURNS = 5.0, 4.0
+_BREAKAGE_S, _BREAKAGE_TURNS = 2.0, 5.0
 _TOOL_CHECK_S, _TOOL_CHECK_TOOTH_S, _TOOL_CHECK_TURNS = 22.0, 2.2, 73.0
+_LENGTH_S = 5.0
 _TRACE_S, _TRACE_TOUCH_S, _TRACE_TURNS = 20.0, 1.27, 36.0
 _STANDING_EDGE_S: Final = 0.8
 _SCAN_S: Final = 2.0
@@ -57,7 +58,7 @@ def _trace_s(values: CallValues, settings: Settings) -> float:
 
 
 def _chip_check_s(values: CallValues, settings: Settings) -> float:
-    length_s = _LENGTH_S + _turns_s(values, _LENGTH_TURNS)
+    length_s = _BREAKAGE_S + _turns_s(values, _BREAKAGE_TURNS)
     if values.depth == DEPTHS.index("breakage"):
         return length_s
     chips = (values.height_mm or 0.0) / settings.checks.trace_chip_mm

@@ -138,7 +138,7 @@ class _Planner:
         self.traced: set[int] = set()
         self.shapeless: set[int] = set()
         self.uses_tool_data = self.calls.uses_tool_data()
-        self.is_built_in = self.calls.hands_over("depth")
+        self.is_built_in = self.calls.hands_over_depth()
 
     def run(self) -> None:
         """Plan visit by visit: what a tool does between its call and the next one."""
@@ -199,7 +199,7 @@ class _Planner:
             self.every,
             self._sister(tool),
         )
-        if self.checks.depth == "breakage" and self.calls.hands_over("depth"):
+        if self.checks.depth == "breakage" and self.calls.hands_over_depth():
             values = values._replace(height_mm=0.0)  # no edge is looked at
         called = f"called in line {self.interpreted.program.source.place(call).line}"
         wishes = []

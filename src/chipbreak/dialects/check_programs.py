@@ -134,7 +134,7 @@ MACRO_B: Final = MacroSet(
     frame="%\n{program}%\n",  # a memory card wants each program between two marks
     first_signal=1000,
     working=range(100, 180),
-    numbers=range(8900, 8930),
+    numbers=range(8900, 8931),
     arguments=FrozenTable(
         {8900: "K", 8901: "TSKU", 8902: "TZSK", 8903: "TWDKU", 8904: "TKDRHEQB", 8919: "T"}
     ),
@@ -188,7 +188,7 @@ _O_WORD_CALLS = CallTemplates(
             "calibrate": ("o<cb_calibrate> call",),
             "tool_check": (*O_WORDS.tool_data, "o<cb_tool_check> call [{tool}] [{speed_rpm}]"),
             "trace": ("o<cb_trace> call [{tool}] [{height}]",),
-            "chip_check": ("o<cb_chip_check> call [{tool}] [{limit}] [{depth}]",),
+            "chip_check": ("o<cb_chip_check> call [{tool}] [{limit}] [{depth_signed}]",),
         }
     ),
     FrozenTable(

@@ -66,6 +66,7 @@ _NUMBERED = (
     (161, "setter_y_mm", "setter_y", "MACHINE Y OF THE TOUCH PLATE"),
     (162, "setter_z_mm", "setter_z", "LOWEST Z OVER THE TOUCH PLATE"),
     (157, "approach_feed", "approach_feed", "FEED FROM THE SAFE HEIGHT"),
+    (172, "pulled_mm", "pulled", "A KNOWN TOOL HANGS AT MOST SO MUCH LOWER"),
     (156, "gate_output", "gate", "LINUXCNC: OUTPUT THAT SHOWS THE BEAM"),
     (159, "inch_step_mm", "inch_step", "LEAST STEP IN INCHES, IN MM"),
 )

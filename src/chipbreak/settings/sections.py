@@ -255,8 +255,9 @@ class Macros(ValueRecord):
     barrier gives its signal once ``gap_on`` has run; 0: it cannot.  ``clear_mm`` is how far beside and above
     the beam the tool waits, ``search_mm`` how much shorter than said a tool may be and still be found,
     ``above_mm`` how far above the lower end, a corner or a point the radius is measured, ``inset_mm`` how far
-    inside the outer edge the length is.  ``store_first`` and ``store_last`` bound the variables of what is
-    stored.
+    inside the outer edge the length is.  ``pulled_mm`` is how much lower than stored a tool may hang that the
+    cut has pulled out: so far above the beam the rapid of a CHIP CHECK ends.  ``store_first`` and
+    ``store_last`` bound the variables of what is stored.
     """
 
     beam_x_mm: float | None = None
@@ -282,13 +283,14 @@ class Macros(ValueRecord):
     beam_within_mm: float = _above(2.0)
     bar_within_mm: float = _above(0.1)
     search_mm: float = _above(10.0)
+    pulled_mm: float = _at_least(20.0)
     above_mm: float = _above(0.1)
     inset_mm: float = _above(0.3)
     resolution_mm: float = _above(0.001)
     turn_sign: int = field(default=1, metadata={"values": (1, -1)})
     store_first: int = _at_least(500, 1)
     store_last: int = _at_least(999, 1)
-    first_program: int = _between(8900, 1, 9970)
+    first_program: int = _between(8900, 1, 9969)
     first_variable: int = _between(100, 100, 900)
     orient: str = "M19 R{angle}"
     laser_on: str = ""
