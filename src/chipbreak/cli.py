@@ -8,7 +8,7 @@ from __future__ import annotations
 import gc
 import os
 import sys
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING
 
 import click
@@ -108,7 +108,7 @@ def filter_command(
     """
     if in_place and (not sources or "-" in sources or output):
         raise click.UsageError("-i replaces INPUT itself: name a file, and leave -o out")
-    if backup is not None and (not in_place or not backup or "/" in backup):
+    if backup is not None and (not in_place or not backup or PurePath(f"a{backup}").name != f"a{backup}"):
         raise click.UsageError("--backup goes with -i and takes a suffix such as .bak")
     if reject_file and not in_place and output in (None, "-"):
         raise click.UsageError("--reject-file goes with -o or -i: the file stands beside the program")
@@ -218,7 +218,9 @@ def _print_summary(result: Result, settings: Settings, asked: Asked) -> None:
         return
     from chipbreak.report.build import report_of
 
-    asked.reporter.tell(f"{escaped(result.source.name)}: {report_of(result, settings).summary()}")
+    beside = f"; profile {settings.name}, found beside it" if asked.profile is None else ""
+    summary = report_of(result, settings).summary()
+    asked.reporter.tell(escaped(f"{result.source.name}: {summary}{beside}"))
 
 
 def _print_report(result: Result, settings: Settings, asked: Asked) -> None:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 from chipbreak.machine_files.found import Found, Machine, Value, first_of, plain
+from chipbreak.text.bounds import MOST_MACHINE_FILE_BYTES, read_bounded
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 
@@ -63,7 +64,7 @@ def machine_of_parameters(path: str | Path) -> Machine:
     """The machine of a parameter print-out.  Errors: PAR001 for no such file, or one that is none."""
     path = Path(path)
     try:
-        data = path.read_bytes()
+        data = read_bounded(path, MOST_MACHINE_FILE_BYTES)
     except OSError as error:
         message = plain(f"cannot read {path}: {error.strerror}")
         raise RefusalError(

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from chipbreak.machine_files.found import Found, Machine, first_of, plain
 from chipbreak.settings.axis_words import AXES
+from chipbreak.text.bounds import MOST_PROFILE_BYTES, read_bounded
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
@@ -25,6 +26,7 @@ _PATH_MODE = re.compile(r"(G6[14](?:\.1)?)(?![\d.])((?:\s*[PQ]\s*\d*\.?\d+)*)", 
 _TOLERANCE = re.compile(r"([PQ])\s*([\d.]+)", re.IGNORECASE)
 _MM_PER_UNIT = {"mm": 1.0, "metric": 1.0, "inch": MM_PER_INCH, "in": MM_PER_INCH, "imperial": MM_PER_INCH}
 _MOST_INCLUDES = 16
+_MOST_FILES = 200
 _NO_LIMIT = 1e6  # units a second
 _NS_PER_MS = 1e6
 _AXIS_KEYS = (
@@ -120,7 +122,7 @@ def _is_lathe(ini: _Ini) -> bool:
 def _read(path: Path) -> _Ini:
     entries: dict[tuple[str, str], _Entry] = {}
     section = ""
-    for place, line in _all_lines(path, 0):
+    for place, line in _all_lines(path, 0, []):
         if header := _SECTION.fullmatch(line):
             section = header[1].strip().upper()
         elif match := _LINE.fullmatch(line):
@@ -131,18 +133,19 @@ def _read(path: Path) -> _Ini:
     return _Ini(path.parent, entries)
 
 
-def _all_lines(path: Path, depth: int) -> Iterator[tuple[str, str]]:
-    """Lines with their places, those of included files where they are included."""
-    if depth > _MOST_INCLUDES:
+def _all_lines(path: Path, depth: int, read: list[Path]) -> Iterator[tuple[str, str]]:
+    """Lines with their places, those of included files where they are included; ``read`` grows by each."""
+    read.append(path)
+    if depth > _MOST_INCLUDES or len(read) > _MOST_FILES:
         raise RefusalError("INI001", plain(f"{path} includes itself"), "look at its #INCLUDE lines")
     try:
-        text = path.read_bytes().decode("utf-8-sig", "surrogateescape")
+        text = read_bounded(path, MOST_PROFILE_BYTES).decode("utf-8-sig", "surrogateescape")
     except OSError as error:
         message = plain(f"cannot read {path}: {error.strerror}")
         raise RefusalError("INI001", message, "name the INI file that LinuxCNC is started with") from None
     for number, line in enumerate(text.splitlines(), 1):
         if include := _INCLUDE.fullmatch(line):
-            yield from _all_lines(path.parent / Path(include[1]).expanduser(), depth + 1)
+            yield from _all_lines(path.parent / Path(include[1]).expanduser(), depth + 1, read)
         elif line.lstrip()[:1] not in ("#", ";"):
             yield f"{path.name}, line {number}", line
 

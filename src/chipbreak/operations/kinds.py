@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 
 from chipbreak.operations import kind_words as words
+from chipbreak.operations.linear_pattern import LinearPattern, TooDifficultError
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.lazy_pattern import LazyPattern
 from chipbreak.text.named_tuple import NamedTuple
@@ -78,7 +79,7 @@ class ToolNote(NamedTuple):
 class KindRules(NamedTuple):
     """The user's regular expressions per kind, tried in their order before the built-in words."""
 
-    patterns: tuple[tuple[Kind, re.Pattern[str]], ...] = ()
+    patterns: tuple[tuple[Kind, LinearPattern], ...] = ()
 
     @classmethod
     def from_profile(cls, rules: Mapping[str, Sequence[str]]) -> KindRules:
@@ -87,7 +88,7 @@ class KindRules(NamedTuple):
         Raises :class:`RefusalError` SET020 for a name that is no kind, SET021 for an expression that
         cannot be read or that matches every comment.
         """
-        patterns: list[tuple[Kind, re.Pattern[str]]] = []
+        patterns: list[tuple[Kind, LinearPattern]] = []
         names = [kind.value for kind in Kind if kind is not Kind.UNKNOWN]
         for name, expressions in rules.items():
             if name not in names:
@@ -100,15 +101,17 @@ class KindRules(NamedTuple):
         return cls(tuple(patterns))
 
 
-def _user_pattern(name: str, text: str) -> re.Pattern[str]:
+def _user_pattern(name: str, text: str) -> LinearPattern:
     where = f'operations.{name}: "{text}"'
     try:
-        pattern = re.compile(text, re.IGNORECASE)
-    except re.error as error:
+        pattern = LinearPattern(text)
+    except TooDifficultError as error:
         raise RefusalError(
-            UNUSABLE_EXPRESSION, f"{where} cannot be read: {error}", "see Python's re syntax"
+            UNUSABLE_EXPRESSION,
+            f"{where} cannot be read: {error}",
+            "see Python's re syntax, without (?= and alike and without \\1; a list may hold several",
         ) from error
-    if pattern.search(""):
+    if pattern.search("") is not None:
         raise RefusalError(
             UNUSABLE_EXPRESSION, f"{where} matches every comment", "name a letter it must find"
         )
@@ -125,9 +128,9 @@ def kind_of_text(text: str, rules: KindRules, unit_mm: float = MM_PER_INCH) -> K
     readings = _readings(text[:LONGEST_TEXT])
     for kind, pattern in rules.patterns:
         for reading in readings:
-            if hit := pattern.search(reading):
+            if (hit := pattern.search(reading)) is not None:
                 source = f" (profile, operations.{kind.value})"
-                return KindFinding(kind, _reason(hit.group(), reading, source), by_rule=True)
+                return KindFinding(kind, _reason(hit, reading, source), by_rule=True)
     title = operation_title(text)
     if title is not None and not title.is_start:
         return None

@@ -34,6 +34,8 @@ from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.span import Place
 from chipbreak.trajectory.law_names import foreign_keys
 
+_MOST_BASES = 20
+
 
 def load(profile: str | os.PathLike[str], options: Sequence[str] = ()) -> Settings:
     """Settings of a profile with ``section.key=value`` options over it.
@@ -239,11 +241,19 @@ def _profile_layers(profile: str, seen: set[str]) -> Iterable[Layer]:
     layer = Layer(name, text, _flat(values))
     if base is not None:
         seen = seen | {_home(profile)}
-        path = _beside(profile, base) if isinstance(base, str) else ""
-        if not path or _home(path) in seen:
-            raise layer.fail(IMPOSSIBLE, "base", f"base = {base!r} is not another profile", "name a profile")
-        yield from _profile_layers(path, seen)
+        yield from _profile_layers(_base_of(layer, profile, base, seen), seen)
     yield layer
+
+
+def _base_of(layer: Layer, profile: str, base: object, seen: set[str]) -> str:
+    """The profile that another one names as its base; ``seen`` are those that led to it."""
+    if len(seen) > _MOST_BASES:
+        message = f"{len(seen)} bases of bases are too many"
+        raise layer.fail(IMPOSSIBLE, "base", message, "name a profile")
+    path = _beside(profile, base) if isinstance(base, str) else ""
+    if not path or _home(path) in seen:
+        raise layer.fail(IMPOSSIBLE, "base", f"base = {base!r} is not another profile", "name a profile")
+    return path
 
 
 def _beside(profile: str, base: str) -> str:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from chipbreak.settings.checking import UNKNOWN_PROFILE, UNREADABLE, SettingsError
+from chipbreak.text.bounds import MOST_LINE_CHARS, MOST_PROFILE_BYTES, long_line, read_bounded
 from chipbreak.text.diagnostics import Diagnostic, Severity
 from chipbreak.text.nearest import nearest
 
@@ -37,10 +38,20 @@ def profile_text(profile: str) -> tuple[str, str]:
     is_path = path.suffix == ".toml" or path.is_file()
     file = path if is_path else _offered(profile)
     try:
-        return profile, file.read_text("utf-8-sig")  # Windows editors put a mark in front
+        data = read_bounded(file, MOST_PROFILE_BYTES) if isinstance(file, Path) else file.read_bytes()
+        return profile, _text(data.decode("utf-8-sig"))  # Windows editors put a mark in front
     except (OSError, ValueError) as error:
         message = f"profile {profile} cannot be read: {_os_reason(error)}"
         raise _error(UNREADABLE, message, "check the path; a profile is a TOML file in UTF-8") from None
+
+
+def _text(text: str) -> str:
+    """The text with its line ends as TOML has them.  Raises ValueError for a line that no profile has."""
+    lines = text.replace("\r\n", "\n").replace("\r", "\n")
+    number = long_line(lines.split("\n"))
+    if number is not None:
+        raise ValueError(f"line {number} has more than {MOST_LINE_CHARS} characters")
+    return lines
 
 
 def _offered(profile: str) -> Traversable:

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
+from chipbreak.text.bounds import long_line
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.tools.data import NO_FORMAT, UNKNOWN_KEY, Errors
 from chipbreak.tools.values import hint_at
+from chipbreak.tools.ways_out import IS_IT_THE_RIGHT_FILE
 
 
 class Cell(NamedTuple):
@@ -58,7 +60,16 @@ def rows(errors: Errors, required: Collection[str], optional: Collection[str] = 
             yield Row(number, _named(columns, cells, has_decimal_comma=separator == ";"))
 
 
+def check_lines(errors: Errors) -> None:
+    """Raises ToolFileError where a line is longer than any of a table."""
+    number = long_line(errors.lines)
+    if number is not None:
+        message = f"line {number} has {len(errors.lines[number - 1])} characters"
+        errors.stop(NO_FORMAT, message, IS_IT_THE_RIGHT_FILE)
+
+
 def _lines_that_count(errors: Errors) -> list[tuple[int, str]]:
+    check_lines(errors)
     lines = [(number, line.rstrip("\r")) for number, line in enumerate(errors.lines, 1)]
     return [(n, line) for n, line in lines if line.strip() and not line.lstrip().startswith("#")]
 
@@ -141,4 +152,4 @@ def _find(line: str, what: str, at: int) -> int:
 def _cell(line: str, start: int, end: int, text: str) -> Cell:
     """A cell with its place, blanks around it left out."""
     blank = len(line[start:end]) - len(line[start:end].lstrip())
-    return Cell(text.strip(), start + blank, max(start + blank, len(line[:end].rstrip())))
+    return Cell(text.strip(), start + blank, max(start + blank, start + len(line[start:end].rstrip())))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Sequence
 from pathlib import Path
 
 from chipbreak.settings.checking import BACKSLASH
 from chipbreak.settings.sections import Settings
+from chipbreak.text.bounds import read_bounded
 from chipbreak.tools.data import CANNOT_OPEN, MOST_BYTES, Errors, ToolData
 from chipbreak.tools.reader import Unit
 from chipbreak.tools.ways_out import IS_IT_THE_RIGHT_FILE
@@ -43,16 +45,14 @@ def read_bytes(name: str) -> bytes:
     """All bytes of a file.  Raises ToolFileError when it cannot be read or is too large for a list."""
     errors = Errors(name)
     try:
-        with Path(name).open("rb") as file:
-            data = file.read(MOST_BYTES + 1)
+        return read_bounded(Path(name), MOST_BYTES)
     except (OSError, ValueError) as error:  # a NUL in a name is a ValueError
+        if isinstance(error, OSError) and error.errno == errno.EFBIG:
+            errors.stop(CANNOT_OPEN, "this file is larger than any list of tools", IS_IT_THE_RIGHT_FILE)
         why = error.strerror if isinstance(error, OSError) else str(error)
         # "C:\tools" in TOML is C:, a tab and ools.
         way_out = "check the path" if name.isprintable() else BACKSLASH
         errors.stop(CANNOT_OPEN, f"this file cannot be read: {why}", way_out)
-    if len(data) > MOST_BYTES:
-        errors.stop(CANNOT_OPEN, "this file is larger than any list of tools", IS_IT_THE_RIGHT_FILE)
-    return data
 
 
 def read_tools(name: str, data: bytes, unit: tuple[float, str] = (1.0, "mm")) -> list[ToolData]:

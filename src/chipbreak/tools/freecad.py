@@ -7,11 +7,14 @@ sticks out of its holder, so it is not taken.
 
 from __future__ import annotations
 
+import errno
 import re
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
+from chipbreak.text.bounds import read_bounded
 from chipbreak.tools.cells import decoded
 from chipbreak.tools.data import (
     BAD_VALUE,
@@ -82,11 +85,12 @@ def read_library_with(name: str, data: bytes, open_bit: Opener) -> list[ToolData
 
 def _bit_of(library: Path, path: str) -> bytes:
     """A bit of a FreeCAD library: beside it, or in the folder ``Bit`` beside its own."""
+    if PurePosixPath(path).suffix.lower() != ".fctb":  # a library makes nobody read other files
+        raise OSError(errno.EINVAL, "it is no tool bit (.fctb)")
     places = [library.parent / path, library.parent.parent / "Bit" / path]
     for place in places:
         try:
-            with place.open("rb") as file:
-                return file.read(MOST_BYTES)
+            return read_bounded(place, MOST_BYTES)
         except ValueError:
             break
         except OSError as error:
@@ -96,24 +100,24 @@ def _bit_of(library: Path, path: str) -> bytes:
 
 
 def _entry(errors: Errors, index: int, entry: Any, open_bit: Opener) -> ToolData | None:
-    line = json_line(errors, ("tools", index))
+    line = partial(json_line, errors, ("tools", index))  # asked for where something is wrong
     path = entry.get("path") if isinstance(entry, dict) else None
     if not isinstance(path, str) or not path:
-        errors.add(NO_FORMAT, f"tools[{index}] names no bit", SHAPE_OF_A_FREECAD_ENTRY, line)
+        errors.add(NO_FORMAT, f"tools[{index}] names no bit", SHAPE_OF_A_FREECAD_ENTRY, line())
         return None
     if "nr" not in entry:
-        errors.add(NO_NUMBER, f"tools[{index}] has no number", SHAPE_OF_A_FREECAD_ENTRY, line)
+        errors.add(NO_NUMBER, f"tools[{index}] has no number", SHAPE_OF_A_FREECAD_ENTRY, line())
         return None
     try:
         number = number_of("number", entry["nr"])
         data = open_bit(path)
     except ValueError as error:
-        errors.add(BAD_VALUE, f"tools[{index}].nr: {error}", "correct the number in FreeCAD", line)
+        errors.add(BAD_VALUE, f"tools[{index}].nr: {error}", "correct the number in FreeCAD", line())
         return None
     except OSError as error:
         message = f"tools[{index}]: {path[:80]} cannot be read: {error.strerror or 'no such file'}"
         help_text = "bits lie beside the library, or in the folder Bit beside its own"
-        errors.add(CANNOT_OPEN, message, help_text, line)
+        errors.add(CANNOT_OPEN, message, help_text, line())
         return None
     try:
         values = _bit_values(PurePosixPath(path).name, data)

@@ -28,6 +28,7 @@ _GEOMETRY: Final = {
     "SIG": "point_deg",
     "assemblyGaugeLength": "gauge_mm",
 }
+_MOST_MEMBERS: Final = 1000
 _UNITS: Final = {"millimeters": 1.0, "inches": MM_PER_INCH}
 
 
@@ -38,18 +39,21 @@ def read_tools_zip(data: bytes, name: str, unit: Unit) -> list[ToolData]:
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as packed:
             members = [info.filename for info in packed.infolist() if info.filename.endswith(".json")]
-            texts = []
-            for member in members:
+            # A few kilobytes can be packed that unpack to gigabytes: all together may be as much as one file.
+            texts: list[bytes] = []
+            left = MOST_BYTES
+            for member in members[: _MOST_MEMBERS + 1]:
                 with packed.open(member) as file:
-                    texts.append(file.read(MOST_BYTES + 1))
+                    texts.append(file.read(left + 1))
+                left = max(0, left - len(texts[-1]))
     except Exception as error:  # zipfile raises a dozen kinds for damaged, encrypted and odd archives
         why = str(error) or type(error).__name__
         errors.stop(NO_FORMAT, f"this zip cannot be read: {why[:80]}", EXPORT_AGAIN)
     if not members:
         errors.stop(NO_FORMAT, "there is no .json in this zip", EXPORT_AGAIN)
+    if len(members) > _MOST_MEMBERS or sum(map(len, texts)) > MOST_BYTES:
+        errors.stop(NO_FORMAT, "what is in it is larger than any library", IS_IT_THE_RIGHT_FILE)
     for member, text in zip(members, texts, strict=True):
-        if len(text) > MOST_BYTES:
-            errors.stop(NO_FORMAT, f"{member[:40]} is larger than any library", IS_IT_THE_RIGHT_FILE)
         tools += read_fusion(text, f"{name}/{member}", unit)
     return tools
 

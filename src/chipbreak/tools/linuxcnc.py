@@ -11,7 +11,7 @@ import re
 from typing import Any, Final
 
 from chipbreak.operations.kinds import tool_text
-from chipbreak.tools.cells import decoded
+from chipbreak.tools.cells import check_lines, decoded
 from chipbreak.tools.data import BAD_VALUE, NO_NUMBER, UNKNOWN_KEY, Errors, ToolData
 from chipbreak.tools.facts import teeth_said
 from chipbreak.tools.reader import Unit
@@ -26,6 +26,7 @@ _LETTERS: Final = "TPXYZABCUVWDIJQ"
 def read_table(data: bytes, name: str, unit: Unit) -> list[ToolData]:
     """Tools of a table, whose lengths are in this unit.  Raises ToolFileError."""
     errors = Errors(name, decoded(data))
+    check_lines(errors)
     tools = []
     for number, line in enumerate(errors.lines, 1):
         text, _, comment = line.partition(";")
@@ -47,7 +48,8 @@ def _words(errors: Errors, line: int, text: str) -> dict[str, tuple[str, int, in
     """Letter -> its number and its characters."""
     words: dict[str, tuple[str, int, int]] = {}
     at = 0
-    while text[at:].strip():
+    text = text.rstrip()
+    while at < len(text):
         hit = _WORD.match(text, at)
         assert hit is not None  # the last branch takes anything
         at = hit.end()

@@ -21,7 +21,8 @@ from typing import Any
 import numpy as np
 
 from chipbreak.kinematics.floats import Floats
-from chipbreak.tools.cells import Row, decoded, rows
+from chipbreak.text.named_tuple import NamedTuple
+from chipbreak.tools.cells import Row, check_lines, decoded, rows
 from chipbreak.tools.data import BAD_VALUE, FIELDS, NO_FORMAT, NO_NUMBER, UNKNOWN_KEY, Errors, ToolData
 from chipbreak.tools.reader import Unit
 from chipbreak.tools.values import TYPES, hint_at, name_of, number_of, type_of
@@ -55,6 +56,7 @@ def read_csv(data: bytes, name: str, _unit: Unit) -> list[ToolData]:
 def read_toml(data: bytes, name: str, _unit: Unit) -> list[ToolData]:
     """Tools of a TOML file with ``[[tool]]`` tables.  Raises ToolFileError."""
     errors = Errors(name, decoded(data))
+    check_lines(errors)
     text = "\n".join(errors.lines)
     try:
         given = tomllib.loads(text)
@@ -64,32 +66,35 @@ def read_toml(data: bytes, name: str, _unit: Unit) -> list[ToolData]:
         why = str(error).split(" (at", maxsplit=1)[0].lower()
         errors.stop(NO_FORMAT, f"this is not TOML: {why}", SHAPE_OF_A_TOML_TOOL, line,
                     (column, column + 1))  # fmt: skip
+    places = _Places.of(errors.lines)
     entries = given.get("tool")
     for key in given:
         if key != "tool":
-            errors.add(UNKNOWN_KEY, f"there is no key {key[:40]}", SHAPE_OF_A_TOML_TOOL, _line_of(text, key))
+            errors.add(
+                UNKNOWN_KEY, f"there is no key {key[:40]}", SHAPE_OF_A_TOML_TOOL, _line_of(places, key)
+            )
     if not (isinstance(entries, list) and all(isinstance(entry, dict) for entry in entries)):
         errors.stop(NO_FORMAT, "there is no [[tool]] in it", SHAPE_OF_A_TOML_TOOL)
     tools = []
     for index, entry in enumerate(entries):
-        tool = _toml_tool(errors, text, index, entry)
+        tool = _toml_tool(errors, places, index, entry)
         tools += [tool] if tool else []
     errors.raise_if_any()
     return tools
 
 
-def _toml_tool(errors: Errors, text: str, index: int, entry: Mapping[str, Any]) -> ToolData | None:
+def _toml_tool(errors: Errors, places: _Places, index: int, entry: Mapping[str, Any]) -> ToolData | None:
     values: dict[str, Any] = {}
-    head = _line_of(text, None, index)
+    head = places.head(index)
     for key, value in entry.items():
-        line = _line_of(text, key, index)
         if key not in _KEYS:
+            line = _line_of(places, key, index)
             errors.add(UNKNOWN_KEY, f"there is no key {key[:40]}", hint_at(key, _KEYS), line)
             continue
         try:
             values[key] = _value(key, value)
         except ValueError as error:
-            errors.add(BAD_VALUE, str(error), _help(key, value), line)
+            errors.add(BAD_VALUE, str(error), _help(key, value), _line_of(places, key, index))
     if "number" not in entry:
         errors.add(NO_NUMBER, "this tool has no number", "write number = and the T number", head)
     if "number" not in values:
@@ -97,21 +102,31 @@ def _toml_tool(errors: Errors, text: str, index: int, entry: Mapping[str, Any]) 
     return ToolData.said(values.pop("number"), f"{errors.name}, line {head}", values)
 
 
-def _line_of(text: str, key: str | None, index: int | None = None) -> int:
-    """The line (from 1) of a key in the ``index``-th [[tool]], or of that header itself."""
-    seen = -1
-    header = 1
-    for number, line in enumerate(text.split("\n"), 1):
-        if re.match(r"\s*\[\[\s*[\"']?tool[\"']?\s*\]\]", line):
-            seen += 1
-            header = number if seen == index else header
-            if seen == index and key is None:
-                return number
-        elif key is not None and index in (None, seen):
-            quoted = re.escape(key)
-            if re.match(rf"\s*\[*\s*[\"']?{quoted}[\"']?\s*[=.\]]", line):
-                return number
-    return header
+class _Places(NamedTuple):
+    """The lines of a TOML file, and which of them (from 1) are headers of a tool."""
+
+    lines: list[str]
+    heads: list[int]
+
+    @classmethod
+    def of(cls, lines: list[str]) -> _Places:
+        head = re.compile(r"\s*\[\[\s*[\"']?tool[\"']?\s*\]\]")
+        return cls(lines, [number for number, line in enumerate(lines, 1) if head.match(line)])
+
+    def head(self, index: int) -> int:
+        """The line of the ``index``-th header; 1 where the tools have none of their own."""
+        return self.heads[index] if index < len(self.heads) else 1
+
+
+def _line_of(places: _Places, key: str, index: int | None = None) -> int:
+    """The line (from 1) of a key in the ``index``-th [[tool]], or anywhere; else that of its header."""
+    first, last = 1, len(places.lines)
+    if index is not None:
+        first = places.head(index) + 1
+        last = places.heads[index + 1] - 1 if index + 1 < len(places.heads) else last
+    said = re.compile(rf"\s*\[*\s*[\"']?{re.escape(key)}[\"']?\s*[=.\]]")
+    found = (number for number in range(first, last + 1) if said.match(places.lines[number - 1]))
+    return next(found, max(1, first - 1))
 
 
 def _value(key: str, value: Any) -> Any:
