@@ -14,9 +14,9 @@ import numpy as np
 from chipbreak.kinematics.floats import Floats
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.linuxcnc_joints import Bools
-from chipbreak.trajectory.linuxcnc_many import Stretches, times_of_many
+from chipbreak.trajectory.linuxcnc_many import Stretches
 from chipbreak.trajectory.linuxcnc_planner import Clock
-from chipbreak.trajectory.linuxcnc_runs import Counts
+from chipbreak.trajectory.linuxcnc_runs import Counts, block_times
 
 _TRIED = np.geomspace(0.5, 20.0, 75)
 _TRIED_BETWEEN = 40
@@ -155,7 +155,7 @@ def _worst_late(wanted: Wanted, speeds: Floats, clocks: Sequence[Clock]) -> Floa
 
 def _block_times(wanted: Wanted, speeds: Floats, clock: Clock) -> Floats:
     """Times of the fitted blocks, (m, fitted)."""
-    return times_of_many(wanted.stretches._replace(speeds=speeds), clock, wanted.fitted)
+    return block_times(wanted.stretches._replace(speeds=speeds), clock, wanted.fitted)
 
 
 def _shape(wanted: Wanted, clocks: Sequence[Clock], found: Found) -> None:

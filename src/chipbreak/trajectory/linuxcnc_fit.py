@@ -168,9 +168,7 @@ class _Fit:
         several = np.flatnonzero((self.parts.sizes > 1) & (self.parts.stops <= self.asked.plain_from))
         if not len(several):
             return
-        stop = int(self.parts.stops[-1])
-        ways = np.add.reduceat(self.columns.lengths[:stop], self.parts.starts)
-        has = np.minimum.reduceat(self.columns.accelerations[:stop], self.parts.starts)
+        ways, has = _parts_as_blocks(self.columns, self.parts)
         self._refuse_too_short(ways[several], times[several], has[several])
 
     def _wanted(self, which: Counts, size: int, times: Floats, feeds: Floats) -> Wanted:
@@ -222,31 +220,38 @@ def _times_of_parts(asked: Asked, columns: Columns, parts: Parts, period: float)
     times = wanted[stroke]
     firsts = np.searchsorted(stroke, np.arange(len(bounds)))
     counts = np.diff(np.append(firsts, len(stroke)))
+    shared = np.flatnonzero((counts > 1) | (np.append(0, counts[:-1]) > 1)).tolist()
+    if not shared:
+        return np.asarray(times * period)
+    ways, has = _parts_as_blocks(columns, parts)
+    least = _least_periods(ways, has, period)
     owed = 0.0
-    for at in np.flatnonzero((counts > 1) | (np.append(0, counts[:-1]) > 1)).tolist():
+    for at in shared:
         run = slice(int(firsts[at]), int(firsts[at] + counts[at]))
-        times[run], owed = _shared_out(float(wanted[at]) - owed, columns, parts, run, period)
+        times[run], owed = _shared_out(float(wanted[at]) - owed, ways[run], least[run])
     return np.asarray(times * period)
 
 
-def _shared_out(
-    wanted: float, columns: Columns, parts: Parts, run: slice, period: float
-) -> tuple[Floats, float]:
+def _parts_as_blocks(columns: Columns, parts: Parts) -> tuple[Floats, Floats]:
+    """How long each part is, (p,), and the acceleration that all its blocks have."""
+    stop = int(parts.stops[-1])
+    ways = np.add.reduceat(columns.lengths[:stop], parts.starts)
+    return ways, np.minimum.reduceat(columns.accelerations[:stop], parts.starts)
+
+
+def _shared_out(wanted: float, ways: Floats, least: Floats) -> tuple[Floats, float]:
     """The periods of the parts of one stroke, and what the next one must make up for.
 
-    A stroke that rests on the way gives each part the least it needs, and what is spare by length.  If that
-    is too long, one period of it is made up for by the next stroke; with more, all that follows is late.
+    ``ways`` are their lengths, ``least`` the fewest periods of each.  A stroke that rests on the way gives
+    each part the least it needs, and what is spare by length.  If that is too long, one period of it is made
+    up for by the next stroke; with more, all that follows is late.
     """
-    blocks = [slice(*ends) for ends in zip(parts.starts[run], parts.stops[run], strict=True)]
-    if len(blocks) == 1:
+    if len(ways) == 1:
         return np.array([wanted]), 0.0
-    ways = np.array([columns.lengths[one].sum() for one in blocks])
-    least_mm_s2 = np.array([columns.accelerations[one].min() for one in blocks])
-    times = _least_periods(ways, least_mm_s2, period)
-    spare = max(0.0, wanted - times.sum())
+    spare = max(0.0, wanted - least.sum())
     given = np.floor(spare * ways / ways.sum())
     given[ways.argmax()] += spare - given.sum()
-    return times + given, min(1.0, max(0.0, float(times.sum()) - wanted))
+    return least + given, min(1.0, max(0.0, float(least.sum()) - wanted))
 
 
 def _least_periods(ways: Floats, accelerations: Floats, period: float) -> Floats:

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from chipbreak.kinematics.floats import Floats
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.linuxcnc_joints import Bools
-from chipbreak.trajectory.linuxcnc_many import Stretches, linuxcnc_many
+from chipbreak.trajectory.linuxcnc_many import Stretches, linuxcnc_many, times_of_many
 from chipbreak.trajectory.linuxcnc_planner import Clock, Stretch, linuxcnc
 from chipbreak.trajectory.linuxcnc_strokes import places_of
 
 Counts = NDArray[np.intp]
 # Fewer stretches are faster one by one, and so is a long even feed: it then takes no time.
-_MANY = 8
+_MANY = 96
 _LONG_PERIODS = 200.0
 
 
@@ -148,9 +148,7 @@ def run_stretches(stretches: Stretches, clock: Clock) -> tuple[Floats, Counts, F
     times = np.empty(stretches.lengths.shape)
     ways: dict[int, Floats] = {}
     for row in np.flatnonzero(alone).tolist():
-        lengths, speeds, tops, accelerations = (tuple(column[row].tolist()) for column in stretches[:4])
-        one = Stretch(lengths, speeds, tops, accelerations, float(stretches.before[row]))
-        took, places = linuxcnc(one, clock)
+        took, places = linuxcnc(_stretch(stretches, row), clock)
         times[row] = took
         ways[row] = np.array(places)
     others = np.flatnonzero(~alone)
@@ -160,6 +158,20 @@ def run_stretches(stretches: Stretches, clock: Clock) -> tuple[Floats, Counts, F
             ways[row] = places[~np.isnan(places)]
     ordered = [ways[row] for row in range(len(times))]
     return times, np.array([len(places) for places in ordered], dtype=np.intp), np.concatenate(ordered)
+
+
+def block_times(stretches: Stretches, clock: Clock, until: int) -> Floats:
+    """Times of the first ``until`` blocks of stretches, (m, until)."""
+    count = len(stretches.lengths)
+    if count >= _MANY:
+        return times_of_many(stretches, clock, until)
+    return np.array([linuxcnc(_stretch(stretches, row), clock)[0][:until] for row in range(count)])
+
+
+def _stretch(stretches: Stretches, row: int) -> Stretch:
+    """One of them."""
+    lengths, speeds, tops, accelerations = (tuple(column[row].tolist()) for column in stretches[:4])
+    return Stretch(lengths, speeds, tops, accelerations, float(stretches.before[row]))
 
 
 def kinds_of(rows: Floats) -> tuple[Counts, Counts]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from chipbreak.kinematics.sourced_value import shown
@@ -23,10 +23,10 @@ from chipbreak.vibration.trial import Trials, with_values
 
 LIMITS = ("VIB030", "VIB031", "VIB032")
 _ACCELERATION = "VIB030"
-_MOST_EXPANDED = 12  # slower frequencies that are tried to the verdict
 _LEAST_SHARE = 0.05  # no cut is made at a twentieth of its speed
 _NEED = re.compile(r"needs ([0-9.e+]+) m/s2")
-_MORE = (1.0, 1.02, 1.05, 1.1, 1.25, 1.5, 2.0, 3.0)  # times what the full stroke needs
+_MORE = 1.12  # times what was not enough, where the refusal does not say more
+_MOST_RAISED = 7
 _DIGITS = 3
 
 
@@ -38,15 +38,14 @@ def with_advice(error: RefusalError, cut: CutPlan, settings: Settings) -> Refusa
     """
     if error.code not in LIMITS:
         return error
-    trials = Trials(cut, settings)
-    message = _with_all_strokes(error, cut, settings, trials)
-    ways = [_first_help(error, cut), *_ways(cut, settings, trials)]
+    message = _with_all_strokes(error, cut, settings)
+    ways = [_first_help(error, cut), *_ways(cut, settings)]
     return RefusalError(error.code, message, "; ".join(ways))
 
 
-def _ways(cut: CutPlan, settings: Settings, trials: Trials) -> Iterator[str]:
+def _ways(cut: CutPlan, settings: Settings) -> Iterator[str]:
     for rule in (_slower, _chosen, _standing):
-        way = rule(cut, settings, trials)
+        way = rule(cut, settings)
         if way:
             yield way
 
@@ -58,17 +57,21 @@ def _first_help(error: RefusalError, cut: CutPlan) -> str:
     return cut.expander.way_out_of_too_many_blocks(cut.wave.form)
 
 
-def _with_all_strokes(error: RefusalError, cut: CutPlan, settings: Settings, trials: Trials) -> str:
+def _with_all_strokes(error: RefusalError, cut: CutPlan, settings: Settings) -> str:
     """The message with the acceleration that every stroke can run with, in place of that of the first."""
     said = _NEED.search(error.message)
     if error.code != _ACCELERATION or said is None:
         return error.message
-    full = cut.wave.shape.least_acceleration_mm_s2(cut.wave, cut.solution.per_rev) / 1000.0
-    least = max(float(said[1]), full)
-    for factor in _MORE:
-        need = _rounded_up(least * factor)
+    need = max(
+        float(said[1]), cut.wave.shape.least_acceleration_mm_s2(cut.wave, cut.solution.per_rev) / 1000.0
+    )
+    trials = Trials(cut, settings)
+    for _ in range(_MOST_RAISED):
+        need = _rounded_up(need)
         if trials.works(cut.chain, _with_acceleration(settings, cut.chain.axes, need * 1000.0)) is not None:
             return error.message.replace(said[0], f"needs {need:.{_DIGITS}g} m/s2", 1)
+        more = _NEED.search(trials.refusal)
+        need = max(_MORE * need, float(more[1]) if more else 0.0)
     return error.message.replace(said[0], f"needs more than {said[1]} m/s2", 1)
 
 
@@ -91,28 +94,50 @@ def _with_acceleration(settings: Settings, axes: str, acceleration_mm_s2: float)
     return replace(settings, axes={**settings.axes, **changed}, planner=planner)
 
 
-def _slower(cut: CutPlan, settings: Settings, trials: Trials) -> str:
+def _slower(cut: CutPlan, settings: Settings) -> str:
     """The next slower frequency that works with the same N."""
+    trials = Trials(cut, settings)
     law = control_along(settings, cut.path, cut.chain.before)
     per_rev = round(cut.solution.per_rev, 4)
     top_hz = cut.solution.frequency_hz
-    slower = (p for p in command_group(settings).between(_LEAST_SHARE * top_hz, top_hz * (1.0 - 1e-6)))
-    candidates = (period for period in slower if _runs(cut, period, law))
-    for _, period in zip(range(_MOST_EXPANDED), candidates, strict=False):
+    slower = command_group(settings).between(_LEAST_SHARE * top_hz, top_hz * (1.0 - 1e-6))
+    found: dict[int, float] = {}
+
+    def works(place: int) -> bool:
         # The digits that are shown are those that people type.
-        wish = {"N": per_rev, "F": float(shown(period.frequency_hz))}
-        found = trials.works(with_values(cut.chain, wish, without="SE"))
-        if found is not None:
-            speed = f"S {found.plan.solution.speed_rpm:z.0f}"
-            return (
-                f"N {shown(per_rev)} with the same feed works at f {shown(period.frequency_hz)} Hz, {speed}"
-            )
-    return ""
+        wish = {"N": per_rev, "F": float(shown(slower[place].frequency_hz))}
+        report = None
+        if _runs(cut, slower[place], law):
+            report = trials.works(with_values(cut.chain, wish, without="SE"))
+        if report is not None:
+            found[place] = report.plan.solution.speed_rpm
+        return report is not None
+
+    place = _first(works, len(slower))
+    if place is None:
+        return ""
+    frequency = shown(slower[place].frequency_hz)
+    return f"N {shown(per_rev)} with the same feed works at f {frequency} Hz, S {found[place]:z.0f}"
 
 
-def _chosen(cut: CutPlan, settings: Settings, trials: Trials) -> str:
+def _first(holds: Callable[[int], bool], count: int) -> int | None:
+    """The first place, below ``count``, from which on something holds; None where it holds nowhere."""
+    before = -1
+    step = 1
+    while (place := min(before + step, count - 1)) > before:
+        if holds(place):
+            while place - before > 1:
+                middle = (before + place) // 2
+                before, place = (before, middle) if holds(middle) else (middle, place)
+            return place
+        before = place
+        step *= 2
+    return None
+
+
+def _chosen(cut: CutPlan, settings: Settings) -> str:
     """What the machine would choose near the programmed speed."""
-    if trials.moves_left <= 0 or not cut.wave.shape.turns_back:
+    if not cut.wave.shape.turns_back:
         return ""
     requests = []
     for request in cut.chain.requests:
@@ -132,11 +157,11 @@ def _made(chain: Chain, settings: Settings) -> tuple[CutPlan, Expansion]:
     return plan, moves_of(plan, settings)
 
 
-def _standing(cut: CutPlan, settings: Settings, trials: Trials) -> str:
+def _standing(cut: CutPlan, settings: Settings) -> str:
     """What needs no reversal: at this E half of what is left to the stand is to spare."""
     turns = round(1.5 / cut.edges / (1.0 - cut.wave.alpha_share), 2)
     standing = with_values(cut.chain, {"E": turns}, without="NEFQA", waveform="dwell")
-    if trials.works(standing) is None:
+    if Trials(cut, settings).works(standing) is None:
         return ""
     has_stroke = cut.chain.requests[0].values.keys() & {"Q", "A"}
     without = ", without Q and A," if has_stroke else ""

@@ -16,6 +16,7 @@ from chipbreak.vibration.plan import CutPlan, plan_cut
 _MOST_MOVES = 300_000
 _MOST_SLOW_MOVES = 2000
 _FEW_CORNERS = 8
+_LEAST_COST = 150  # in moves, of a try where each stroke takes long to plan: no more than a dozen of them
 _MANY_IN_STROKES = 500  # moves of a cut whose strokes are several moves each
 _ORIGIN = "proposal"
 
@@ -25,21 +26,28 @@ class Trials:
 
     def __init__(self, cut: CutPlan, settings: Settings) -> None:
         self.settings = settings
-        self.moves_left = _MOST_SLOW_MOVES if _is_slow_to_plan(cut, settings) else _MOST_MOVES
+        is_slow = _is_slow_to_plan(cut, settings)
+        self.moves_left = _MOST_SLOW_MOVES if is_slow else _MOST_MOVES
+        self.least_cost = _LEAST_COST if is_slow else 1
+        self.refusal = ""  # what the last try was refused for
 
     def works(self, chain: Chain, settings: Settings | None = None) -> CutReport | None:
         """The cut, if it breaks its chips and runs as planned; None where not, or where it is enough."""
         if self.moves_left <= 0:
             return None
         settings = settings or self.settings
+        self.refusal = ""
         try:
             plan = plan_cut(chain, settings)
             moves = plan.wave.vibrations * plan.wave.moves_per_vibration
-            self.moves_left -= moves
+            self.moves_left -= max(moves, self.least_cost)
             if self.moves_left < 0:
                 return None
             report = measure_planned(settings, plan, moves_of(plan, settings))
-        except (RefusalError, SelfCheckError):
+        except RefusalError as error:
+            self.refusal = error.message
+            return None
+        except SelfCheckError:
             return None
         runs = not (report.misses_plan or report.is_overloaded)
         return report if report.verdict.breaks and runs else None
