@@ -16,7 +16,7 @@ from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.linuxcnc_joints import Bools
 from chipbreak.trajectory.linuxcnc_many import Stretches
 from chipbreak.trajectory.linuxcnc_planner import Clock
-from chipbreak.trajectory.linuxcnc_runs import Counts, block_times
+from chipbreak.trajectory.linuxcnc_runs import Counts, times_by_clock
 
 _TRIED = np.geomspace(0.5, 20.0, 75)
 _TRIED_BETWEEN = 40
@@ -147,15 +147,14 @@ def _late(wanted: Wanted, rows: Counts, factors: Floats, clocks: Sequence[Clock]
 
 def _worst_late(wanted: Wanted, speeds: Floats, clocks: Sequence[Clock]) -> Floats:
     """How much too long each stretch takes at these speeds, (m,); of several clocks the worst."""
-    late = [_block_times(wanted, speeds, clock).sum(axis=1) - wanted.time for clock in clocks]
-    stacked = np.array(late)
+    stacked = np.array([times.sum(axis=1) - wanted.time for times in _times(wanted, speeds, clocks)])
     worst: Floats = np.take_along_axis(stacked, np.abs(stacked).argmax(axis=0)[np.newaxis], axis=0)[0]
     return worst
 
 
-def _block_times(wanted: Wanted, speeds: Floats, clock: Clock) -> Floats:
-    """Times of the fitted blocks, (m, fitted)."""
-    return block_times(wanted.stretches._replace(speeds=speeds), clock, wanted.fitted)
+def _times(wanted: Wanted, speeds: Floats, clocks: Sequence[Clock]) -> list[Floats]:
+    """Times of the fitted blocks by each clock, (m, fitted)."""
+    return times_by_clock(wanted.stretches._replace(speeds=speeds), clocks, wanted.fitted)
 
 
 def _shape(wanted: Wanted, clocks: Sequence[Clock], found: Found) -> None:
@@ -180,7 +179,7 @@ def _shape(wanted: Wanted, clocks: Sequence[Clock], found: Found) -> None:
     every = np.arange(len(rows))
     for _ in range(_SHAPING):
         speeds = some.stretches.speeds * factors
-        ratio = _block_times(some, speeds, clocks[0]) / some.spans[:, : some.fitted]
+        ratio = _times(some, speeds, clocks[:1])[0] / some.spans[:, : some.fitted]
         shape[:, : some.fitted] *= np.clip(ratio, 0.25, 4.0) ** _DAMPING
         shaped = some._replace(stretches=some.stretches._replace(speeds=some.stretches.speeds * shape))
         one, late = _narrowed(shaped, every, np.tile(_SHAPED, (len(every), 1)), clocks)
@@ -204,6 +203,6 @@ def _swings(wanted: Wanted) -> Bools:
 def _unevenness(wanted: Wanted, speeds: Floats, clocks: Sequence[Clock]) -> Floats:
     """By how much the end of any fitted block misses its time [s], (m,)."""
     ends = np.cumsum(wanted.spans[:, : wanted.fitted], axis=1)
-    misses = [np.cumsum(_block_times(wanted, speeds, clock), axis=1) - ends for clock in clocks]
+    misses = [np.cumsum(times, axis=1) - ends for times in _times(wanted, speeds, clocks)]
     worst: Floats = np.abs(np.array(misses)).max(axis=(0, 2))
     return worst

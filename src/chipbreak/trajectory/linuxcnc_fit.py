@@ -23,7 +23,7 @@ from chipbreak.trajectory.linuxcnc_runs import (
     kinds_of,
     parts_of,
     run_all,
-    run_stretches,
+    times_by_clock,
 )
 from chipbreak.trajectory.linuxcnc_strokes import middle_feeds, profile_of
 from chipbreak.units import MS_PER_S
@@ -264,7 +264,8 @@ def _missed(wanted: Wanted, clocks: Sequence[Clock]) -> Floats:
     """By how much each stretch misses its time as it is [s], (m,); of several clocks the worst."""
     first, kind = kinds_of(np.column_stack(wanted.stretches))
     some = wanted.stretches.rows(first)
-    took = [run_stretches(some, clock)[0].sum(axis=1)[kind] for clock in clocks]
+    count = some.lengths.shape[1]
+    took = [times.sum(axis=1)[kind] for times in times_by_clock(some, clocks, count)]
     return np.asarray(np.abs(np.array(took) - wanted.time).max(axis=0))
 
 

@@ -72,6 +72,12 @@ def times_of_many(stretches: Stretches, clock: Clock, until: int) -> Floats:
     return times.reshape(stretches.lengths.shape)[:, :until]
 
 
+def passing_speeds(stretches: Stretches, clock: Clock) -> Floats:
+    """How fast each block may be at its end, (m, n): what highest overrides differ in."""
+    blocks = _Blocks(stretches, clock)
+    return np.minimum(blocks.reachable, blocks.tops).reshape(stretches.lengths.shape)
+
+
 @dataclass
 class _Rows:
     """Where the stretches stand that have not ended; (k,) each, as in ``linuxcnc_planner._Stretch``.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import inf
 
 import numpy as np
@@ -10,13 +11,13 @@ from numpy.typing import NDArray
 from chipbreak.kinematics.floats import Floats
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.linuxcnc_joints import Bools
-from chipbreak.trajectory.linuxcnc_many import Stretches, linuxcnc_many, times_of_many
+from chipbreak.trajectory.linuxcnc_many import Stretches, linuxcnc_many, passing_speeds, times_of_many
 from chipbreak.trajectory.linuxcnc_planner import Clock, Stretch, linuxcnc
 from chipbreak.trajectory.linuxcnc_strokes import places_of
 
 Counts = NDArray[np.intp]
 # Fewer stretches are faster one by one, and so is a long even feed: it then takes no time.
-_MANY = 96
+_MANY = 64
 _LONG_PERIODS = 200.0
 
 
@@ -160,7 +161,24 @@ def run_stretches(stretches: Stretches, clock: Clock) -> tuple[Floats, Counts, F
     return times, np.array([len(places) for places in ordered], dtype=np.intp), np.concatenate(ordered)
 
 
-def block_times(stretches: Stretches, clock: Clock, until: int) -> Floats:
+def times_by_clock(stretches: Stretches, clocks: Sequence[Clock], until: int) -> list[Floats]:
+    """Times of the first ``until`` blocks of stretches by each clock, (m, until).
+
+    Where the speeds that matter are those of the first clock, its times are.
+    """
+    first = _block_times(stretches, clocks[0], until)
+    found = [first]
+    passed = passing_speeds(stretches, clocks[0]) if len(clocks) > 1 else None
+    for clock in clocks[1:]:
+        other = np.flatnonzero((passing_speeds(stretches, clock) != passed).any(axis=1))
+        times = first.copy()
+        if len(other):
+            times[other] = _block_times(stretches.rows(other), clock, until)
+        found.append(times)
+    return found
+
+
+def _block_times(stretches: Stretches, clock: Clock, until: int) -> Floats:
     """Times of the first ``until`` blocks of stretches, (m, until)."""
     count = len(stretches.lengths)
     if count >= _MANY:

@@ -32,3 +32,8 @@ class Motion(NamedTuple):
         speed_mm_s = np.diff(self.distance_mm) / step_s
         middle_s = np.maximum((step_s[1:] + step_s[:-1]) / 2.0, _LEAST_S)
         return float(np.abs(np.diff(speed_mm_s) / middle_s).max(initial=0.0))
+
+    def is_same(self, other: Motion) -> bool:
+        """True where both are the same to the last digit."""
+        pairs = zip(self[:3], other[:3], strict=True)
+        return self[3:] == other[3:] and all(np.array_equal(mine, its) for mine, its in pairs)

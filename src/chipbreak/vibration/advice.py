@@ -16,7 +16,7 @@ from chipbreak.trajectory.law import ControlLaw
 from chipbreak.units import S_PER_MIN
 from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.chain import Chain
-from chipbreak.vibration.choice import Chooser
+from chipbreak.vibration.choice import NOTHING_FITS, Chooser
 from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.plan import CutPlan, command_group, plan_cut
 from chipbreak.vibration.trial import Trials, with_values
@@ -71,6 +71,8 @@ def _with_all_strokes(error: RefusalError, cut: CutPlan, settings: Settings) -> 
         if trials.works(cut.chain, _with_acceleration(settings, cut.chain.axes, need * 1000.0)) is not None:
             return error.message.replace(said[0], f"needs {need:.{_DIGITS}g} m/s2", 1)
         more = _NEED.search(trials.refusal)
+        if trials.refusal and more is None:
+            break  # something else is in the way too
         need = max(_MORE * need, float(more[1]) if more else 0.0)
     return error.message.replace(said[0], f"needs more than {said[1]} m/s2", 1)
 
@@ -143,8 +145,9 @@ def _chosen(cut: CutPlan, settings: Settings) -> str:
     for request in cut.chain.requests:
         values = {key: given for key, given in request.values.items() if key not in "NEF"}
         requests.append(request._replace(values=values, chosen_by="AUTO"))
+    trials = Trials(cut, settings)
     try:
-        plan, _ = Chooser(settings).cut(Chain(tuple(requests)), lambda one: _made(one, settings))
+        plan, _ = Chooser(settings).cut(Chain(tuple(requests)), lambda one: _made(one, trials))
     except (RefusalError, SelfCheckError):
         return ""
     solution = plan.solution
@@ -152,9 +155,12 @@ def _chosen(cut: CutPlan, settings: Settings) -> str:
     return f"(VIB AUTO) in place of N and f takes {found}"
 
 
-def _made(chain: Chain, settings: Settings) -> tuple[CutPlan, Expansion]:
-    plan = plan_cut(chain, settings)
-    return plan, moves_of(plan, settings)
+def _made(chain: Chain, trials: Trials) -> tuple[CutPlan, Expansion]:
+    """Errors: RefusalError, also where no more may be tried."""
+    plan = plan_cut(chain, trials.settings)
+    if not trials.affords(plan):
+        raise RefusalError(NOTHING_FITS, "nothing was found in as many tries as are made", "give N, f and S")
+    return plan, moves_of(plan, trials.settings)
 
 
 def _standing(cut: CutPlan, settings: Settings) -> str:

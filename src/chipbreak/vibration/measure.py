@@ -172,10 +172,12 @@ def _in_time(moves: ReadBack, settings: Settings, plan: CutPlan, expansion: Expa
     moved = np.diff(np.vstack((plan.path.legs[0].start, moves.points_mm)), axis=0)
     law = control_along(settings, plan.path, plan.chain.before)
     blocks = law.blocks(moved, np.diff(distance_mm))
-    timed = [
-        _Timed(moves, one, blocks, one.motion(distance_mm, blocks, moves.feed_mm_s, moves.dwell_s))
-        for one in law.variants()
-    ]
+    timed = list[_Timed]()
+    for one in law.variants():
+        motion = one.motion(distance_mm, blocks, moves.feed_mm_s, moves.dwell_s)
+        # What the profile leaves open often makes no difference.
+        if not any(motion.is_same(known.motion) for known in timed):
+            timed.append(_Timed(moves, one, blocks, motion))
     if not all(np.all(one.motion.spans_s > 0.0) for one in timed):
         raise SelfCheckError("a move takes no time")
     return timed

@@ -9,14 +9,16 @@ from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError, SelfCheckError
 from chipbreak.vibration.blocks import moves_of
 from chipbreak.vibration.chain import Chain
-from chipbreak.vibration.machine import law_of
+from chipbreak.vibration.machine import control_along, law_of
 from chipbreak.vibration.measure import CutReport, measure_planned
 from chipbreak.vibration.plan import CutPlan, plan_cut
 
 _MOST_MOVES = 300_000
-_MOST_SLOW_MOVES = 2000
+# Where each stroke takes long to plan; a move counts for every law that the profile leaves open.
+_MOST_SLOW_MOVES = 1200
+_LEAST_COST = 40  # in moves, of such a try
+_REFUSED_EARLY = 0.7  # of what a try costs is not spent where it is refused
 _FEW_CORNERS = 8
-_LEAST_COST = 150  # in moves, of a try where each stroke takes long to plan: no more than a dozen of them
 _MANY_IN_STROKES = 500  # moves of a cut whose strokes are several moves each
 _ORIGIN = "proposal"
 
@@ -26,9 +28,8 @@ class Trials:
 
     def __init__(self, cut: CutPlan, settings: Settings) -> None:
         self.settings = settings
-        is_slow = _is_slow_to_plan(cut, settings)
-        self.moves_left = _MOST_SLOW_MOVES if is_slow else _MOST_MOVES
-        self.least_cost = _LEAST_COST if is_slow else 1
+        self.is_slow = _is_slow_to_plan(cut, settings)
+        self.moves_left = _MOST_SLOW_MOVES if self.is_slow else _MOST_MOVES
         self.refusal = ""  # what the last try was refused for
 
     def works(self, chain: Chain, settings: Settings | None = None) -> CutReport | None:
@@ -39,18 +40,33 @@ class Trials:
         self.refusal = ""
         try:
             plan = plan_cut(chain, settings)
-            moves = plan.wave.vibrations * plan.wave.moves_per_vibration
-            self.moves_left -= max(moves, self.least_cost)
-            if self.moves_left < 0:
-                return None
+        except RefusalError as error:
+            self.refusal = error.message
+            return None
+        if not self.affords(plan):
+            return None
+        try:
             report = measure_planned(settings, plan, moves_of(plan, settings))
         except RefusalError as error:
             self.refusal = error.message
+            self.moves_left += round(_REFUSED_EARLY * self._cost(plan))
             return None
         except SelfCheckError:
             return None
         runs = not (report.misses_plan or report.is_overloaded)
         return report if report.verdict.breaks and runs else None
+
+    def affords(self, plan: CutPlan) -> bool:
+        """Take what a try of this plan costs; False where that is more than is left."""
+        self.moves_left -= self._cost(plan)
+        return self.moves_left >= 0
+
+    def _cost(self, plan: CutPlan) -> int:
+        moves = plan.wave.vibrations * plan.wave.moves_per_vibration
+        if not self.is_slow:
+            return moves
+        law = control_along(self.settings, plan.path, plan.chain.before)
+        return max(moves, _LEAST_COST) * len(law.variants())
 
 
 def with_values(chain: Chain, wish: Mapping[str, float], *, without: str, waveform: str = "") -> Chain:
