@@ -287,11 +287,11 @@ def _found(wanted: Wanted, clocks: Sequence[Clock]) -> Found:
     keys = [row.tobytes() for row in np.column_stack([*wanted.stretches, wanted.spans, wanted.time])]
     # Another thread may forget them at any time: what was answered is kept.
     mine = {key: row for key, row in ((key, known.get(key)) for key in keys) if row is not None}
-    new = np.array([at for at, key in enumerate(keys) if key not in mine], dtype=np.intp)
-    if len(new):
-        found = factors_for(wanted.rows(new), clocks)
+    new = {key: at for at, key in enumerate(keys) if key not in mine}
+    if new:
+        found = factors_for(wanted.rows(np.array([*new.values()], dtype=np.intp)), clocks)
         rows = zip(found.factors, found.late.tolist(), found.never.tolist(), strict=True)
-        fresh = dict(zip((keys[at] for at in new.tolist()), rows, strict=True))
+        fresh = dict(zip(new, rows, strict=True))
         known.update(fresh)
         mine |= fresh
     factors, late, never = zip(*map(mine.__getitem__, keys), strict=True)
