@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.modes import Group
+from chipbreak.insertion.sure_effects import words_for
 from chipbreak.kinematics.toolpath import Leg
 from chipbreak.model.block_effect import BlockEffect, Move
 from chipbreak.model.interpreted_program import InterpretedProgram
@@ -17,8 +18,9 @@ from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.text.diagnostics import Diagnostic, RefusalError
 from chipbreak.text.named_tuple import NamedTuple
+from chipbreak.vibration.called import Called
 from chipbreak.vibration.directive import KEYS
-from chipbreak.vibration.left_cut import NO_SPINDLE, LeftCut
+from chipbreak.vibration.left_cut import NO_SPINDLE, UNKNOWN_SPEED, LeftCut
 from chipbreak.vibration.request import Request
 
 # Modal groups that must be at rest, with what the user knows them as.
@@ -117,8 +119,9 @@ def chains_of(interpreted: InterpretedProgram, requests: Sequence[Request]) -> C
     refused: list[Diagnostic] = []
     left: list[LeftCut] = []
     groups: list[list[Request]] = []
+    called = Called(interpreted)
     for request in requests:
-        refusal = refusal_of(request, interpreted)
+        refusal = refusal_of(request, interpreted) or _call_refusal(request, called)
         if refusal is not None:
             error, at = refusal
             line = request.effect.block.line
@@ -279,6 +282,32 @@ def _feed_refusal(interpreted: InterpretedProgram, state: State) -> tuple[Refusa
         message = f"the feed F{state.feed.text} (line {said}) {why}"
         return RefusalError("VIB050", message, "give F with a decimal point, above zero"), None
     return None
+
+
+def _call_refusal(request: Request, called: Called) -> tuple[RefusalError, None] | None:
+    """Behind a subprogram the program says again what that may have set."""
+    line = request.effect.block.line
+    state = request.effect.after
+    assert state.feed is not None  # it was looked for before
+    call = called.line_that_says("F", state.feed.line, line)
+    if call is not None:
+        message = f"the feed is not known: what line {_user_line(called, call)} calls may say another F"
+        return RefusalError("VIB050", message, "give F on this block or between there and it"), None
+    call = called.line_that_says("S", 0 if state.speed is None else state.speed.line, line)
+    if call is not None:
+        message = (
+            f"the spindle speed is not known: what line {_user_line(called, call)} calls may say another S"
+        )
+        return RefusalError(UNKNOWN_SPEED, message, "give S between there and this cut"), None
+    found = called.line_that_changes(line)
+    if found is not None:
+        message = f"what line {_user_line(called, found[0])} calls leaves {words_for(found[1])} changed"
+        return RefusalError("VIB050", message, "say the code again between there and this cut"), None
+    return None
+
+
+def _user_line(called: Called, line: int) -> int:
+    return int(called.interpreted.program.source.place(line).line)
 
 
 def _position_refusal(

@@ -9,6 +9,7 @@ from chipbreak.text.diagnostics import Diagnostic, Severity
 from chipbreak.text.named_tuple import NamedTuple
 
 # Codes of moves that remove nothing: leaving them is no wish refused.
+UNKNOWN_SPEED = "VIB053"
 NO_SPINDLE = "VIB046"
 NO_LENGTH = "VIB023"
 UNASKED_FINISHING = "VIB068"

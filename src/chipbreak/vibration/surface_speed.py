@@ -11,6 +11,7 @@ from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.units import spindle_speed_rpm, typed_surface_speed
 from chipbreak.vibration.chain import Chain
+from chipbreak.vibration.left_cut import UNKNOWN_SPEED
 
 _MOST_RPM = 1e7
 _FUZZ = 1e-6
@@ -58,7 +59,7 @@ def active_speed(chain: Chain, speed: SourcedValue, settings: Settings, reasons:
     """
     if not 0.0 < speed.value < _MOST_RPM:
         message = f"the spindle speed ({speed.origin}) cannot be known, is zero, or is none of a spindle"
-        raise RefusalError("VIB053", message, "give S as a number before the cut")
+        raise RefusalError(UNKNOWN_SPEED, message, "give S as a number before the cut")
     state = chain.before
     if state.modes.speed_mode != "surface":
         return speed
