@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cache, partial
 from typing import TYPE_CHECKING
 
+from chipbreak.compensating import offset_noses
 from chipbreak.editing.edits import Edit
 from chipbreak.editing.notes import messages_edit, stamp_edit
 from chipbreak.editing.render import render
@@ -131,18 +132,22 @@ def _run(
     whole = _Whole.of(interpret(parse(source, settings.dialect), settings))
     passes = passes_of(settings)
     idle: dict[int, RefusalError] = {}
+    idle_runs: dict[int, RefusalError] = {}
+    tools = cache(partial(_tools_of_program, whole.interpreted))
     while True:
         unrolled = unroll(whole.interpreted, whole.main, whole.operations, idle)
+        unrolled = offset_noses(unrolled, tools, idle_runs)
         _reject_wrong(unrolled.diagnostics)
         context = _context(whole, unrolled, options)
         context, tried = _settled(context, passes, output)
-        if settings.cycles.unroll == "always":
+        # What is written out to vibrate and does not, stays.  Each round leaves one more of it.
+        vibrated = [edit for edit in tried.edits if edit.pass_name == VIBRATE]
+        runs = unrolled.idle_runs(vibrated)
+        groups = set() if settings.cycles.unroll == "always" else unrolled.idle(vibrated)
+        if not (groups or runs):
             break
-        # Cycles are written out to vibrate: those that do not, stay.  Each round leaves one more of them.
-        groups = unrolled.idle([edit for edit in tried.edits if edit.pass_name == VIBRATE])
-        if not groups:
-            break
-        idle |= {group: reason_of(tried.left, unrolled, group) for group in groups}
+        idle |= {group: reason_of(tried.left, unrolled.spans, group) for group in groups}
+        idle_runs |= {run: reason_of(tried.left, unrolled.runs, run) for run in runs}
     diagnostics = [*unrolled.diagnostics, *tried.diagnostics]
     for one in passes:
         diagnostics += one.findings(context, _reports_of(tried.kept, one))
@@ -250,6 +255,7 @@ def _context(whole: _Whole, unrolled: Unrolled, options: RunOptions) -> Context:
         options,
         split_operations=unrolled.cut_operations,
         named_cycles=unrolled.named,
+        compensated=unrolled.compensated,
     )
 
 
@@ -261,6 +267,11 @@ def _tools_for_checks(interpreted: InterpretedProgram) -> ToolTable:
     settings = interpreted.settings
     if not (settings.checks.enabled or settings.tools.files):
         return ToolTable({}, ())
+    return _tools_of_program(interpreted)
+
+
+def _tools_of_program(interpreted: InterpretedProgram) -> ToolTable:
+    """What is known about the tools.  Raises ToolFileError."""
     from chipbreak.tools.program import tool_table
 
     return tool_table(interpreted)

@@ -7,11 +7,11 @@ does not matter here.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from chipbreak.editing.bracket import UNROLLED_CYCLES
+from chipbreak.editing.bracket import UNROLLED_CYCLES, Layer
 from chipbreak.editing.edits import Edit, in_order
 from chipbreak.editing.promise import Promise, Written
 from chipbreak.editing.restore import Region, regions, restores
@@ -23,8 +23,11 @@ from chipbreak.model.stops import stops
 from chipbreak.model.words import codes_of
 from chipbreak.syntax.parse import parse_changed
 from chipbreak.text.diagnostics import ChipbreakError, SelfCheckError
+from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.source import Source, UserLines, in_a_row, read, user_lines
+
+_NO_SOURCES: Mapping[int, Sequence[int]] = FrozenTable({})
 
 
 class Kept(NamedTuple):
@@ -65,16 +68,21 @@ def verify(interpreted: InterpretedProgram, output: bytes, edits: Sequence[Edit]
 
 
 def verify_unrolled(
-    interpreted: InterpretedProgram, output: bytes, edits: Sequence[Edit]
+    interpreted: InterpretedProgram,
+    output: bytes,
+    edits: Sequence[Edit],
+    layer: Layer = UNROLLED_CYCLES,
+    sources: Mapping[int, Sequence[int]] = _NO_SOURCES,
 ) -> InterpretedProgram:
     """Check a program whose cycles have been written out; it, read and interpreted.
 
     The original does not say where its cycles move, so what must hold is said by their promises alone.
+    ``sources``: for an edit, by its first line, the lines for which its new ones stand.
     Raises SelfCheckError.
     """
     original = interpreted.program.source
     source = read(output, original.name, encoding=original.encoding)
-    found = regions(source, UNROLLED_CYCLES)
+    found = regions(source, layer)
     if not restores(source, found, original.data):
         raise SelfCheckError("putting the cycles back does not give the original bytes")
     ordered = in_order(edits)
@@ -82,7 +90,7 @@ def verify_unrolled(
         raise SelfCheckError(f"{len(ordered)} cycles were planned, {len(found)} stand in the output")
     _check_lengths(source, found, ordered, interpreted)
     kept = _kept(interpreted, source, ordered, found)
-    source = source._replace(user_lines=_user_lines(original, ordered, found, kept))
+    source = source._replace(user_lines=_user_lines(original, ordered, found, kept, sources))
     result = interpret(parse_changed(source, interpreted.program, kept), interpreted.settings)
     for edit, region in zip(ordered, found, strict=True):
         _report(Written(edit, region, interpreted, result, original.body.stop))
@@ -90,14 +98,21 @@ def verify_unrolled(
 
 
 def _user_lines(
-    original: Source, edits: Sequence[Edit], found: Sequence[Region], kept: Sequence[tuple[int, int, int]]
+    original: Source,
+    edits: Sequence[Edit],
+    found: Sequence[Region],
+    kept: Sequence[tuple[int, int, int]],
+    sources: Mapping[int, Sequence[int]],
 ) -> UserLines:
     """Where every line of the output stands in the user's file; a new block stands where its cycle does."""
     pieces = [user_lines(original, kept[0][2], kept[0][2] + kept[0][1] - kept[0][0])]
     for edit, region, (first, last, old_first) in zip(edits, found, kept[1:], strict=True):
-        file, numbers, shifts = user_lines(original, edit.first, edit.first + 1)
-        count = region.last - region.first
-        pieces.append(UserLines(file, np.repeat(numbers, count), np.full_like(shifts, -1).repeat(count)))
+        lines = np.full(region.last - region.first, edit.first)
+        if edit.first in sources:
+            lines[region.body - region.first : -1] = sources[edit.first]
+        file, numbers, shifts = user_lines(original, edit.first, edit.last)
+        there = lines - edit.first
+        pieces.append(UserLines(file, numbers[there], np.full_like(shifts, -1)[there]))
         pieces.append(user_lines(original, old_first, old_first + last - first))
     return in_a_row(pieces)
 

@@ -21,6 +21,7 @@ from chipbreak.operations.main_program import MainProgram, main_program
 from chipbreak.operations.operations import Operation
 from chipbreak.self_check import verify_unrolled
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
+from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.vibration.left_cut import LeftCut
 from chipbreak.vibration.request import may_be_left, profile_directive, requests_of
@@ -30,6 +31,7 @@ from chipbreak.vibration.wish import AskedBy
 if TYPE_CHECKING:
     from chipbreak.cycles.plan import Refused, UnrollPlan
 
+_NO_REASONS: Mapping[int, RefusalError] = FrozenTable({})
 _UNKNOWN_REASON = "none of its passes can vibrate"
 
 
@@ -49,7 +51,8 @@ class Unrolled(NamedTuple):
     """A program whose cycles are plain blocks, or the program itself.
 
     ``cut_operations`` are the operations with the cycles as operations of their own, for wishes by kind.
-    ``diagnostics`` and ``left`` are about cycles that stay; ``named`` are their lines.
+    ``diagnostics`` and ``left`` are about cycles that stay; ``named`` are their lines.  ``runs`` are lines
+    under nose compensation that were offset; ``compensated`` says why other cuts under it, by line, stay.
     """
 
     interpreted: InterpretedProgram
@@ -61,13 +64,23 @@ class Unrolled(NamedTuple):
     diagnostics: Sequence[Diagnostic] = ()
     left: Sequence[LeftCut] = ()
     named: frozenset[int] = frozenset()
+    runs: Sequence[Span] = ()
+    compensated: Mapping[int, RefusalError] = _NO_REASONS
 
     def idle(self, edits: Sequence[Edit]) -> set[int]:
         """The groups of cycles in whose blocks none of the edits lies."""
-        groups = {span.group for span in self.spans}
-        firsts = [edit.first for edit in edits]
-        busy = {span.group for span in self.spans if any(span.first <= first < span.last for first in firsts)}
-        return groups - busy
+        return _idle(self.spans, edits)
+
+    def idle_runs(self, edits: Sequence[Edit]) -> set[int]:
+        """The same of the runs that were offset."""
+        return _idle(self.runs, edits)
+
+
+def _idle(spans: Sequence[Span], edits: Sequence[Edit]) -> set[int]:
+    groups = {span.group for span in spans}
+    firsts = [edit.first for edit in edits]
+    busy = {span.group for span in spans if any(span.first <= first < span.last for first in firsts)}
+    return groups - busy
 
 
 def unroll(
@@ -110,7 +123,7 @@ def unroll(
     ]
     new_main = main_program(result)
     place = _places([one.edit for one in ordered], [(region.first, region.last) for region in found])
-    moved = [_moved(operation, place, new_main) for operation in operations]
+    moved = [moved_operation(operation, place, new_main) for operation in operations]
     return Unrolled(
         result,
         new_main,
@@ -207,7 +220,7 @@ def _places(edits: Sequence[Edit], regions: Sequence[tuple[int, int]]) -> Callab
     return place
 
 
-def _moved(operation: Operation, place: Callable[[int], int], main: MainProgram) -> Operation:
+def moved_operation(operation: Operation, place: Callable[[int], int], main: MainProgram) -> Operation:
     """An operation where its lines stand now; what it is stays."""
     first, last = place(operation.first_line), place(operation.last_line)
     first_cut, last_cut = main.cut_ends(first, last) or (None, None)
@@ -236,10 +249,10 @@ def _of_cycle(operation: Operation, first: int, last: int, kind: Kind) -> Operat
     return replace(operation, first_line=first, last_line=last, kind=kind, reason=reason)
 
 
-def reason_of(left: Sequence[LeftCut], unrolled: Unrolled, group: int) -> RefusalError:
+def reason_of(left: Sequence[LeftCut], spans: Sequence[Span], group: int) -> RefusalError:
     """Why nothing in a group of cycles vibrates: what its first cut that was left says."""
     for cut in left:
-        if cut.said.code and any(s.group == group and s.first <= cut.first < s.last for s in unrolled.spans):
+        if cut.said.code and any(s.group == group and s.first <= cut.first < s.last for s in spans):
             message = f"{_UNKNOWN_REASON}: {cut.said.message}"
             return RefusalError(cut.said.code, message, cut.said.help)
     from chipbreak.cycles.call import UNREAD_FORM

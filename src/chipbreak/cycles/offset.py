@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -11,29 +11,74 @@ from chipbreak.cycles.contour import Point, Segment
 from chipbreak.cycles.corners import BAD_CONTOUR
 from chipbreak.kinematics.floats import Floats
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 
 _NOTHING_MM = 1e-7
 _NEAR_MM = 1e-4
 _PIECES_OF_ARC = 64
 
 
+class Turned(NamedTuple):
+    """Two segments that part at an outer corner, and what stands between them."""
+
+    before: Segment
+    between: Sequence[Segment]
+    after: Segment
+
+
+Corner = Callable[[Segment, Segment, Point, float], Turned]
+"""How an outer corner is taken: from the segments beside it, the corner itself, and the distance [mm]."""
+
+
 def at_distance(contour: Sequence[Segment], distance_mm: float) -> tuple[Segment, ...]:
-    """The contour moved off towards its left by a distance of 0 or more.
+    """The contour moved off towards its left by a distance of 0 or more, round outer corners in arcs.
 
     Errors: CYC002 where something of the contour is smaller than that.
     """
     if distance_mm <= _NOTHING_MM:
         return tuple(contour)
-    made: list[Segment] = []
+    made = [one for pieces in pieces_at_distance(contour, distance_mm, round_corner) for one in pieces]
+    check_distance(contour, made, distance_mm)
+    return tuple(made)
+
+
+def pieces_at_distance(contour: Sequence[Segment], distance_mm: float, corner: Corner) -> list[list[Segment]]:
+    """What stands for each segment at a distance above 0: the outer corner before it, and itself.
+
+    Errors: CYC002 where something of the contour is smaller than that.
+    """
+    made: list[list[Segment]] = []
     for index, one in enumerate(contour):
         moved = _moved(one, distance_mm)
-        if made:
-            made += _joined(made, moved, contour[index - 1].end, distance_mm)
-        else:
-            made.append(moved)
-    whole = tuple(one for one in made if one.length_mm > _NOTHING_MM)
-    _check(contour, whole, distance_mm)
-    return whole
+        made.append(
+            _joined(made[-1], moved, contour[index - 1].end, distance_mm, corner) if made else [moved]
+        )
+    return [[one for one in pieces if one.length_mm > _NOTHING_MM] for pieces in made]
+
+
+def round_corner(before: Segment, after: Segment, corner: Point, _distance_mm: float) -> Turned:
+    """An arc about the corner."""
+    return Turned(before, [Segment(before.end, after.start, corner, -1)], after)
+
+
+def sharp_corner(before: Segment, after: Segment, _corner: Point, distance_mm: float) -> Turned:
+    """On along the last direction and into the next one; beyond a right angle a third line cuts it short."""
+    out_t, out_h = heading(before, at_end=True)
+    in_t, in_h = heading(after, at_end=False)
+    turn = abs(math.atan2(out_t * in_h - out_h * in_t, out_t * in_t + out_h * in_h))
+    on_mm = distance_mm * (math.tan(turn / 2.0) if turn <= math.pi / 2.0 + _NOTHING_MM else 1.0)
+    beyond = Point(before.end.t + on_mm * out_t, before.end.h + on_mm * out_h)
+    ahead = Point(after.start.t - on_mm * in_t, after.start.h - on_mm * in_h)
+    is_short = math.dist(beyond, ahead) > _NEAR_MM
+    between = [Segment(beyond, ahead)] if is_short else []
+    ahead = ahead if is_short else beyond
+    if before.centre is None:
+        before = before._replace(end=beyond)
+    else:
+        between.insert(0, Segment(before.end, beyond))
+    if after.centre is None:
+        return Turned(before, between, after._replace(start=ahead))
+    return Turned(before, [*between, Segment(ahead, after.start)], after)
 
 
 def _too_far() -> RefusalError:
@@ -57,25 +102,28 @@ def _moved(one: Segment, distance_mm: float) -> Segment:
     return one._replace(start=start, end=end)
 
 
-def _joined(made: list[Segment], after: Segment, corner: Point, distance_mm: float) -> list[Segment]:
+def _joined(
+    made: list[Segment], after: Segment, at_corner: Point, distance_mm: float, corner: Corner
+) -> list[Segment]:
     """What follows the last one of ``made``, which is shortened where both meet before their corner."""
     before = made[-1]
-    out_t, out_h = _heading(before, at_end=True)
-    in_t, in_h = _heading(after, at_end=False)
+    out_t, out_h = heading(before, at_end=True)
+    in_t, in_h = heading(after, at_end=False)
     turns = out_t * in_h - out_h * in_t
     if math.dist(before.end, after.start) <= _NEAR_MM:
         return [after._replace(start=before.end) if after.centre is None else after]
     if turns < 0.0 or (turns == 0.0 and out_t * in_t + out_h * in_h < 0.0):
-        return [Segment(before.end, after.start, corner, -1), after]
+        made[-1], between, after = corner(before, after, at_corner, distance_mm)
+        return [*between, after]
     meeting = [p for p in _meetings(before, after) if _is_on(before, p) and _is_on(after, p)]
     if not meeting:
         raise _too_far()
-    at = min(meeting, key=lambda p: math.dist(p, corner))
+    at = min(meeting, key=lambda p: math.dist(p, at_corner))
     made[-1] = before._replace(end=at)
     return [after._replace(start=at)]
 
 
-def _heading(one: Segment, *, at_end: bool) -> tuple[float, float]:
+def heading(one: Segment, *, at_end: bool) -> tuple[float, float]:
     """The direction of travel at an end, of length 1."""
     if one.centre is None:
         return (one.end.t - one.start.t) / one.length_mm, (one.end.h - one.start.h) / one.length_mm
@@ -110,8 +158,8 @@ def _meetings(one: Segment, other: Segment) -> Iterator[Point]:
 
 
 def _lines_meet(one: Segment, other: Segment) -> Iterator[Point]:
-    a_t, a_h = _heading(one, at_end=True)
-    b_t, b_h = _heading(other, at_end=True)
+    a_t, a_h = heading(one, at_end=True)
+    b_t, b_h = heading(other, at_end=True)
     cross = a_t * b_h - a_h * b_t
     if abs(cross) > _NOTHING_MM:
         along = ((other.start.t - one.start.t) * b_h - (other.start.h - one.start.h) * b_t) / cross
@@ -120,7 +168,7 @@ def _lines_meet(one: Segment, other: Segment) -> Iterator[Point]:
 
 def _line_meets_circle(line: Segment, arc: Segment) -> Iterator[Point]:
     assert arc.centre is not None
-    t, h = _heading(line, at_end=True)
+    t, h = heading(line, at_end=True)
     along = (arc.centre.t - line.start.t) * t + (arc.centre.h - line.start.h) * h
     foot = Point(line.start.t + along * t, line.start.h + along * h)
     half = arc.radius_mm**2 - math.dist(foot, arc.centre) ** 2
@@ -145,24 +193,22 @@ def _circles_meet(one: Segment, other: Segment) -> Iterator[Point]:
             yield Point(one.centre.t + along * t - step * h, one.centre.h + along * h + step * t)
 
 
-def _check(contour: Sequence[Segment], made: Sequence[Segment], distance_mm: float) -> None:
-    """No point may be nearer to the contour than the distance.  Errors: CYC002."""
-    lines = _places(contour)
-    places = _places(made)
-    first, last = lines[:-1], lines[1:]
-    way = last - first
+def check_distance(contour: Sequence[Segment], made: Sequence[Segment], distance_mm: float) -> None:
+    """No point of ``made`` may be nearer to the contour, which may have gaps.  Errors: CYC002."""
+    lines = [_places(one) for one in contour]
+    if not lines:
+        return
+    first = np.concatenate([line[:-1] for line in lines])
+    way = np.concatenate([line[1:] for line in lines]) - first
     length = np.maximum((way**2).sum(axis=1), _NOTHING_MM**2)
-    for place in places:
+    for place in np.concatenate([_places(one) for one in made]):
         share = np.clip(((place - first) * way).sum(axis=1) / length, 0.0, 1.0)
         nearest = first + share[:, np.newaxis] * way
         if float(np.hypot(*(nearest - place).T).min()) < distance_mm - 0.01 * distance_mm - 1e-3:
             raise _too_far()
 
 
-def _places(contour: Sequence[Segment]) -> Floats:
-    """Places on a contour, (n, 2)."""
-    rows = [contour[0].start]
-    for one in contour:
-        count = 5 if one.centre is None else _PIECES_OF_ARC
-        rows += [one.point(share) for share in np.linspace(0.0, 1.0, count).tolist()[1:]]
-    return np.array(rows)
+def _places(one: Segment) -> Floats:
+    """Places on a segment with its ends, (n, 2)."""
+    count = 5 if one.centre is None else _PIECES_OF_ARC
+    return np.array([one.start, *(one.point(share) for share in np.linspace(0.0, 1.0, count).tolist()[1:])])

@@ -41,9 +41,7 @@ class UnrolledCycle(Promise, kw_only=True):
     def check(self, written: Written) -> None:
         """Compare the states before and behind the blocks.  Raises SelfCheckError."""
         before = written.result.before(written.region.first)
-        there = before if self.end is None else before._replace(position=self.end)
-        step_mm = written.original.settings.output.step_mm(is_inch=before.is_inch)
-        wrong = moved(there, written.now_behind, 0.0 if self.end is None else step_mm)
+        wrong = self._moved(written, before)
         pairs = (
             (written.original.before(written.edit.first), before),
             (written.was_behind, written.now_behind),
@@ -51,6 +49,12 @@ class UnrolledCycle(Promise, kw_only=True):
         wrong = wrong or next((said for was, now in pairs if (said := self._difference(was, now))), "")
         if wrong:
             raise SelfCheckError(f"{wrong} differs at the cycle in line {written.edit.first + 1}")
+
+    def _moved(self, written: Written, before: State) -> str:
+        """Which axis is not where it must be behind the blocks."""
+        there = before if self.end is None else before._replace(position=self.end)
+        step_mm = written.original.settings.output.step_mm(is_inch=before.is_inch)
+        return moved(there, written.now_behind, 0.0 if self.end is None else step_mm)
 
     def _difference(self, was: State, now: State) -> str:
         """What differs, but for F, which the original is not known to set in a cycle."""
@@ -135,6 +139,15 @@ class PlannedMoves(UnrolledCycle, kw_only=True):
         if motion.centre is None or made.centre is None:
             return motion.centre is made.centre
         return math.dist(motion.centre, made.centre) <= near_mm
+
+
+class OffsetMoves(PlannedMoves, kw_only=True):
+    """Moves that nose compensation would have offset; behind them the tool is where it was to lead out."""
+
+    def _moved(self, written: Written, before: State) -> str:
+        """Which axis is not where the original leads out to."""
+        step_mm = written.original.settings.output.step_mm(is_inch=before.is_inch)
+        return moved(written.was_behind, written.now_behind, step_mm)
 
 
 class UnrolledRoughing(UnrolledCycle, kw_only=True):

@@ -85,6 +85,11 @@ def blocks_of_passes(
     return blocks
 
 
+def block_of_motion(writer: BlockWriter, frame: Frame, at: Sequence[float], motion: Motion) -> str:
+    """One motion from ``at`` as a block; empty where nothing would move."""
+    return _block(writer, frame, at, motion, "")
+
+
 def _block(writer: BlockWriter, frame: Frame, at: Sequence[float], motion: Motion, feed: str) -> str:
     z_mm, radius_mm = frame.outside(motion.end)
     behind = " ".join(_arc_words(writer, frame, at, motion))

@@ -157,6 +157,19 @@ class Stops(NamedTuple):
     has_own_commands: bool = False
 
 
+class NoseRules(NamedTuple):
+    """How a lathe's control compensates the nose radius of a tool.
+
+    ``tips``  tip number -> the signs, along Z and X, of the way from the centre of the nose to the tip
+    ``rounds_corners``  an outer corner is rounded by an arc; without it straight lines go on until they meet
+    ``leads_in_by_itself``  the move that leads in ends square to itself; without it, square to the next one
+    """
+
+    tips: Mapping[int, tuple[int, int]]
+    rounds_corners: bool = False
+    leads_in_by_itself: bool = False
+
+
 class Dialect(NamedTuple):
     """A control's vocabulary.
 
@@ -185,6 +198,7 @@ class Dialect(NamedTuple):
     ``contour_cycles`` the codes (times ten) of cycles whose P and Q name their contour, and which each is
     ``subroutine_cycles`` the codes (times ten) of cycles whose Q names a subroutine with their contour
     ``turning_cycles`` the codes (times ten) that make one pass with each block, and along which axis
+    ``nose``          how it compensates nose radii; None where that is not known
     ``place_variables`` numbers and names of the variables that hold the place where the tool stands
     ``place_settings`` the L of those G10 that work with that place
     ``turns_offsets`` the R of ``G10 L2`` turns a work offset
@@ -233,6 +247,7 @@ class Dialect(NamedTuple):
     contour_cycles: Mapping[int, ContourCycle] = FrozenTable({})
     turning_cycles: Mapping[int, ContourCycle] = FrozenTable({})
     subroutine_cycles: Mapping[int, ContourCycle] = FrozenTable({})
+    nose: NoseRules | None = None
     place_variables: frozenset[int | str] = frozenset(range(5001, 5061))
     place_settings: frozenset[float] = frozenset()
     turns_offsets: bool = False

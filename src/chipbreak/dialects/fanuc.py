@@ -18,6 +18,7 @@ from chipbreak.dialects.base import (
     ContourCycle,
     Dialect,
     Loop,
+    NoseRules,
     table,
 )
 from chipbreak.dialects.check_programs import MACRO_B, MACRO_B_SETS
@@ -52,6 +53,24 @@ _OWN_WORDS = FrozenTable(
 
 # G70 to G76: the description of each of them ends with a way back to its start point.
 _RETURNING = frozenset({"finish-cycle", "rough-cycle", "peck-cycle", "thread-cycle"})
+
+# Tip 3 is that of a tool that turns outside towards the chuck; 0 and 9 are programmed by the centre.
+FANUC_NOSE = NoseRules(
+    FrozenTable(
+        {
+            0: (0, 0),
+            1: (1, 1),
+            2: (-1, 1),
+            3: (-1, -1),
+            4: (1, -1),
+            5: (1, 0),
+            6: (0, 1),
+            7: (-1, 0),
+            8: (0, -1),
+            9: (0, 0),
+        }
+    )
+)
 
 _LATHE = COMMON | table(
     motion={"G32 G33 G34": "thread", "G83 G84 G85 G87 G88 G89": "cycle"},
@@ -104,6 +123,7 @@ FANUC_LATHE_A = Dialect(
     machine_retract=("G28 U0", "G28 W0"),
     loop=_LOOP,
     contour_cycles=_CONTOURS_AB,
+    nose=FANUC_NOSE,
     turning_cycles=FrozenTable({900: "along-z", 940: "along-x"}),
     own_words=_OWN_WORDS,
     returning_cycles=_RETURNING,
@@ -136,6 +156,7 @@ FANUC_LATHE_B = Dialect(
     machine_retract=("G28 U0", "G28 W0"),
     loop=_LOOP,
     contour_cycles=_CONTOURS_AB,
+    nose=FANUC_NOSE,
     turning_cycles=FrozenTable({770: "along-z", 790: "along-x"}),
     own_words=_OWN_WORDS,
     returning_cycles=_RETURNING,
@@ -174,6 +195,7 @@ FANUC_LATHE_C = Dialect(
     machine_retract=("G28 U0", "G28 W0"),
     loop=_LOOP,
     contour_cycles=FrozenTable({720: "finish", 730: "along-z", 740: "along-x", 750: "pattern"}),
+    nose=FANUC_NOSE,
     turning_cycles=FrozenTable({200: "along-z", 240: "along-x"}),
     own_words=_OWN_WORDS,
     returning_cycles=_RETURNING,

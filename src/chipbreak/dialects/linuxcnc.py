@@ -15,6 +15,7 @@ from chipbreak.dialects.base import (
     ContourCycle,
     Dialect,
     Loop,
+    NoseRules,
     m_table,
     table,
 )
@@ -83,6 +84,26 @@ _SUBROUTINE_CYCLES: Mapping[int, ContourCycle] = FrozenTable(
     }
 )
 
+# Drawn with X down, so the numbers lie otherwise than on a Fanuc: 2 is a tool that turns outside.
+_NOSE = NoseRules(
+    FrozenTable(
+        {
+            0: (0, 0),
+            1: (1, -1),
+            2: (-1, -1),
+            3: (-1, 1),
+            4: (1, 1),
+            5: (1, 0),
+            6: (0, -1),
+            7: (-1, 0),
+            8: (0, 1),
+            9: (0, 0),
+        }
+    ),
+    rounds_corners=True,
+    leads_in_by_itself=True,
+)
+
 _PLACES = frozenset({*range(5420, 5429), *(f"_{way}{axis}" for way in ("", "abs_") for axis in "xyzabcuvw")})
 
 LINUXCNC_LATHE = Dialect(
@@ -114,12 +135,14 @@ LINUXCNC_LATHE = Dialect(
     feed_before_units=True,
     own_words=_OWN_WORDS,
     subroutine_cycles=_SUBROUTINE_CYCLES,
+    nose=_NOSE,
 )
 
 LINUXCNC_MILL = LINUXCNC_LATHE._replace(
     name="linuxcnc-mill",
     title="LinuxCNC, mill",
     is_lathe=False,
+    nose=None,
     initial=_INITIAL._replace(plane="XY"),
     machine_retract=("G53 G0 Z0",),
     m_codes=_M_CODES | THROUGH_SPINDLE,

@@ -11,9 +11,11 @@ A line that would not survive inside a comment (parentheses, lower case, other b
 written as ``(CHIPBREAK HEX ...)``, its bytes in hexadecimal with their line end.  A control whose comments
 run to the end of the line has ``; CHIPBREAK BEGIN ...`` instead.
 
-Brackets come in two layers.  A cycle that was written out as plain blocks stands between ``UNROLLED`` and
-``ROLLED``; the changes that the passes make to these blocks lie inside, between ``BEGIN`` and ``END``.  The
-way back takes the inner layer off first, so the checksum of the outer one is that of the plain blocks.
+Brackets come in layers.  A cycle that was written out as plain blocks stands between ``UNROLLED`` and
+``ROLLED``; blocks under nose compensation that were offset, of such a cycle or of the program itself, stand
+between ``COMPENSATED`` and ``OFFSET``; the changes that the passes make to all of these lie inside, between
+``BEGIN`` and ``END``.  The way back takes the inner layers off first, so the checksum of an outer one is that
+of its plain blocks.
 """
 
 from __future__ import annotations
@@ -40,9 +42,12 @@ class Layer(NamedTuple):
 
 CHANGES = Layer(BEGIN, END)
 UNROLLED_CYCLES = Layer("UNROLLED", "ROLLED")
+OFFSET_RUNS = Layer("COMPENSATED", "OFFSET")
+LAYERS = (CHANGES, OFFSET_RUNS, UNROLLED_CYCLES)  # the inner one first
 LINE = re.compile(
     rb"[ \t]*(?:[Nn][-+]?[0-9.]+[ \t]*)?(?:(?P<parenthesis>\()|; ?)"
-    rb"CHIPBREAK (?P<kind>BEGIN|WAS|HEX|END|UNROLLED|ROLLED) ?(?P<text>[^()]*)(?(parenthesis)\))[ \t]*"
+    rb"CHIPBREAK (?P<kind>BEGIN|WAS|HEX|END|UNROLLED|ROLLED|COMPENSATED|OFFSET) ?"
+    rb"(?P<text>[^()]*)(?(parenthesis)\))[ \t]*"
 )
 _NAME = b"CHIPBREAK "
 _HEX_BYTES_PER_LINE = 30

@@ -138,7 +138,7 @@ def restore(source: Source) -> Source:
     """
     if not bracket.has_any(source.data):
         return source
-    for layer in (bracket.CHANGES, bracket.UNROLLED_CYCLES):
+    for layer in bracket.LAYERS:
         source = _without(source, regions(source, layer))
     return source
 

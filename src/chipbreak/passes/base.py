@@ -15,7 +15,7 @@ from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.main_program import MainProgram
 from chipbreak.operations.operations import Operation
 from chipbreak.settings.sections import Settings
-from chipbreak.text.diagnostics import Diagnostic
+from chipbreak.text.diagnostics import Diagnostic, RefusalError
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.record import Record
@@ -44,6 +44,7 @@ class Context(Record):
     passes before.  ``given_up`` are edits, by their first line, that were tried and are not planned again.
     ``split_operations`` are the operations with each cycle that was written out as one of its own.
     ``named_cycles`` are lines of cycles of which it is said already why they stay as they are.
+    ``compensated``: why cuts under nose compensation, by their line, stay under it.
     """
 
     interpreted: InterpretedProgram
@@ -55,6 +56,7 @@ class Context(Record):
     given_up: Mapping[int, Diagnostic] = field(default_factory=FrozenTable)
     split_operations: Sequence[Operation] = ()
     named_cycles: frozenset[int] = frozenset()
+    compensated: Mapping[int, RefusalError] = field(default_factory=FrozenTable)
 
     @property
     def cut_operations(self) -> Sequence[Operation]:

@@ -46,6 +46,7 @@ class Vibrate(Pass):
                 air_lines=asked.air_lines,
                 given_up=context.given_up,
                 allow_unbroken=context.options.allow_unbroken,
+                compensated=context.compensated,
             )
             edits = cuts.edits
             diagnostics = diagnostics + cuts.diagnostics

@@ -305,10 +305,19 @@ class Macros(ValueRecord):
 
 
 class Tools(ValueRecord):
-    """Files with tool data, the first that says something first; ``table_unit`` is that of ``tool.tbl``."""
+    """Files with tool data, the first that says something first; ``table_unit`` is that of ``tool.tbl``.
+
+    ``nose_radius_mm`` and ``nose_tip`` are R and T of the offset screen, by the number of the offset.
+    """
 
     files: tuple[str, ...] = ()
     table_unit: str = _one_of("program", "mm", "inch")
+    nose_radius_mm: Mapping[str, float] = field(
+        default_factory=FrozenTable, metadata={"above": 0.0, "table": True}
+    )
+    nose_tip: Mapping[str, int] = field(
+        default_factory=FrozenTable, metadata={"at_least": 0, "below": 10, "table": True}
+    )
 
 
 class Cycles(ValueRecord):

@@ -21,7 +21,7 @@ from chipbreak.operations.operations import calls_tool
 from chipbreak.syntax.nodes import Block
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.tools.data import ToolData
-from chipbreak.tools.facts import holder_said, stick_out_said, teeth_said
+from chipbreak.tools.facts import holder_said, nose_said, stick_out_said, teeth_said, tip_said
 from chipbreak.tools.tips import Tip, tip_of_type
 from chipbreak.tools.values import name_of, number_of, type_of
 from chipbreak.units import mm_per_unit
@@ -183,11 +183,15 @@ class _Reader:
         """The fields that a comment gives; a value that cannot be is no value."""
         scale = _unit_at(self.interpreted, self.units, line)[0]
         scales = {None: scale, "mm": 1.0, "in": mm_per_unit(is_inch=True)}
-        values: dict[str, Any] = {"teeth": teeth_said(text)}
-        for field, length in (("length_mm", stick_out_said(text)), ("holder_mm", holder_said(text))):
-            values[field] = length.value * scales[length.unit] if length else None
+        values: dict[str, Any] = {"teeth": teeth_said(text), "nose_tip": tip_said(text)}
         if note:
             values |= _values_of_note(note, scales[note.unit])
+        for field, length in (
+            ("length_mm", stick_out_said(text)),
+            ("holder_mm", holder_said(text)),
+            ("corner_radius_mm", nose_said(text)),
+        ):
+            values[field] = length.value * scales[length.unit] if length else values.get(field)
         return {key: value for key, value in values.items() if value is not None and _can_be(key, value)}
 
 

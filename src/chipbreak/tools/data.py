@@ -31,6 +31,7 @@ FIELDS: Final = (
     "helix_deg",
     "point_deg",
     "holder_mm",
+    "nose_tip",
     "name",
 )
 
@@ -40,10 +41,12 @@ class ToolData(NamedTuple):
 
     ``type``       in the words of Fusion's library: "flat end mill", "ball end mill", "drill", …
     ``length_mm``  from the lower end of the holder to the tip
-    ``corner_radius_mm``  of the corner between end and side; half the diameter of a ball end mill
+    ``corner_radius_mm``  of the corner between end and side; half the diameter of a ball end mill; of a
+                   turning tool that of its nose
     ``helix_deg``  angle between an edge and the axis; positive for a right-hand helix
     ``point_deg``  full angle of a drill's or chamfer mill's point
     ``holder_mm``  from the nose of the spindle to the lower end of the holder
+    ``nose_tip``   of a turning tool: the tip number (T on the offset screen) as its control counts
     ``origins``    field -> what said it, for messages
     """
 
@@ -56,6 +59,7 @@ class ToolData(NamedTuple):
     helix_deg: float | None = None
     point_deg: float | None = None
     holder_mm: float | None = None
+    nose_tip: int | None = None
     name: str | None = None
     origins: Mapping[str, str] = FrozenTable({})
 

@@ -22,6 +22,14 @@ _STICK_OUT: Final = LazyPattern(
     rf"\b(?:STICK[\s-]?OUT|OVERHANG)(?:/(?:STICK[\s-]?OUT|OVERHANG))?{_LENGTH}", re.IGNORECASE
 )
 _HOLDER: Final = LazyPattern(rf"\bHOLDER\s+LENGTH{_LENGTH}", re.IGNORECASE)
+# "NOSE R0.8", "TNR .8", "NOSE RADIUS = 0.8 MM"; "TIP 3", "TIP NO. 3", "TIP DIRECTION: 3"
+_NOSE: Final = LazyPattern(
+    rf"\b(?:TNR|NOSE(?:\s+RAD(?:IUS)?\.?)?|(?:INSERT|TIP)\s+RAD(?:IUS)?\.?)\s*[:=]?\s*R?{_LENGTH.lstrip()}",
+    re.IGNORECASE,
+)
+_TIP: Final = LazyPattern(
+    r"\bTIP(?:\s+(?:NO\.?|NUMBER|DIRECTION|ORIENTATION))?\s*[:=#]?\s*T?(?P<tip>\d)(?![\d.])", re.IGNORECASE
+)
 
 
 class Length(NamedTuple):
@@ -46,6 +54,17 @@ def stick_out_said(text: str) -> Length | None:
 def holder_said(text: str) -> Length | None:
     """How long the holder is, as a comment names it."""
     return _length(_HOLDER.search(text[:LONGEST_TEXT]))
+
+
+def nose_said(text: str) -> Length | None:
+    """The nose radius of a turning tool, as a comment names it."""
+    return _length(_NOSE.search(text[:LONGEST_TEXT]))
+
+
+def tip_said(text: str) -> int | None:
+    """The tip number of a turning tool's nose, as a comment names it."""
+    hit = _TIP.search(text[:LONGEST_TEXT])
+    return int(hit["tip"]) if hit else None
 
 
 def _length(hit: re.Match[str] | None) -> Length | None:

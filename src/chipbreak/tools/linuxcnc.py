@@ -79,6 +79,9 @@ def _tool(
     said = (note.type if note else None) or type_of(comment)
     values["type"] = "turning tool" if is_turning else said
     try:
+        if is_turning:
+            text, start, end = words["Q"]
+            values["nose_tip"] = number_of("nose_tip", text)
         text, start, end = words["T"]
         number = number_of("number", text)
         if "D" in words and float(words["D"][0]) != 0.0:  # D0. is how a table says nothing

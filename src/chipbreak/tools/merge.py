@@ -26,7 +26,9 @@ _COMPARED: Final = (
     "helix_deg",
     "point_deg",
     "holder_mm",
+    "nose_tip",
 )
+_COUNTED: Final = ("teeth", "nose_tip")
 _WORDS: Final = {
     "type": "type",
     "teeth": "number of teeth",
@@ -36,6 +38,7 @@ _WORDS: Final = {
     "helix_deg": "helix angle",
     "point_deg": "point angle",
     "holder_mm": "holder length",
+    "nose_tip": "tip number of the nose",
     "name": "name",
 }
 
@@ -116,7 +119,7 @@ def _at_odds(tool: ToolData, other: ToolData) -> list[Diagnostic]:
     for field in _COMPARED:
         one = getattr(tool, field)
         two = getattr(other, field)
-        if one is None or two is None or abs(one - two) <= (_SAME_MM if field != "teeth" else 0):
+        if one is None or two is None or abs(one - two) <= (0 if field in _COUNTED else _SAME_MM):
             continue
         message = (
             f"T{tool.number}: {_WORDS[field]} {one:g} ({tool.origins[field]})"

@@ -13,7 +13,7 @@ from chipbreak.tools.files import files_of, read_files, table_unit
 from chipbreak.tools.merge import ToolTable, merge
 from chipbreak.tools.needs import Check, lacking
 
-_HEADS = ("type", "teeth", "diameter", "length", "radius", "helix", "point", "holder", "name")
+_HEADS = ("type", "teeth", "diameter", "length", "radius", "helix", "point", "holder", "tip", "name")
 
 
 def called_tools(interpreted: InterpretedProgram) -> list[int]:

@@ -33,6 +33,7 @@ _RULES: Final = {
     "helix_deg": _Rule("degrees between -85 and 85", -85.0, 85.0, or_equal=True),
     "point_deg": _Rule("degrees above 0, at most 180", 0.0, 180.0),
     "holder_mm": _Rule("mm from 0 to 2000", 0.0, 2000.0, or_equal=True),
+    "nose_tip": _Rule("a whole number from 0 to 9", 0, 9, or_equal=True, is_whole=True),
     "gauge_mm": _Rule("mm above 0, at most 4000", 0.0, 4000.0),
     # Of a traced edge.
     "tooth": _Rule("a whole number from 1 to 200", 0, 200, is_whole=True),

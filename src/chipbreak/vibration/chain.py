@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from chipbreak.dialects import Dialect
@@ -17,15 +17,18 @@ from chipbreak.model.words import JUMPED, length_mm
 from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.text.diagnostics import Diagnostic, RefusalError
+from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.vibration.called import Called
 from chipbreak.vibration.directive import KEYS
 from chipbreak.vibration.left_cut import NO_SPINDLE, UNKNOWN_SPEED, LeftCut
 from chipbreak.vibration.request import Request
 
+NOSE = "VIB040"
+_NO_REASONS: Mapping[int, RefusalError] = FrozenTable({})
 # Modal groups that must be at rest, with what the user knows them as.
 _AT_REST: dict[Group, tuple[str, str, str, str]] = {
-    "compensation": ("off", "VIB040", "tool nose or cutter compensation (G41, G42) is active", "G40"),
+    "compensation": ("off", NOSE, "tool nose or cutter compensation (G41, G42) is active", "G40"),
     "rotation": ("off", "VIB041", "the coordinate system is rotated (G68)", "G69"),
     "polar": ("off", "VIB041", "polar interpolation or polar input is active", "G15 or G13.1 (G113)"),
     "interpolation": ("off", "VIB041", "polar interpolation is active", "G13.1"),
@@ -113,8 +116,15 @@ class Chains(NamedTuple):
     refused: list[Diagnostic]
 
 
-def chains_of(interpreted: InterpretedProgram, requests: Sequence[Request]) -> Chains:
-    """Group requests into chains, and say which of them must not vibrate."""
+def chains_of(
+    interpreted: InterpretedProgram,
+    requests: Sequence[Request],
+    compensated: Mapping[int, RefusalError] = _NO_REASONS,
+) -> Chains:
+    """Group requests into chains, and say which of them must not vibrate.
+
+    ``compensated``: why cuts under nose compensation, by their line, stay under it.
+    """
     key = interpreted.settings.vibration.refused
     refused: list[Diagnostic] = []
     left: list[LeftCut] = []
@@ -124,6 +134,7 @@ def chains_of(interpreted: InterpretedProgram, requests: Sequence[Request]) -> C
         refusal = refusal_of(request, interpreted) or _call_refusal(request, called)
         if refusal is not None:
             error, at = refusal
+            error = compensated.get(request.effect.block.line, error) if error.code == NOSE else error
             line = request.effect.block.line
             said = interpreted.program.diagnose(line, error.code, error.message, error.help, at=at)
             if request.may_be_left(key):

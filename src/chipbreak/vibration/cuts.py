@@ -40,6 +40,7 @@ _OFF = re.compile(r"[PQ]\s*0\b")
 _WIDENINGS = (1.0, 1.5, 2.5)  # of the steps of a cut, where shorter ones cannot be planned
 _NO_KNOTS = np.empty(0)
 NONE_GIVEN_UP: Mapping[int, Diagnostic] = FrozenTable({})
+_NO_REASONS: Mapping[int, RefusalError] = FrozenTable({})
 
 
 class Cuts(NamedTuple):
@@ -58,6 +59,7 @@ def edits_of_cuts(
     air_lines: Collection[int] = (),
     given_up: Mapping[int, Diagnostic] = NONE_GIVEN_UP,
     allow_unbroken: bool = False,
+    compensated: Mapping[int, RefusalError] = _NO_REASONS,
 ) -> Cuts:
     """The edits of every vibrated cut.  Errors are diagnostics; with one, there are no edits.
 
@@ -65,10 +67,11 @@ def edits_of_cuts(
     of moves that do not depend on its speed.  ``given_up`` are cuts, by their first line, that were tried and
     stay as they are.
     ``allow_unbroken``: cuts too short to vibrate stay as they are, with a warning, where no word of theirs
-    asks for vibration (it would reach the control).
+    asks for vibration (it would reach the control).  ``compensated``: why cuts under nose compensation, by
+    their line, stay under it.
     """
     up = dict(given_up)
-    around = _Around(restarted_at, air_lines, allow_unbroken)
+    around = _Around(restarted_at, air_lines, allow_unbroken, compensated)
     while True:  # each round gives up one cut more
         found = _tried(interpreted, requests, around, up)
         if isinstance(found, Cuts):
@@ -82,6 +85,7 @@ class _Around(NamedTuple):
     restarted_at: Collection[int]
     air_lines: Collection[int]
     allow_unbroken: bool
+    compensated: Mapping[int, RefusalError]
 
 
 def _tried(
@@ -91,7 +95,7 @@ def _tried(
     given_up: Mapping[int, Diagnostic],
 ) -> Cuts | dict[int, Diagnostic]:
     """The edits; or, by its first line, a cut that must be given up for the spindle speed behind it."""
-    chains, left, refused = chains_of(interpreted, requests)
+    chains, left, refused = chains_of(interpreted, requests, around.compensated)
     try:
         names = free_names(interpreted.program, interpreted.settings) if chains else None
     except RefusalError as error:

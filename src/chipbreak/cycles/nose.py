@@ -1,0 +1,117 @@
+"""Where a tool with a round nose goes under G41 and G42, as plain moves under G40.
+
+The control takes the centre of the nose along the programmed shape at the nose radius, and counts from the
+imaginary tip: the point in which the two sides of the nose would meet, in the direction that the tip number
+says.  Without compensation it takes the tip to the programmed places.  So the moves here are those of the
+centre, shifted by the way from the centre to the tip.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from chipbreak.cycles.contour import Frame, Point, Segment
+from chipbreak.cycles.offset import check_distance, heading, pieces_at_distance, round_corner, sharp_corner
+from chipbreak.cycles.reading import segment_of
+from chipbreak.cycles.roughing import Motion
+from chipbreak.dialects.base import NoseRules
+from chipbreak.model.block_effect import Move
+from chipbreak.settings.axis_words import AxisWords
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
+
+COMPENSATED = "VIB040"
+_NOTHING_MM = 1e-6
+
+
+class Nose(NamedTuple):
+    """The round nose of a turning tool: its radius [mm], and its tip number as its control counts them."""
+
+    radius_mm: float
+    tip: int
+
+
+class Offset(NamedTuple):
+    """What a run of moves is offset by: the side (``left`` of the way, or ``right``), the nose, the rules."""
+
+    side: str
+    nose: Nose
+    rules: NoseRules
+
+    def frame(self, words: AxisWords) -> Frame:
+        """Axes in which the nose is on the left of the way."""
+        turned = -1 if self.side == "right" else 1
+        return Frame("Z", words.signs["Z"], words.signs["X"] * turned)
+
+    @property
+    def tip(self) -> Point:
+        """The way from the centre of the nose to the imaginary tip, in the axes of :meth:`frame`."""
+        z, x = self.rules.tips[self.nose.tip]
+        turned = -1 if self.side == "right" else 1
+        return Point(z * self.nose.radius_mm, x * turned * self.nose.radius_mm)
+
+
+def offset_moves(moves: Sequence[Move], offset: Offset, words: AxisWords) -> list[list[Motion]]:
+    """What stands for each of the moves under compensation, the first of which leads in.
+
+    The motions are places of the imaginary tip, in the axes of :meth:`Offset.frame`.
+    Errors: VIB040 for a shape that the nose cannot follow, and for a way in that is not known.
+    """
+    frame = offset.frame(words)
+    segments = [segment_of(move, frame) for move in moves]
+    _refuse_way_in(moves[0], segments[0], offset)
+    led = 0 if offset.rules.leads_in_by_itself else 1
+    kept = [index for index, one in enumerate(segments) if index >= led and one.length_mm > _NOTHING_MM]
+    shape = [segments[index] for index in kept]
+    if len(shape) + led < 2:
+        why = "the compensation ends before it is in force"
+        raise _refused(why, "let a move follow the one of G41 or G42")
+    corner = round_corner if offset.rules.rounds_corners else sharp_corner
+    try:
+        pieces = pieces_at_distance(shape, offset.nose.radius_mm, corner)
+        # What the tool rushes along is no wall, and the way in is not parallel to its own.
+        walls = [segments[index] for index in kept if index and moves[index].kind != "rapid"]
+        behind = [one for several in pieces[1 - led :] for one in several]
+        check_distance(walls, behind, offset.nose.radius_mm)
+    except RefusalError:
+        message = f"a nose of {offset.nose.radius_mm:g} mm does not get into all of this shape"
+        raise _refused(message, "check R and T of the nose, or take what is so small out") from None
+    made: list[list[Segment]] = [[] for _ in moves]
+    for index, several in zip(kept, pieces, strict=True):
+        made[index] = several
+    if led:
+        made[0] = [Segment(segments[0].start, _beside(shape[0], offset.nose.radius_mm))]
+    tip = offset.tip
+    return [
+        [_motion(one.shifted(tip.t, tip.h), move) for one in several]
+        for several, move in zip(made, moves, strict=True)
+    ]
+
+
+def _beside(one: Segment, distance_mm: float) -> Point:
+    """The place at a distance square to the begin of a segment, on its left."""
+    t, h = heading(one, at_end=False)
+    return Point(one.start.t - h * distance_mm, one.start.h + t * distance_mm)
+
+
+def _motion(one: Segment, move: Move) -> Motion:
+    cuts = move.kind != "rapid" or one.centre is not None
+    return Motion(cuts, one.end, one.centre, one.turn)
+
+
+def _refuse_way_in(move: Move, way: Segment, offset: Offset) -> None:
+    why = ""
+    if move.kind not in ("rapid", "line"):
+        why = "the compensation begins with an arc"
+    elif not way.length_mm > (offset.nose.radius_mm if offset.rules.leads_in_by_itself else _NOTHING_MM):
+        why = "the move that leads into the compensation is not longer than the nose radius"
+        if math.isnan(way.length_mm):
+            why = "where the compensation begins is not known"
+    if why:
+        raise _refused(why, "lead in with a straight move, from a place that plain numbers give")
+
+
+def _refused(why: str, help_text: str) -> RefusalError:
+    message = f"tool nose compensation (G41, G42) is active, and {why}"
+    return RefusalError(COMPENSATED, message, help_text)

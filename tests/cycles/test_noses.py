@@ -1,0 +1,202 @@
+"""Shapes under G41 and G42 whose nose is known are offset by the filter; unknown ones stay, with the reason."""
+
+from __future__ import annotations
+
+import math
+import random
+import re
+
+import numpy as np
+import pytest
+
+import chipbreak
+from chipbreak.settings import load
+from chipbreak.text.diagnostics import ProgramRejectedError
+
+MACHINE = (
+    'planner.model="trapezoid"',
+    "axes.X.max_acceleration_mm_s2=5000",
+    "axes.Z.max_acceleration_mm_s2=5000",
+)
+NOSE = ("tools.nose_radius_mm.1=0.8", "tools.nose_tip.1=3")
+ASKED = (*MACHINE, "vibration.n=1.5", 'vibration.only=["rough","semi-finish","finish","unknown"]')
+HEAD = "T0101\nG97 S800 M3\nG0 X60. Z5.\n"
+SHAPE = """G42 G0 X28. Z2.
+G1 X30. Z0. F0.2
+G1 Z-20.
+X40. Z-30.
+G1 X50.
+Z-50.
+X62.
+G40 G0 X80. Z5.
+"""
+PLAIN = HEAD + SHAPE + "M30\n"
+CYCLE = """T0101
+G97 S800 M3
+G0 X64. Z5.
+G70 P10 Q20
+G28 U0 W0
+M30
+N10 G42 G0 X30. F0.15
+G1 Z-20.
+X40. Z-30.
+Z-40.
+X62.
+N20 G40 G1 X64.
+"""
+
+
+def kept(program: str, *options: str, profile: str = "fanuc-lathe") -> list[str]:
+    """The plain blocks of the output: of each vibrated cut those that it stands for."""
+    written = chipbreak.rewrite(program.encode(), load(profile, [*ASKED, *options])).data
+    assert chipbreak.restore(written) == program.encode()
+    settings = load(profile, [*ASKED, *options])
+    assert chipbreak.rewrite(written, settings).data == written
+    blocks = []
+    inside = False
+    for line in written.decode().splitlines():
+        if was := re.fullmatch(r"\(CHIPBREAK WAS (.*)\)", line):
+            blocks += [was[1]] if inside else []
+        elif "(CHIPBREAK BEGIN" in line:
+            inside = True
+        elif "(CHIPBREAK END" in line:
+            inside = False
+        elif not inside and not line.startswith("("):
+            blocks.append(line)
+    return blocks
+
+
+def test_the_worked_example() -> None:
+    """Along Z and X the tip is on the shape.
+
+    On the cone (26.565 degrees) it is R (1 - tan 13.283) ahead in Z, so 0.8 less 0.189; into its inner corner
+    2 R (1 - tan 31.717) back in X, so 0.611, and out of the last wall the diameter less 2 R.
+    """
+    assert kept(PLAIN, *NOSE)[3:-1] == [
+        "G0 X27.831 Z1.558",
+        "F0.2 G1 X30. Z-0.611",
+        "G1 Z-20.611",
+        "G1 X39.389 Z-30.",
+        "G1 X50.",
+        "G1 Z-50.",
+        "G1 X60.4",
+        "G0 X80. Z5.",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("comment", "profile"),
+    [
+        ("(OD FINISH TNR 0.8 TIP 3)", ()),
+        ("(OD FINISH NOSE R0.8 TIP DIRECTION 3)", ()),
+        ("(NOSE RADIUS: 0.8 MM, TIP NO. 3)", ()),
+        ("(NOSE R0.4 TIP 2)", NOSE),
+    ],
+)
+def test_who_says_the_nose(comment: str, profile: tuple[str, ...]) -> None:
+    """A comment at the tool, and before it the profile."""
+    said = PLAIN.replace("T0101", f"T0101 {comment}")
+    assert kept(said, *profile)[3:] == kept(PLAIN, *NOSE)[3:]
+
+
+@pytest.mark.parametrize(
+    ("change", "options", "why"),
+    [
+        (("", ""), (), "the nose radius (R) and the tip number (T) of offset 1 are not known"),
+        (("", ""), NOSE[:1], "the tip number (T) of offset 1 is not known"),
+        (("T0101", "T0112"), NOSE, "of offset 12 are not known"),
+        (("T0101", "T0100"), NOSE, "T0100 takes the offset off"),
+        (("Z-50.\n", "Z-50.\nG41 Z-52.\n"), NOSE, "changes the side of the compensation"),
+        (
+            ("X40. Z-30.\n", "X40. Z-30.\nZ-30.4\nX41.\nZ-30.\nX42.\n"),
+            NOSE,
+            "does not get into all of this shape",
+        ),
+        (("X50.\n", "X#100\n"), NOSE, "worked out on the control"),
+        (("G42 G0 X28. Z2.", "G42 G2 X28. Z2. R20."), NOSE, "begins with an arc"),
+        (("G40 G0 X80. Z5.\n", ""), NOSE, "how the tool leaves it is not known"),
+    ],
+)
+def test_what_stays_and_why(change: tuple[str, str], options: tuple[str, ...], why: str) -> None:
+    program = PLAIN.replace(*change)
+    settings = load("fanuc-lathe", [*ASKED, *options])
+    result = chipbreak.rewrite(program.encode(), settings)
+    assert not result.changed
+    assert any(why in left.said.message for left in result.left)
+    strict = load("fanuc-lathe", [*ASKED, *options, 'vibration.refused="error"'])
+    with pytest.raises(ProgramRejectedError) as error:
+        chipbreak.rewrite(program.encode(), strict)
+    assert any(one.code == "VIB040" and why in one.message for one in error.value.diagnostics)
+
+
+def test_finishing_cycle_whose_contour_compensates() -> None:
+    """The contour of a G70 is written out, then offset; both come back."""
+    written = chipbreak.rewrite(CYCLE.encode(), load("fanuc-lathe", [*ASKED, *NOSE])).data
+    assert b"(CHIPBREAK UNROLLED G70 P10 Q20)" in written
+    assert b"(CHIPBREAK COMPENSATED G42 R0.8 T3)" in written
+    assert b"(CHIPBREAK BEGIN VIB" in written
+    assert chipbreak.restore(written) == CYCLE.encode()
+    assert chipbreak.rewrite(written, load("fanuc-lathe", [*ASKED, *NOSE])).data == written
+
+
+def test_finishing_cycle_under_compensation_that_began_before() -> None:
+    program = CYCLE.replace("N10 G42 G0", "N10 G0").replace("N20 G40 G1", "N20 G1")
+    program = program.replace("G70", "G42 G0 X64. Z4.\nG70").replace("G28", "G40 G0 X70. Z6.\nG28")
+    written = chipbreak.rewrite(program.encode(), load("fanuc-lathe", [*ASKED, *NOSE])).data
+    assert b"(CHIPBREAK COMPENSATED G42 R0.8 T3)" in written
+    assert chipbreak.restore(written) == program.encode()
+
+
+def test_what_cannot_vibrate_stays_compensated() -> None:
+    """Too slow an axis: nothing vibrates, so nothing is offset either."""
+    slow = [*ASKED, *NOSE, "axes.X.max_acceleration_mm_s2=1", "axes.Z.max_acceleration_mm_s2=1"]
+    result = chipbreak.rewrite(PLAIN.encode(), load("fanuc-lathe", slow))
+    assert not result.changed
+    assert all(left.said.code != "VIB040" for left in result.left)
+
+
+def test_a_word_asks_for_one_block_of_the_run() -> None:
+    program = PLAIN.replace("Z-50.", "Z-50. N1.5")
+    written = chipbreak.rewrite(program.encode(), load("fanuc-lathe", [*MACHINE, *NOSE])).data
+    assert b"COMPENSATED" in written
+    assert written.count(b"(CHIPBREAK BEGIN VIB") == 1
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_the_nose_touches_the_shape_and_cuts_nothing_else(seed: int) -> None:
+    """Random shapes: the centre of the nose is nowhere nearer to the shape than R, and R off every part of it
+    but beside inner corners."""
+    rng = random.Random(seed)
+    radius, tip = rng.choice((0.2, 0.4, 0.8)), rng.choice((2, 3, 4, 8, 9))
+    z, x = 0.0, 15.0
+    places = [(z, x)]
+    for _ in range(rng.randint(3, 8)):
+        z, x = z - rng.uniform(2.5, 8.0), x + rng.uniform(-2.0, 4.0)
+        places.append((round(z, 3), round(x, 3)))
+    z, x = places[-1]
+    shape = "\n".join(f"G1 X{2 * b:.3f} Z{a:.3f} F0.2" for a, b in places[1:])
+    program = f"{HEAD}G42 G0 X30. Z0.\n{shape}\nG40 G0 X{2 * x + 20:.3f} Z{z:.3f}\nM30\n"
+    options = (f"tools.nose_radius_mm.1={radius}", f"tools.nose_tip.1={tip}")
+    blocks = kept(program, *options)
+    ends = np.array(list(ends_of(blocks, (5.0, 30.0))))[2:-1]
+    signs = {2: (-1, 1), 3: (-1, -1), 4: (1, -1), 8: (0, -1), 9: (0, 0)}[tip]
+    centres = ends - radius * np.array(signs)
+    way = drawn(centres)
+    wall = drawn(np.array(places))
+    apart = np.hypot(*(way[:, None] - wall[None]).transpose(2, 0, 1))
+    assert apart.min() >= radius - 2e-3
+    assert apart.min(axis=1).max() <= radius * math.sqrt(2.0) + 0.01
+    assert np.median(apart.min(axis=0)) <= radius + 5e-3
+
+
+def ends_of(blocks: list[str], at: tuple[float, float]):  # type: ignore[no-untyped-def]
+    z, x = at
+    for block in blocks:
+        words = dict(re.findall(r"([XZ])(-?[\d.]+)", block))
+        if words:
+            z, x = float(words.get("Z", z)), float(words["X"]) / 2.0 if "X" in words else x
+            yield z, x
+
+
+def drawn(places: np.ndarray) -> np.ndarray:  # type: ignore[type-arg]
+    return np.concatenate([np.linspace(a, b, 200) for a, b in zip(places[:-1], places[1:], strict=True)])
