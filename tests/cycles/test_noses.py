@@ -1,18 +1,22 @@
-"""Shapes under G41 and G42 whose nose is known are offset by the filter; unknown ones stay, with the reason."""
+"""Shapes under G41 and G42 whose nose is known are offset by the filter; others stay, with the reason."""
 
 from __future__ import annotations
 
 import math
 import random
 import re
+from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import chipbreak
 from chipbreak.settings import load
 from chipbreak.text.diagnostics import ProgramRejectedError
 
+Floats = NDArray[np.float64]
 MACHINE = (
     'planner.model="trapezoid"',
     "axes.X.max_acceleration_mm_s2=5000",
@@ -189,7 +193,7 @@ def test_the_nose_touches_the_shape_and_cuts_nothing_else(seed: int) -> None:
     assert np.median(apart.min(axis=0)) <= radius + 5e-3
 
 
-def ends_of(blocks: list[str], at: tuple[float, float]):  # type: ignore[no-untyped-def]
+def ends_of(blocks: list[str], at: tuple[float, float]) -> Iterator[tuple[float, float]]:
     z, x = at
     for block in blocks:
         words = dict(re.findall(r"([XZ])(-?[\d.]+)", block))
@@ -198,5 +202,5 @@ def ends_of(blocks: list[str], at: tuple[float, float]):  # type: ignore[no-unty
             yield z, x
 
 
-def drawn(places: np.ndarray) -> np.ndarray:  # type: ignore[type-arg]
-    return np.concatenate([np.linspace(a, b, 200) for a, b in zip(places[:-1], places[1:], strict=True)])
+def drawn(places: Floats) -> Floats:
+    return np.concatenate([np.linspace(a, b, 200) for a, b in pairwise(places)])
