@@ -166,7 +166,12 @@ def test_a_word_asks_for_one_block_of_the_run() -> None:
     assert written.count(b"(CHIPBREAK BEGIN VIB") == 1
 
 
-@pytest.mark.parametrize("seed", range(40))
+def test_a_list_of_tools_at_the_head_says_the_nose() -> None:
+    said = "(TO1 = 80* Tool, Insert: 02-0083, Tool Holder: 01-0263, Tool Nose Radius: 0.8, Tool Tip: 3)\n"
+    assert kept(said + PLAIN)[3:] == kept(PLAIN, *NOSE)[3:]
+
+
+@pytest.mark.parametrize("seed", range(15))
 def test_the_nose_touches_the_shape_and_cuts_nothing_else(seed: int) -> None:
     """Random shapes: the centre of the nose is nowhere nearer to the shape than R, and R off every part of it
     but beside inner corners."""

@@ -311,3 +311,15 @@ def test_where_none_stands_behind_the_cycle_the_control_begins_from_the_top() ->
     assert "none stands behind the cycle, so the first one, in line 7" in str(
         [d.message for d in result.diagnostics if d.code == "CYC008"]
     )
+
+
+def test_the_way_back_at_the_end_of_a_contour_is_no_part_of_its_shape() -> None:
+    """``G0 G40 Z2.`` above the stock: roughed as without it, and run by the finishing cut."""
+    closed = CYCLE.replace(b"N10 G0 X16.", b"N10 G42 G0 X16.").replace(
+        b"N20 X52.\n", b"X52.\nN20 G40 G0 Z2.\n"
+    )
+    written = filtered(closed, *ALWAYS)
+    rough = written.split(b"ROLLED")[1]
+    assert rough.split(b"PASS 1")[1] == filtered(CYCLE, *ALWAYS).split(b"ROLLED")[1].split(b"PASS 1")[1]
+    assert b"G40 G0 Z2.\n" in written.split(b"UNROLLED G70")[1]
+    assert chipbreak.restore(written) == closed

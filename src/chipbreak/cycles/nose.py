@@ -62,31 +62,35 @@ def offset_moves(moves: Sequence[Move], offset: Offset, words: AxisWords) -> lis
     segments = [segment_of(move, frame) for move in moves]
     _refuse_way_in(moves[0], segments[0], offset)
     led = 0 if offset.rules.leads_in_by_itself else 1
-    kept = [index for index, one in enumerate(segments) if index >= led and one.length_mm > _NOTHING_MM]
-    shape = [segments[index] for index in kept]
-    if len(shape) + led < 2:
+    kept = [index for index in range(led, len(moves)) if segments[index].length_mm > _NOTHING_MM]
+    if len(kept) + led < 2:
         why = "the compensation ends before it is in force"
         raise _refused(why, "let a move follow the one of G41 or G42")
-    corner = round_corner if offset.rules.rounds_corners else sharp_corner
-    try:
-        pieces = pieces_at_distance(shape, offset.nose.radius_mm, corner)
-        # What the tool rushes along is no wall, and the way in is not parallel to its own.
-        walls = [segments[index] for index in kept if index and moves[index].kind != "rapid"]
-        behind = [one for several in pieces[1 - led :] for one in several]
-        check_distance(walls, behind, offset.nose.radius_mm)
-    except RefusalError:
-        message = f"a nose of {offset.nose.radius_mm:g} mm does not get into all of this shape"
-        raise _refused(message, "check R and T of the nose, or take what is so small out") from None
-    made: list[list[Segment]] = [[] for _ in moves]
-    for index, several in zip(kept, pieces, strict=True):
-        made[index] = several
+    # What the tool rushes along is no wall, and the way in is not parallel to its own.
+    walls = [segments[index] for index in kept if index and moves[index].kind != "rapid"]
+    pieces = _pieces([segments[index] for index in kept], walls, offset)
+    made = dict(zip(kept, pieces, strict=True))
     if led:
-        made[0] = [Segment(segments[0].start, _beside(shape[0], offset.nose.radius_mm))]
+        made[0] = [Segment(segments[0].start, _beside(segments[kept[0]], offset.nose.radius_mm))]
     tip = offset.tip
     return [
-        [_motion(one.shifted(tip.t, tip.h), move) for one in several]
-        for several, move in zip(made, moves, strict=True)
+        [_motion(one.shifted(tip.t, tip.h), move) for one in made.get(index, [])]
+        for index, move in enumerate(moves)
     ]
+
+
+def _pieces(shape: Sequence[Segment], walls: Sequence[Segment], offset: Offset) -> list[list[Segment]]:
+    """What stands for each segment at the nose radius.  Errors: VIB040 where the nose does not get in."""
+    radius_mm = offset.nose.radius_mm
+    corner = round_corner if offset.rules.rounds_corners else sharp_corner
+    first = 1 if offset.rules.leads_in_by_itself else 0
+    try:
+        pieces = pieces_at_distance(shape, radius_mm, corner)
+        check_distance(walls, [one for several in pieces[first:] for one in several], radius_mm)
+    except RefusalError:
+        message = f"a nose of {radius_mm:g} mm does not get into all of this shape"
+        raise _refused(message, "check R and T of the nose, or take what is so small out") from None
+    return pieces
 
 
 def _beside(one: Segment, distance_mm: float) -> Point:

@@ -111,11 +111,33 @@ def read_contour(
     """
     steps = steps_of(effects_of_contour(interpreted, state, *lines), interpreted.settings)
     first = steps[0].move
+    steps = _without_way_out(steps, along)
     frame = frame_of([step.move for step in steps], along)
     start = frame.inside(first.start.z, first.start.x)
     segments = segments_of(steps[1:], frame)
     _check_shape(segments, start)
     return Contour(frame, start, segments, first.kind == "line", {"X", "Z"} <= set(first.axes))
+
+
+def _without_way_out(steps: list[Step], along: str) -> list[Step]:
+    """The moves without those at the end that run where no stock is: at the height of the start, or above.
+
+    Many contours end with the way back of the finishing cut (``G0 G40 Z2.``).
+    """
+    begin, start = steps[0].move.end, steps[0].move.start
+    heights = (start.z, begin.z) if along == "X" else (start.x, begin.x)
+    outwards = heights[0] - heights[1]
+    last = len(steps)
+    while last > 2 and _is_outside(steps[last - 1].move, along, heights[0], outwards):
+        last -= 1
+    return steps[:last]
+
+
+def _is_outside(move: Move, along: str, start_mm: float, outwards: float) -> bool:
+    """True for a straight move no end of which is nearer to the part than the start."""
+    ends = (move.start.z, move.end.z) if along == "X" else (move.start.x, move.end.x)
+    is_straight = move.kind in ("rapid", "line")
+    return is_straight and all((end - start_mm) * outwards >= -_SAME_MM for end in ends)
 
 
 class Step(NamedTuple):

@@ -15,7 +15,7 @@ from typing import Any, Final
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of
-from chipbreak.operations.kind_words import CUTVIEWER_TOOL, FUSION_TOOL, TOOL_AHEAD, TOOL_FACT
+from chipbreak.operations.kind_words import CUTVIEWER_TOOL, FUSION_TOOL, HAND_TOOL, TOOL_AHEAD, TOOL_FACT
 from chipbreak.operations.kinds import ToolNote, tool_text
 from chipbreak.operations.operations import calls_tool
 from chipbreak.syntax.nodes import Block
@@ -141,7 +141,7 @@ class _Reader:
     def _remark(self, block: Block, text: str) -> None:
         note = tool_text(text)
         remark = _Remark(block.line, text, note)
-        number = self._number(note) if note else None
+        number = self._number(note) if note else self._number_of_nose(text)
         if number is not None:
             self.current = number or None
             self.is_called = False
@@ -178,6 +178,11 @@ class _Reader:
             head = note.text.split(maxsplit=1)[0].upper().replace("O", "0") if note.text else ""
             number = int(head[1:]) if head[:1] == "T" and head[1:].isdecimal() and len(head) < 9 else None
         return None if number is None else self.dialect.tool_of(number)
+
+    def _number_of_nose(self, text: str) -> int | None:
+        """The tool of a long remark that says a nose: ``T01 = OD TOOL, HOLDER 01-02, NOSE RADIUS: .03``."""
+        hit = HAND_TOOL.match(text.strip()) if nose_said(text) else None
+        return self.dialect.tool_of(int(hit["n"].upper().replace("O", "0"))) if hit else None
 
     def _values(self, line: int, text: str, note: ToolNote | None) -> dict[str, Any]:
         """The fields that a comment gives; a value that cannot be is no value."""
