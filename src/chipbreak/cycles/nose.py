@@ -17,11 +17,11 @@ from chipbreak.cycles.reading import segment_of
 from chipbreak.cycles.roughing import Motion
 from chipbreak.dialects.base import NoseRules
 from chipbreak.model.block_effect import Move
+from chipbreak.model.findings import COMPENSATED
 from chipbreak.settings.axis_words import AxisWords
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 
-COMPENSATED = "VIB040"
 _NOTHING_MM = 1e-6
 
 

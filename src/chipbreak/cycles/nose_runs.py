@@ -14,12 +14,13 @@ import math
 from collections.abc import Collection, Iterator, Sequence
 
 from chipbreak.cycles.call import refuse_modes
-from chipbreak.cycles.nose import COMPENSATED, Nose, Offset, offset_moves
+from chipbreak.cycles.nose import Nose, Offset, offset_moves
 from chipbreak.cycles.promise import OffsetMoves
 from chipbreak.cycles.roughing import Motion
 from chipbreak.cycles.writing import BlockWriter, block_of_motion, without_number
 from chipbreak.editing.edits import Edit
 from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.findings import COMPENSATED
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word

@@ -11,6 +11,7 @@ from chipbreak.model.units_of_feed import feeds_in_other_units
 from chipbreak.model.unread_words import unread_words
 from chipbreak.text.diagnostics import Diagnostic, Severity
 
+COMPENSATED = "VIB040"  # where G41 and G42 stand in the way
 MISSING_NUMBER = "MOD003"
 NUMBER_THE_SHAPE = "number the first and the last block of the shape as P and Q say"
 

@@ -6,7 +6,8 @@ these before comments.
 
 from __future__ import annotations
 
-from chipbreak.cycles.nose import COMPENSATED, Nose
+from chipbreak.cycles.nose import Nose
+from chipbreak.model.findings import COMPENSATED
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.syntax.nodes import Block
 from chipbreak.text.diagnostics import RefusalError

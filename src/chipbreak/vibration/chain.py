@@ -11,6 +11,7 @@ from chipbreak.dialects.modes import Group
 from chipbreak.insertion.sure_effects import words_for
 from chipbreak.kinematics.toolpath import Leg
 from chipbreak.model.block_effect import BlockEffect, Move
+from chipbreak.model.findings import COMPENSATED
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import NOWHERE, State
 from chipbreak.model.words import JUMPED, length_mm
@@ -24,11 +25,10 @@ from chipbreak.vibration.directive import KEYS
 from chipbreak.vibration.left_cut import NO_SPINDLE, UNKNOWN_SPEED, LeftCut
 from chipbreak.vibration.request import Request
 
-NOSE = "VIB040"
 _NO_REASONS: Mapping[int, RefusalError] = FrozenTable({})
 # Modal groups that must be at rest, with what the user knows them as.
 _AT_REST: dict[Group, tuple[str, str, str, str]] = {
-    "compensation": ("off", NOSE, "tool nose or cutter compensation (G41, G42) is active", "G40"),
+    "compensation": ("off", COMPENSATED, "tool nose or cutter compensation (G41, G42) is active", "G40"),
     "rotation": ("off", "VIB041", "the coordinate system is rotated (G68)", "G69"),
     "polar": ("off", "VIB041", "polar interpolation or polar input is active", "G15 or G13.1 (G113)"),
     "interpolation": ("off", "VIB041", "polar interpolation is active", "G13.1"),
@@ -134,7 +134,7 @@ def chains_of(
         refusal = refusal_of(request, interpreted) or _call_refusal(request, called)
         if refusal is not None:
             error, at = refusal
-            error = compensated.get(request.effect.block.line, error) if error.code == NOSE else error
+            error = compensated.get(request.effect.block.line, error) if error.code == COMPENSATED else error
             line = request.effect.block.line
             said = interpreted.program.diagnose(line, error.code, error.message, error.help, at=at)
             if request.may_be_left(key):
