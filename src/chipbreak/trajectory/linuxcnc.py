@@ -114,7 +114,7 @@ class LinuxCnc(ControlLaw):
         self.refuse_lost_strokes(blocks.lengths_mm)
         turns = turns_of(blocks.lengths_mm)
         asked = Asked(self._bends(blocks), spans_s, turns, plain_from, self.every_block_stops)
-        # What lies between the least and the highest override is in between; the verdict looks at all of them.
+        # The others lie between the least and the highest override; the verdict looks at all of them.
         laws = dict.fromkeys([self.variants()[0], self.variants()[-1]])
         return fitted_feeds(asked, [law._clock for law in laws], _Refusals(self))
 

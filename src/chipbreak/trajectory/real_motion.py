@@ -122,7 +122,9 @@ class _Polyline:
         self.places_mm, first = np.unique(distance_mm, return_index=True)
         self.corners_mm = points_mm[first]
         ways = np.diff(self.corners_mm, axis=0)
-        self.ways = ways / np.sqrt(np.einsum("ij,ij->i", ways, ways))[:, np.newaxis]
+        sizes = np.sqrt(np.einsum("ij,ij->i", ways, ways))
+        # Two places may be rounded to one point, from which no way leads.
+        self.ways = ways / np.where(sizes > 0.0, sizes, 1.0)[:, np.newaxis]
 
     def points(self, along_mm: Floats) -> Floats:
         """Points at places, (n,) -> (n, axes)."""

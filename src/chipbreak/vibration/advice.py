@@ -65,7 +65,7 @@ def _with_all_strokes(error: RefusalError, cut: CutPlan, settings: Settings) -> 
     need = max(
         float(said[1]), cut.wave.shape.least_acceleration_mm_s2(cut.wave, cut.solution.per_rev) / 1000.0
     )
-    trials = Trials(cut, settings)
+    trials = Trials(settings)
     for _ in range(_MOST_RAISED):
         need = _rounded_up(need)
         if trials.works(cut.chain, _with_acceleration(settings, cut.chain.axes, need * 1000.0)) is not None:
@@ -98,7 +98,7 @@ def _with_acceleration(settings: Settings, axes: str, acceleration_mm_s2: float)
 
 def _slower(cut: CutPlan, settings: Settings) -> str:
     """The next slower frequency that works with the same N."""
-    trials = Trials(cut, settings)
+    trials = Trials(settings)
     law = control_along(settings, cut.path, cut.chain.before)
     per_rev = round(cut.solution.per_rev, 4)
     top_hz = cut.solution.frequency_hz
@@ -145,7 +145,7 @@ def _chosen(cut: CutPlan, settings: Settings) -> str:
     for request in cut.chain.requests:
         values = {key: given for key, given in request.values.items() if key not in "NEF"}
         requests.append(request._replace(values=values, chosen_by="AUTO"))
-    trials = Trials(cut, settings)
+    trials = Trials(settings)
     try:
         plan, _ = Chooser(settings).cut(Chain(tuple(requests)), lambda one: _made(one, trials))
     except (RefusalError, SelfCheckError):
@@ -167,7 +167,7 @@ def _standing(cut: CutPlan, settings: Settings) -> str:
     """What needs no reversal: at this E half of what is left to the stand is to spare."""
     turns = round(1.5 / cut.edges / (1.0 - cut.wave.alpha_share), 2)
     standing = with_values(cut.chain, {"E": turns}, without="NEFQA", waveform="dwell")
-    if Trials(cut, settings).works(standing) is None:
+    if Trials(settings).works(standing) is None:
         return ""
     has_stroke = cut.chain.requests[0].values.keys() & {"Q", "A"}
     without = ", without Q and A," if has_stroke else ""

@@ -7,7 +7,7 @@ run, and what is left is planned, and judged by the numbers of its blocks, until
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 
 from chipbreak.kinematics.conditions import (
@@ -35,10 +35,12 @@ from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.measure import measure_planned
 from chipbreak.vibration.plan import CutPlan, asked_of, command_group, feed_per_rev_mm, rules_of
 from chipbreak.vibration.surface_speed import bounds_rpm, surface_speed_of
+from chipbreak.vibration.trial import cost_of
 
 NOTHING_FITS = "VIB036"
 _NO_STROKE_MM = 1e-9
 _USUAL_MM_S2 = 10_000.0  # of axes whose acceleration the profile does not say, no more is asked
+_MOST_COST_OF_A_CHAIN = 300_000  # of all tries together
 _MOST_TRIED = 10  # of what closed forms find, to say that there is something
 _LEAST_HZ = 0.1
 _WITH_ROUNDING = 1.05
@@ -124,10 +126,15 @@ class Chooser:
                 why = why or error
             if (tried and tried[-1].margin >= enough) or frequency_hz < _LEAST_HZ:
                 break
+            if len(cut.chain.requests) > 1 and self._cost_of(tried) > _MOST_COST_OF_A_CHAIN:
+                break  # its blocks are tried each for itself then
         best = max(tried, key=lambda one: one.margin, default=None)
         if best is None or best.margin < 1.0:
             raise why or _nothing_fits(cut, self.settings)
         return best
+
+    def _cost_of(self, tried: Sequence[_Tried]) -> int:
+        return sum(cost_of(one.made[0], self.settings) for one in tried)
 
     def _try(self, cut: _Cut, conditions: Conditions, make: MakeCut) -> _Tried:
         """One choice, made and judged; margin 0 where the control would not keep to it."""

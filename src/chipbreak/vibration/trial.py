@@ -7,16 +7,21 @@ from collections.abc import Mapping
 from chipbreak.kinematics.sourced_value import SourcedValue
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError, SelfCheckError
+from chipbreak.trajectory.filters import NO_FILTER
 from chipbreak.vibration.blocks import moves_of
 from chipbreak.vibration.chain import Chain
-from chipbreak.vibration.machine import control_along, law_of
+from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.measure import CutReport, measure_planned
 from chipbreak.vibration.plan import CutPlan, plan_cut
 
-_MOST_MOVES = 300_000
-# Where each stroke takes long to plan; a move counts for every law that the profile leaves open.
-_MOST_SLOW_MOVES = 1200
-_LEAST_COST = 40  # in moves, of such a try
+# What a try costs counts in blocks of a straight stroke: so long do a thousandth of these take.
+_MOST_COST = 200_000
+_SLOW_STROKES = (
+    150  # where hardly two strokes are alike on LinuxCNC, for every law that the profile leaves open
+)
+_LEAST_SLOW = 40  # blocks that any such cut costs
+_FILTERED = 5
+_FILTERED_ON_BENDS = 70
 _REFUSED_EARLY = 0.7  # of what a try costs is not spent where it is refused
 _FEW_CORNERS = 8
 _MANY_IN_STROKES = 500  # moves of a cut whose strokes are several moves each
@@ -26,15 +31,14 @@ _ORIGIN = "proposal"
 class Trials:
     """Tries of one refused cut, as many as take no longer than a plan."""
 
-    def __init__(self, cut: CutPlan, settings: Settings) -> None:
+    def __init__(self, settings: Settings) -> None:
         self.settings = settings
-        self.is_slow = _is_slow_to_plan(cut, settings)
-        self.moves_left = _MOST_SLOW_MOVES if self.is_slow else _MOST_MOVES
+        self.left = _MOST_COST
         self.refusal = ""  # what the last try was refused for
 
     def works(self, chain: Chain, settings: Settings | None = None) -> CutReport | None:
         """The cut, if it breaks its chips and runs as planned; None where not, or where it is enough."""
-        if self.moves_left <= 0:
+        if self.left <= 0:
             return None
         settings = settings or self.settings
         self.refusal = ""
@@ -49,7 +53,7 @@ class Trials:
             report = measure_planned(settings, plan, moves_of(plan, settings))
         except RefusalError as error:
             self.refusal = error.message
-            self.moves_left += round(_REFUSED_EARLY * self._cost(plan))
+            self.left += round(_REFUSED_EARLY * cost_of(plan, settings))
             return None
         except SelfCheckError:
             return None
@@ -58,15 +62,27 @@ class Trials:
 
     def affords(self, plan: CutPlan) -> bool:
         """Take what a try of this plan costs; False where that is more than is left."""
-        self.moves_left -= self._cost(plan)
-        return self.moves_left >= 0
+        self.left -= cost_of(plan, self.settings)
+        return self.left >= 0
 
-    def _cost(self, plan: CutPlan) -> int:
-        moves = plan.wave.vibrations * plan.wave.moves_per_vibration
-        if not self.is_slow:
-            return moves
-        law = control_along(self.settings, plan.path, plan.chain.before)
-        return max(moves, _LEAST_COST) * len(law.variants())
+
+def cost_of(plan: CutPlan, settings: Settings) -> int:
+    """What it costs to make the blocks of a plan and to judge them, in blocks of a straight stroke."""
+    moves = plan.wave.vibrations * plan.wave.moves_per_vibration
+    law = control_along(settings, plan.path, plan.chain.before)
+    if law.is_slow_to_try and _has_unlike_strokes(plan, moves):
+        return _SLOW_STROKES * max(moves, _LEAST_SLOW) * len(law.variants())
+    if all(axis.filter == NO_FILTER for axis in law.axes):
+        return moves
+    is_straight = len(plan.path.legs) == 1 and plan.path.arcs[0] is None
+    return moves * (_FILTERED if is_straight else _FILTERED_ON_BENDS)
+
+
+def _has_unlike_strokes(plan: CutPlan, moves: int) -> bool:
+    """True where hardly two strokes are alike: of several blocks, which are rounded each on its own."""
+    is_long = plan.wave.form == "tick" and moves > _MANY_IN_STROKES
+    bends = any(arc is not None for arc in plan.path.arcs) or len(plan.path.corners_mm()) > _FEW_CORNERS
+    return bends or is_long
 
 
 def with_values(chain: Chain, wish: Mapping[str, float], *, without: str, waveform: str = "") -> Chain:
@@ -77,14 +93,3 @@ def with_values(chain: Chain, wish: Mapping[str, float], *, without: str, wavefo
         values |= {key: SourcedValue(value, _ORIGIN) for key, value in wish.items()}
         requests.append(request._replace(values=values, waveform=waveform or request.waveform))
     return Chain(tuple(requests))
-
-
-def _is_slow_to_plan(cut: CutPlan, settings: Settings) -> bool:
-    """True where hardly two strokes are alike, so that each move takes milliseconds to plan.
-
-    Of several blocks, which are rounded each on its own, a stroke is seldom like another.
-    """
-    moves = cut.wave.vibrations * cut.wave.moves_per_vibration
-    is_long = cut.wave.form == "tick" and moves > _MANY_IN_STROKES
-    bends = any(arc is not None for arc in cut.path.arcs) or len(cut.path.corners_mm()) > _FEW_CORNERS
-    return law_of(settings).is_slow_to_try and (bends or is_long)

@@ -28,7 +28,7 @@ def ways_out(settings: Settings, report: CutReport) -> str:
 
 def _larger_stroke(settings: Settings, report: CutReport) -> str:
     plan = report.plan
-    trials = Trials(plan, settings)
+    trials = Trials(settings)
     margin = report.verdict.margin
     ratio = plan.wave.stroke_mm / plan.wave.feed_mm_rev
     least = ratio / margin if margin > 0.0 else ratio
@@ -41,7 +41,7 @@ def _larger_stroke(settings: Settings, report: CutReport) -> str:
 
 def _lower_frequency(settings: Settings, report: CutReport) -> str:
     plan = report.plan
-    trials = Trials(plan, settings)
+    trials = Trials(settings)
     group = command_group(settings)
     per_rev = round(plan.solution.per_rev, 4)
     for factor in _SLOWER:
@@ -59,7 +59,7 @@ def _lower_frequency(settings: Settings, report: CutReport) -> str:
 def _fewer_vibrations(settings: Settings, report: CutReport) -> str:
     """Revolutions a vibration at about the programmed speed: slow axes follow that sooner than an N."""
     plan = report.plan
-    trials = Trials(plan, settings)
+    trials = Trials(settings)
     for turns in _TURNS:
         if turns / plan.edges <= 1.0 / plan.solution.per_rev:
             continue
