@@ -14,11 +14,10 @@ from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.measure import CutReport, measure_planned
 from chipbreak.vibration.plan import CutPlan, plan_cut
 
-# What a try costs counts in blocks of a straight stroke: so long do a thousandth of these take.
-_MOST_COST = 200_000
-_SLOW_STROKES = (
-    150  # where hardly two strokes are alike on LinuxCNC, for every law that the profile leaves open
-)
+# What a try costs counts in blocks of a straight stroke: 100,000 of these take about half a second.
+_MOST_COST = 300_000
+# Where hardly two strokes are alike on LinuxCNC, for every law that the profile leaves open.
+_SLOW_STROKES = 150
 _LEAST_SLOW = 40  # blocks that any such cut costs
 _FILTERED = 5
 _FILTERED_ON_BENDS = 70

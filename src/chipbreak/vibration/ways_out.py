@@ -28,6 +28,8 @@ def ways_out(settings: Settings, report: CutReport) -> str:
 
 def _larger_stroke(settings: Settings, report: CutReport) -> str:
     plan = report.plan
+    if report.misses_plan:
+        return ""  # a stroke of any size would be late
     trials = Trials(settings)
     margin = report.verdict.margin
     ratio = plan.wave.stroke_mm / plan.wave.feed_mm_rev
