@@ -111,27 +111,25 @@ class Chooser:
 
     def _tried(self, cut: _Cut, make: MakeCut) -> _Tried:
         """The first choice with margin to spare, else that with the most."""
-        enough = 1.0 + _PLENTY * (cut.wanted.margin - 1.0)
         tried: list[_Tried] = []
         why: RefusalError | None = None
-        below_hz = math.inf
-        for conditions in self._candidates(cut):
-            frequency_hz = conditions.period.frequency_hz
-            if frequency_hz > below_hz:
-                continue
-            below_hz = _SLOWER * frequency_hz
+        for conditions in _ever_slower(self._candidates(cut)):
             try:
                 tried.append(self._try(cut, conditions, make))
             except RefusalError as error:
                 why = why or error
-            if (tried and tried[-1].margin >= enough) or frequency_hz < _LEAST_HZ:
+            if tried and self._is_enough(cut, tried):
                 break
-            if len(cut.chain.requests) > 1 and self._cost_of(tried) > _MOST_COST_OF_A_CHAIN:
-                break  # its blocks are tried each for itself then
         best = max(tried, key=lambda one: one.margin, default=None)
         if best is None or best.margin < 1.0:
             raise why or _nothing_fits(cut, self.settings)
         return best
+
+    def _is_enough(self, cut: _Cut, tried: Sequence[_Tried]) -> bool:
+        """True where the last one has margin to spare; where blocks of a chain are better tried alone."""
+        if tried[-1].margin >= 1.0 + _PLENTY * (cut.wanted.margin - 1.0):
+            return True
+        return len(cut.chain.requests) > 1 and self._cost_of(tried) > _MOST_COST_OF_A_CHAIN
 
     def _cost_of(self, tried: Sequence[_Tried]) -> int:
         return sum(cost_of(one.made[0], self.settings) for one in tried)
@@ -161,6 +159,19 @@ class Chooser:
         if not long_enough:
             raise _too_short(cut, found[0])
         return (one for one in long_enough if _runs(one, cut))
+
+
+def _ever_slower(candidates: Iterator[Conditions]) -> Iterator[Conditions]:
+    """Of candidates those that are much slower than all before them, down to the least frequency."""
+    below_hz = math.inf
+    for conditions in candidates:
+        frequency_hz = conditions.period.frequency_hz
+        if frequency_hz > below_hz:
+            continue
+        yield conditions
+        if frequency_hz < _LEAST_HZ:
+            return
+        below_hz = _SLOWER * frequency_hz
 
 
 def _cut_of(chain: Chain, settings: Settings) -> _Cut:
