@@ -66,9 +66,10 @@ def offset_moves(moves: Sequence[Move], offset: Offset, words: AxisWords) -> lis
     if len(kept) + led < 2:
         why = "the compensation ends before it is in force"
         raise _refused(why, "let a move follow the one of G41 or G42")
-    # What the tool rushes along is no wall, and the way in is not parallel to its own.
-    walls = [segments[index] for index in kept if index and moves[index].kind != "rapid"]
-    pieces = _pieces([segments[index] for index in kept], walls, offset)
+    pieces = _pieces([segments[index] for index in kept], offset)
+    _refuse_gouging(
+        [segments[index] for index in kept], [moves[index].kind == "rapid" for index in kept], pieces, offset
+    )
     made = dict(zip(kept, pieces, strict=True))
     if led:
         made[0] = [Segment(segments[0].start, _beside(segments[kept[0]], offset.nose.radius_mm))]
@@ -79,18 +80,41 @@ def offset_moves(moves: Sequence[Move], offset: Offset, words: AxisWords) -> lis
     ]
 
 
-def _pieces(shape: Sequence[Segment], walls: Sequence[Segment], offset: Offset) -> list[list[Segment]]:
+def _pieces(shape: Sequence[Segment], offset: Offset) -> list[list[Segment]]:
     """What stands for each segment at the nose radius.  Errors: VIB040 where the nose does not get in."""
-    radius_mm = offset.nose.radius_mm
     corner = round_corner if offset.rules.rounds_corners else sharp_corner
-    first = 1 if offset.rules.leads_in_by_itself else 0
     try:
-        pieces = pieces_at_distance(shape, radius_mm, corner)
-        check_distance(walls, [one for several in pieces[first:] for one in several], radius_mm)
+        return pieces_at_distance(shape, offset.nose.radius_mm, corner)
     except RefusalError:
-        message = f"a nose of {radius_mm:g} mm does not get into all of this shape"
-        raise _refused(message, "check R and T of the nose, or take what is so small out") from None
-    return pieces
+        raise _too_large(offset.nose) from None
+
+
+def _refuse_gouging(
+    shape: Sequence[Segment], rapids: Sequence[bool], pieces: Sequence[Sequence[Segment]], offset: Offset
+) -> None:
+    """No place of a cut, and of the rapids beside it, may be nearer to that cut than the nose radius.
+
+    Other cuts of the run are none of its walls: each of several passes is deeper than the one before.
+    Errors: VIB040.
+    """
+    # The way in of a control that leads in by itself is not parallel to its own.
+    first = 1 if offset.rules.leads_in_by_itself else 0
+    cuts = [index for index in range(first, len(shape)) if not rapids[index]]
+    begins = [index for index in cuts if index == first or rapids[index - 1]]
+    for at, begin in enumerate(begins):
+        # The last rapid before a cut leads to it, and away from the one before.
+        behind = begins[at + 1] - 1 if at + 1 < len(begins) else len(shape)
+        walls = [shape[index] for index in range(begin, behind) if not rapids[index]]
+        try:
+            places = [one for several in pieces[max(begin - 1, first) : behind] for one in several]
+            check_distance(walls, places, offset.nose.radius_mm)
+        except RefusalError:
+            raise _too_large(offset.nose) from None
+
+
+def _too_large(nose: Nose) -> RefusalError:
+    message = f"a nose of {nose.radius_mm:g} mm does not get into all of this shape"
+    return _refused(message, "check R and T of the nose, or take what is so small out")
 
 
 def _beside(one: Segment, distance_mm: float) -> Point:

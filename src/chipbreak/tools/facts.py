@@ -24,7 +24,12 @@ _STICK_OUT: Final = LazyPattern(
 _HOLDER: Final = LazyPattern(rf"\bHOLDER\s+LENGTH{_LENGTH}", re.IGNORECASE)
 # "NOSE R0.8", "TNR .8", "NOSE RADIUS = 0.8 MM"; "TIP 3", "TIP NO. 3", "TIP DIRECTION: 3"
 _NOSE: Final = LazyPattern(
-    rf"\b(?:TNR|NOSE(?:\s+RAD(?:IUS)?\.?)?|(?:INSERT|TIP)\s+RAD(?:IUS)?\.?)\s*[:=]?\s*R?{_LENGTH.lstrip()}",
+    rf"\b(?:TNR|NOSE(?:\s+RAD(?:IUS)?\.?)?|(?:INSERT|TIP)\s+RAD(?:IUS)?\.?)\s*[:=]?\s*R?{_LENGTH}",
+    re.IGNORECASE,
+)
+# ".031TNR", "0.8 MM NOSE RADIUS", '.030" NR'
+_NOSE_BEHIND: Final = LazyPattern(
+    rf"(?<![\w.])(?P<length>{_DECIMAL})\s*(?P<unit>MM\b|\"|IN\b)?\s*(?:TNR|NR|NOSE\s+RAD(?:IUS)?)\b",
     re.IGNORECASE,
 )
 _TIP: Final = LazyPattern(
@@ -58,7 +63,7 @@ def holder_said(text: str) -> Length | None:
 
 def nose_said(text: str) -> Length | None:
     """The nose radius of a turning tool, as a comment names it."""
-    return _length(_NOSE.search(text[:LONGEST_TEXT]))
+    return _length(_NOSE.search(text[:LONGEST_TEXT]) or _NOSE_BEHIND.search(text[:LONGEST_TEXT]))
 
 
 def tip_said(text: str) -> int | None:
