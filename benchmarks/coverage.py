@@ -2,17 +2,23 @@
 
     python benchmarks/coverage.py FOLDER...              every file below, N chosen by the machine
     python benchmarks/coverage.py FOLDER --set vibration.n=1.5 --files
+    python benchmarks/coverage.py --page > docs/coverage.md
 
 The machine is ``fanuc-lathe`` with the trapezoid law and 5 m/s² in X and Z, unless ``--profile`` and
 ``--set`` say otherwise.  A program counts as *out* when the filter gives output.  Length is that of the feed
 moves of G1 to G3, cycles written out; passes on the way back through air, and moves with the spindle stopped,
 are no cuts.
+
+``--page`` asks another question of every lathe program at hand (``samples``, the tests, and the folders of
+``CHIPBREAK_CORPUS`` that have lathe in their name): does every roughing cut vibrate when the profile says
+nothing but ``n`` and ``only = ["rough"]``?
 """
 
 from __future__ import annotations
 
 import argparse
 import math
+import os
 import sys
 import time
 from collections import Counter
@@ -37,6 +43,25 @@ MACHINE = (
     "axes.Z.max_acceleration_mm_s2=5000",
 )
 AUTO = 'vibration.n="auto"'
+ROUGH = 'vibration.only=["rough"]'
+ROOT = Path(__file__).resolve().parents[1]
+AT_HAND = ("samples", "tests/shop")
+TOO_SHORT = "VIB013"
+SUFFIXES = frozenset({".nc", ".ngc", ".cnc", ".tap", ".txt"})
+HEAD = """# Coverage
+
+Does a lathe program come out with every roughing cut vibrated, when the profile says nothing but `n` and
+`only = ["rough"]`? With `n = 1.5` the profile is `fanuc-lathe` (`linuxcnc-lathe` for `.ngc`) as it is
+shipped; with `n = "auto"` it has the trapezoid law and 5 m/s2 in X and Z besides, for the machine must choose
+by something. A program roughs where a cycle, a comment or the name of a tool says so. A cut in which not even
+two vibrations have room (VIB013) counts as met. This page is printed by
+
+```text
+CHIPBREAK_CORPUS=FOLDER python benchmarks/coverage.py --page > docs/coverage.md
+```
+
+with a folder of real programs written by others, which are not part of the repository.
+"""
 
 
 @dataclass
@@ -101,17 +126,106 @@ def take(found: Coverage, result: Result) -> None:
             found.reasons[f"{left.said.code or 'air'}: {left.said.message[:70]}"] += 1
 
 
+@dataclass
+class Answer:
+    """What became of the roughing cuts of a program with one N: how many vibrate, and why others do not."""
+
+    vibrated: int = 0
+    roughs: bool = True
+    reasons: Counter[str] = field(default_factory=Counter)
+
+    @property
+    def is_whole(self) -> bool:
+        """True where every roughing cut vibrates that is long enough."""
+        return self.vibrated > 0 and all(reason.startswith(TOO_SHORT) for reason in self.reasons)
+
+
+def answer_of(path: Path, asked: Sequence[str]) -> Answer:
+    """Run a program with a profile that asks for its roughing cuts."""
+    profile = "linuxcnc-lathe" if path.suffix == ".ngc" else "fanuc-lathe"
+    found = Answer()
+    try:
+        result = rewrite(path.read_bytes(), load(profile, [ROUGH, *asked]), path.name)
+    except ProgramRejectedError as error:
+        worst = next(one for one in error.diagnostics if one.severity is Severity.ERROR)
+        found.reasons[f"{worst.code}: {worst.message}"] += 1
+        return found
+    except ChipbreakError as error:
+        found.reasons[f"{type(error).__name__}: {error}"] += 1
+        return found
+    found.vibrated = len(result.cuts)
+    for left in result.left:
+        if left.is_cut and left.said.code:
+            found.reasons[f"{left.said.code}: {left.said.message}"] += 1
+    found.roughs = bool(found.vibrated or found.reasons)
+    return found
+
+
+def programs_at_hand() -> dict[str, list[Path]]:
+    """The lathe programs by where they come from."""
+    found = {name: sorted((ROOT / name).iterdir()) for name in AT_HAND}
+    corpus = os.environ.get("CHIPBREAK_CORPUS")
+    if corpus:
+        folders = [one for one in sorted(Path(corpus).rglob("*")) if one.is_dir() and "lathe" in one.name]
+        found["programs of others"] = [path for one in folders for path in sorted(one.iterdir())]
+    kept = {
+        name: [path for path in paths if path.suffix.lower() in SUFFIXES] for name, paths in found.items()
+    }
+    return {name: paths for name, paths in kept.items() if paths}
+
+
+def print_page() -> None:
+    """The page: a table of counts, and each program that is not whole, with its reasons."""
+    print(HEAD)
+    print("| programs | at hand | rough | all vibrated, n = 1.5 | all vibrated, n = auto |")
+    print("| --- | --- | --- | --- | --- |")
+    rows: list[str] = []
+    sums = [0, 0, 0, 0]
+    for name, paths in programs_at_hand().items():
+        answers = [
+            (path, answer_of(path, ["vibration.n=1.5"]), answer_of(path, [*MACHINE, AUTO])) for path in paths
+        ]
+        rough = [(path, one, auto) for path, one, auto in answers if one.roughs or auto.roughs]
+        whole = [sum(one.is_whole for _, one, _ in rough), sum(auto.is_whole for _, _, auto in rough)]
+        counts = [len(paths), len(rough), *whole]
+        sums = [a + b for a, b in zip(sums, counts, strict=True)]
+        print(f"| {name} | {' | '.join(map(str, counts))} |")
+        rows += [row_of(*one) for one in rough if not (one[1].is_whole and one[2].is_whole)]
+    shares = [f"{count} ({count / max(sums[1], 1):.0%})" for count in sums[2:]]
+    print(f"| together | {sums[0]} | {sums[1]} | {' | '.join(shares)} |")
+    print("\n## The others\n\n| program | n = 1.5 | n = auto |\n| --- | --- | --- |")
+    print("\n".join(rows))
+
+
+def row_of(path: Path, one: Answer, auto: Answer) -> str:
+    """A program that is not whole: how many of its cuts vibrate, and the reasons of the others."""
+    return f"| {path.name} | {told(one)} | {told(auto)} |"
+
+
+def told(answer: Answer) -> str:
+    """``3 vibrate; 2 x VIB013: too short to vibrate ...``."""
+    if answer.is_whole:
+        return "all"
+    reasons = [f"{count} x {reason}" for reason, count in answer.reasons.most_common(3)]
+    said = "; ".join([f"{answer.vibrated} vibrate", *reasons]) if reasons else "no cut is asked"
+    return said.replace("|", "/")
+
+
 def main() -> int:
     """Print a line a file where asked, the shares, and the reasons, the most frequent first."""
     summary, usage = (__doc__ or "").split("\n", 1)
     parser = argparse.ArgumentParser(
         description=summary, epilog=usage, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("folders", nargs="+", type=Path)
+    parser.add_argument("folders", nargs="*", type=Path)
+    parser.add_argument("--page", action="store_true", help="print docs/coverage.md")
     parser.add_argument("--profile", default="fanuc-lathe")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="sets")
     parser.add_argument("--files", action="store_true", help="a line a file")
     options = parser.parse_args()
+    if options.page:
+        print_page()
+        return 0
     asked = [
         *MACHINE,
         *([] if any("vibration.n" in one for one in options.sets) else [AUTO]),

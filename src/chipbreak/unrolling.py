@@ -7,7 +7,7 @@ as if it had come in.  Where nothing asks, it is the program itself.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -128,7 +128,7 @@ def unroll(
         result,
         new_main,
         moved,
-        list(_split(moved, spans)),
+        [*_split(moved, spans), *_beyond(moved, spans, result)],
         spans,
         edits,
         diagnostics,
@@ -242,6 +242,20 @@ def _split(operations: Sequence[Operation], spans: Sequence[Span]) -> list[Opera
                 line = span.last
         found.append(replace(operation, first_line=line))
     return found
+
+
+def _beyond(
+    operations: Sequence[Operation], spans: Sequence[Span], result: InterpretedProgram
+) -> Iterator[Operation]:
+    """The cycles of other programs behind the main one, where nothing is read as an operation."""
+    behind = max((one.last_line for one in operations), default=0)
+    for span in spans:
+        if span.kind is not None and span.first >= behind:
+            at = result.before(span.first)
+            reason = "its cycle was written out"
+            yield Operation(
+                -1, at.tool, span.kind, reason, "", span.first, span.last, None, None, None, None, at.spindle
+            )
 
 
 def _of_cycle(operation: Operation, first: int, last: int, kind: Kind) -> Operation:

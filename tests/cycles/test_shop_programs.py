@@ -1,0 +1,41 @@
+"""Programs as shops write them: what they rough with vibrates, all comes back, a second run changes nothing.
+
+Those in ``STAYS`` cannot have a vibrated cut, each for the reason that is said.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import chipbreak
+from chipbreak.settings import load
+
+PROGRAMS = sorted((Path(__file__).parents[1] / "shop").glob("*.nc"))
+MACHINE = (
+    'planner.model="trapezoid"',
+    "axes.X.max_acceleration_mm_s2=5000",
+    "axes.Z.max_acceleration_mm_s2=5000",
+    'vibration.n="auto"',
+)
+STAYS = {
+    "O0008.nc": "line 7 chooses a spindle (M203)",
+    "O0010.nc": "where this cycle starts is not known: another program starts here",
+    "O0103.nc": "a number without a decimal point",
+    "O0105.nc": "the control works out",
+}
+
+
+@pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.stem)
+def test_a_program_of_a_shop(path: Path) -> None:
+    settings = load("fanuc-lathe", MACHINE)
+    program = path.read_bytes()
+    result = chipbreak.rewrite(program, settings)
+    assert chipbreak.restore(result.data) == program
+    assert chipbreak.rewrite(result.data, settings).data == result.data
+    if path.name in STAYS:
+        assert not result.cuts
+        assert any(STAYS[path.name] in left.said.message for left in result.left)
+    else:
+        assert result.cuts
