@@ -25,6 +25,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 from chipbreak import ChipbreakError, ProgramRejectedError, load, rewrite
 from chipbreak.kinematics.toolpath import path_of
@@ -163,38 +164,63 @@ def answer_of(path: Path, asked: Sequence[str]) -> Answer:
 
 def programs_at_hand() -> dict[str, list[Path]]:
     """The lathe programs by where they come from."""
-    found = {name: sorted((ROOT / name).iterdir()) for name in AT_HAND}
+    found = {name: programs_in(ROOT / name) for name in AT_HAND}
     corpus = os.environ.get("CHIPBREAK_CORPUS")
     if corpus:
-        folders = [one for one in sorted(Path(corpus).rglob("*")) if one.is_dir() and "lathe" in one.name]
-        found["programs of others"] = [path for one in folders for path in sorted(one.iterdir())]
-    kept = {
-        name: [path for path in paths if path.suffix.lower() in SUFFIXES] for name, paths in found.items()
-    }
-    return {name: paths for name, paths in kept.items() if paths}
+        folders = [one for one in sorted(Path(corpus).rglob("*lathe*")) if one.is_dir()]
+        found["programs of others"] = [path for one in folders for path in programs_in(one)]
+    return found
+
+
+def programs_in(folder: Path) -> list[Path]:
+    """The programs of a folder, by name."""
+    return [path for path in sorted(folder.iterdir()) if path.suffix.lower() in SUFFIXES]
+
+
+class Asked(NamedTuple):
+    """A program with the answers to both questions."""
+
+    path: Path
+    one: Answer
+    auto: Answer
+
+    @property
+    def roughs(self) -> bool:
+        """True where something of it is asked."""
+        return self.one.roughs or self.auto.roughs
+
+    @property
+    def is_whole(self) -> bool:
+        """True where both answers are."""
+        return self.one.is_whole and self.auto.is_whole
+
+
+def asked_of(path: Path) -> Asked:
+    """Ask both questions of a program."""
+    return Asked(path, answer_of(path, ["vibration.n=1.5"]), answer_of(path, [*MACHINE, AUTO]))
 
 
 def print_page() -> None:
     """The page: a table of counts, and each program that is not whole, with its reasons."""
+    answers = {name: [asked_of(path) for path in paths] for name, paths in programs_at_hand().items()}
     print(HEAD)
     print("| programs | at hand | rough | all vibrated, n = 1.5 | all vibrated, n = auto |")
     print("| --- | --- | --- | --- | --- |")
-    rows: list[str] = []
-    sums = [0, 0, 0, 0]
-    for name, paths in programs_at_hand().items():
-        answers = [
-            (path, answer_of(path, ["vibration.n=1.5"]), answer_of(path, [*MACHINE, AUTO])) for path in paths
-        ]
-        rough = [(path, one, auto) for path, one, auto in answers if one.roughs or auto.roughs]
-        whole = [sum(one.is_whole for _, one, _ in rough), sum(auto.is_whole for _, _, auto in rough)]
-        counts = [len(paths), len(rough), *whole]
-        sums = [a + b for a, b in zip(sums, counts, strict=True)]
-        print(f"| {name} | {' | '.join(map(str, counts))} |")
-        rows += [row_of(*one) for one in rough if not (one[1].is_whole and one[2].is_whole)]
-    shares = [f"{count} ({count / max(sums[1], 1):.0%})" for count in sums[2:]]
-    print(f"| together | {sums[0]} | {sums[1]} | {' | '.join(shares)} |")
+    for name, asked in answers.items():
+        print(f"| {name} | {' | '.join(map(str, counts_of(asked)))} |")
+    every = [one for asked in answers.values() for one in asked]
+    at_hand, rough, *whole = counts_of(every)
+    shares = [f"{count} ({count / max(rough, 1):.0%})" for count in whole]
+    print(f"| together | {at_hand} | {rough} | {' | '.join(shares)} |")
     print("\n## The others\n\n| program | n = 1.5 | n = auto |\n| --- | --- | --- |")
-    print("\n".join(rows))
+    print("\n".join(row_of(*one) for one in every if one.roughs and not one.is_whole))
+
+
+def counts_of(asked: Sequence[Asked]) -> list[int]:
+    """How many there are, how many rough, and of how many all vibrates, with each N."""
+    rough = [one for one in asked if one.roughs]
+    whole = [sum(one.one.is_whole for one in rough), sum(one.auto.is_whole for one in rough)]
+    return [len(asked), len(rough), *whole]
 
 
 def row_of(path: Path, one: Answer, auto: Answer) -> str:

@@ -9,7 +9,7 @@ centre, shifted by the way from the centre to the tip.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from chipbreak.cycles.contour import Frame, Point, Segment
 from chipbreak.cycles.offset import check_distance, heading, pieces_at_distance, round_corner, sharp_corner
@@ -99,17 +99,23 @@ def _refuse_gouging(
     """
     # The way in of a control that leads in by itself is not parallel to its own.
     first = 1 if offset.rules.leads_in_by_itself else 0
-    cuts = [index for index in range(first, len(shape)) if not rapids[index]]
-    begins = [index for index in cuts if index == first or rapids[index - 1]]
-    for at, begin in enumerate(begins):
-        # The last rapid before a cut leads to it, and away from the one before.
-        behind = begins[at + 1] - 1 if at + 1 < len(begins) else len(shape)
+    for begin, behind in _cuts(rapids, first):
         walls = [shape[index] for index in range(begin, behind) if not rapids[index]]
+        places = [one for several in pieces[max(begin - 1, first) : behind] for one in several]
         try:
-            places = [one for several in pieces[max(begin - 1, first) : behind] for one in several]
             check_distance(walls, places, offset.nose.radius_mm)
         except RefusalError:
             raise _too_large(offset.nose) from None
+
+
+def _cuts(rapids: Sequence[bool], first: int) -> Iterator[tuple[int, int]]:
+    """Cuts in a row with the rapids behind them, but for the last one: that leads to the next cut."""
+    begins = [
+        index
+        for index in range(first, len(rapids))
+        if not rapids[index] and (index == first or rapids[index - 1])
+    ]
+    yield from zip(begins, [*(one - 1 for one in begins[1:]), len(rapids)], strict=False)
 
 
 def _too_large(nose: Nose) -> RefusalError:
