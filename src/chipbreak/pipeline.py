@@ -37,7 +37,7 @@ from chipbreak.text.place_order import in_place_order
 from chipbreak.text.source import Source, read
 from chipbreak.text.utf_16 import refuse_utf_16
 from chipbreak.tools.merge import ToolTable
-from chipbreak.unrolling import Unrolled, reason_of, unroll
+from chipbreak.unrolling import Span, Unrolled, reason_of, unroll
 from chipbreak.vibration.left_cut import LeftCut
 
 if TYPE_CHECKING:
@@ -49,7 +49,8 @@ class Result(NamedTuple):
 
     ``data`` is the new program.  ``changed`` says whether it differs from what came in.  ``reports`` are what
     was found when the promises of the edits were looked after, in the order of the program.  ``left`` are the
-    cuts that were asked to vibrate and stay as they are, with the reason.
+    cuts that were asked to vibrate and stay as they are, with the reason.  ``cycles`` are those that were
+    written out, by their lines in ``source``.
     """
 
     source: Source
@@ -60,6 +61,7 @@ class Result(NamedTuple):
     operations: tuple[Operation, ...]
     edits: tuple[Edit, ...]
     left: tuple[LeftCut, ...] = ()
+    cycles: tuple[Span, ...] = ()
 
     def __repr__(self) -> str:
         state = "changed" if self.changed else "not changed"
@@ -163,6 +165,7 @@ def _run(
         operations=tuple(context.operations),
         edits=tuple(tried.edits),
         left=(*unrolled.left, *tried.left),
+        cycles=tuple(unrolled.spans),
     )
 
 

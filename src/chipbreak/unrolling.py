@@ -38,13 +38,17 @@ _UNKNOWN_REASON = "none of its passes can vibrate"
 class Span(NamedTuple):
     """Lines ``first`` to ``last`` (exclusive) that stand for a cycle, the kind of its cuts, and its group.
 
-    A cycle that says no kind has that of its operation.
+    A cycle that says no kind has that of its operation.  ``title``, ``passes`` and ``depth_mm`` (None where
+    the passes have no common one) say what was written.
     """
 
     first: int
     last: int
     kind: Kind | None
     group: int
+    title: str = ""
+    passes: int = 1
+    depth_mm: float | None = None
 
 
 class Unrolled(NamedTuple):
@@ -117,7 +121,7 @@ def unroll(
     found = regions(result.program.source, UNROLLED_CYCLES)
     ordered = sorted(plan.edits, key=lambda one: one.edit.first)
     spans = [
-        Span(region.first, region.last, one.kind, one.group)
+        Span(region.first, region.last, one.kind, one.group, one.edit.title, one.passes, one.depth_mm)
         for region, one in zip(found, ordered, strict=True)
         if one.edit.content
     ]

@@ -323,3 +323,25 @@ def test_the_way_back_at_the_end_of_a_contour_is_no_part_of_its_shape() -> None:
     assert rough.split(b"PASS 1")[1] == filtered(CYCLE, *ALWAYS).split(b"ROLLED")[1].split(b"PASS 1")[1]
     assert b"G40 G0 Z2.\n" in written.split(b"UNROLLED G70")[1]
     assert chipbreak.restore(written) == closed
+
+
+def test_explain_says_passes_depth_and_time_of_each_cycle() -> None:
+    """16 mm in passes of 2 (17.8 less the allowance), and one along the contour."""
+    machine = ['planner.model="trapezoid"', "axes.X.max_acceleration_mm_s2=5000", 'vibration.n="auto"']
+    settings = load("fanuc-lathe", [*machine, "axes.Z.max_acceleration_mm_s2=5000"])
+    report = chipbreak.explain(chipbreak.rewrite(CYCLE, settings), settings)
+    rough, finish = report.cycles
+    assert (rough.line, rough.block, rough.kind, rough.passes, rough.depth_mm) == (
+        5, "G71 P10 Q20", "rough", 9, 2.0,
+    )  # fmt: skip
+    assert rough.vibrated == sum(5 <= cut.first_line <= 6 for cut in report.cuts) > 0
+    assert (finish.kind, finish.passes, finish.depth_mm, finish.vibrated) == ("finish", 1, None, 0)
+    assert rough.after_s == pytest.approx(
+        rough.before_s + sum(cut.duration_s - (cut.programmed_s or 0.0) for cut in report.cuts)
+    )
+    assert finish.after_s == finish.before_s > 0.0
+    assert rough.before_s + finish.before_s < (report.time.before_s if report.time else 0.0)
+    text = str(report)
+    assert "Cycles written out: 2" in text
+    assert re.search(r"line 5: G71 P10 Q20: 9 passes of 2 mm, \d+ vibrated cuts, 0:\S+ as programmed, ", text)
+    assert report.as_dict()["cycles"][0]["passes"] == 9

@@ -51,6 +51,7 @@ REPEATED_NUMBER = "CYC008"
 _MOST_LINES_BETWEEN = 2000
 _MOST_PASSES = 500
 _NARROW_STEPS = 8  # of the output; the digits blur what is shorter
+_PASS = re.compile(r"[(;] ?PASS \d")
 _DIRECTIVE = re.compile(r"\s*(VIB|OP)\b", re.IGNORECASE)
 
 
@@ -63,6 +64,18 @@ class UnrolledEdit(NamedTuple):
     edit: Edit
     kind: Kind | None
     group: int = -1
+
+    @property
+    def passes(self) -> int:
+        """How many passes were written; 1 where they are not counted."""
+        titles = (text for text in self.edit.content if isinstance(text, str))
+        return max(sum(_PASS.match(text) is not None for text in titles), 1)
+
+    @property
+    def depth_mm(self) -> float | None:
+        """How deep each of them is, where that is one number."""
+        promise = self.edit.promise
+        return promise.cycle.depth_mm if isinstance(promise, UnrolledRoughing) else None
 
 
 class Refused(NamedTuple):

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
         CycleTime,
         ExplainedCheck,
         ExplainedCut,
+        ExplainedCycle,
         ExplainedLeft,
         ExplainedLoop,
         ExplainedOperation,
@@ -41,6 +42,7 @@ def _lines_of(report: Report) -> Iterator[str]:
     yield f"Vibrated cuts: {len(report.cuts) or 'none'}{_nothing_asks(report)}"
     for cut in report.cuts:
         yield from _cut(cut)
+    yield from _cycles(report)
     if report.left:
         yield ""
         yield f"Left as they were: {len(report.left)}"
@@ -61,6 +63,13 @@ def _lines_of(report: Report) -> Iterator[str]:
     if report.time is not None:
         yield ""
         yield from _time(report.time)
+
+
+def _cycles(report: Report) -> Iterator[str]:
+    if report.cycles:
+        yield ""
+        yield f"Cycles written out: {len(report.cycles)}"
+        yield from map(_cycle, report.cycles)
 
 
 def _nothing_asks(report: Report) -> str:
@@ -97,6 +106,15 @@ def _left(left: ExplainedLeft) -> Iterator[str]:
     yield f"    {'asked':9}by {'a comment' if left.asked_by == 'directive' else 'the profile'}"
     yield f"    {'because':9}{why}"
     yield f"    {'way out':9}{left.way_out}"
+
+
+def _cycle(cycle: ExplainedCycle) -> str:
+    """``line 7: G71 P10 Q20: 9 passes of 2 mm, 8 vibrated cuts, 1:02.0 as programmed, 1:05.0 filtered``."""
+    passes = f"{cycle.passes} passes" if cycle.passes > 1 else "1 pass"
+    depth = "" if cycle.depth_mm is None else f" of {cycle.depth_mm:g} mm"
+    cuts = f"{cycle.vibrated} vibrated cuts" if cycle.vibrated != 1 else "1 vibrated cut"
+    times = f"{clock(cycle.before_s)} as programmed, {clock(cycle.after_s)} filtered"
+    return f"  line {cycle.line}: {cycle.block}: {passes}{depth}, {cuts}, {times}"
 
 
 def _lines(first: int, last: int) -> str:

@@ -21,6 +21,7 @@ from chipbreak.report.model import (
 )
 from chipbreak.report.unasked import unasked_cuts
 from chipbreak.report.whole_time import cutting_s, whole_time
+from chipbreak.report.written_cycles import written_cycles
 from chipbreak.settings import Settings
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.source import Source
@@ -56,6 +57,7 @@ def report_of(result: Result, settings: Settings) -> Report:
         feed_s=cutting_s(time) if checks else None,
         time=time,
         unasked=unasked_cuts(result, settings),
+        cycles=written_cycles(result, settings),
         without_axis_data=any(
             settings.acceleration_mm_s2(axis) is None for cut in result.cuts for axis in cut.plan.chain.axes
         ),

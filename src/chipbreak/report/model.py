@@ -189,6 +189,24 @@ class ExplainedCheck:
 
 
 @dataclass(frozen=True)
+class ExplainedCycle:
+    """A cycle that was written out: so many ``passes``, in which so many cuts (``vibrated``) vibrate.
+
+    ``depth_mm``  of each pass as a radius, None where they have no common one
+    ``before_s``, ``after_s``  how long the cycle takes as it was, and with its vibrated cuts
+    """
+
+    line: int
+    block: str
+    kind: str
+    passes: int
+    depth_mm: float | None
+    vibrated: int
+    before_s: float
+    after_s: float
+
+
+@dataclass(frozen=True)
 class TimePart:
     """What a program spends time on: as it was written, and filtered."""
 
@@ -235,7 +253,8 @@ class Report:
     ``left`` are the cuts that were asked to vibrate and stay as they were.  ``without_axis_data``: an axis of
     a vibrated cut has no acceleration in the profile.  ``feed_s`` is how long the program feeds as it is
     written, where checks are inserted and it can be known.  ``time`` is that of the whole program, None where
-    nothing of it can be timed.  ``unasked`` are the cuts that nothing asks to vibrate.
+    nothing of it can be timed.  ``unasked`` are the cuts that nothing asks to vibrate.  ``cycles`` are those
+    that were written out.
     """
 
     file: str
@@ -250,6 +269,7 @@ class Report:
     feed_s: float | None = None
     time: CycleTime | None = None
     unasked: tuple[ExplainedUnasked, ...] = ()
+    cycles: tuple[ExplainedCycle, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """The facts as plain values, in a stable order, ready for JSON; ``schema`` is their version."""
