@@ -19,7 +19,7 @@ from chipbreak.vibration.chain import Chain
 from chipbreak.vibration.choice import NOTHING_FITS, Chooser
 from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.plan import CutPlan, command_group, plan_cut
-from chipbreak.vibration.trial import Trials, with_values
+from chipbreak.vibration.trial import Trials, first_by_halving, with_values
 
 LIMITS = ("VIB030", "VIB031", "VIB032")
 _ACCELERATION = "VIB030"
@@ -44,7 +44,7 @@ def with_advice(error: RefusalError, cut: CutPlan, settings: Settings) -> Refusa
 
 
 def _ways(cut: CutPlan, settings: Settings) -> Iterator[str]:
-    for rule in (_slower, _chosen, _standing):
+    for rule in (_slower, chosen, _standing):
         way = rule(cut, settings)
         if way:
             yield way
@@ -128,31 +128,39 @@ def _first(holds: Callable[[int], bool], count: int) -> int | None:
     step = 1
     while (place := min(before + step, count - 1)) > before:
         if holds(place):
-            while place - before > 1:
-                middle = (before + place) // 2
-                before, place = (before, middle) if holds(middle) else (middle, place)
-            return place
+            return first_by_halving(holds, before, place)
         before = place
         step *= 2
     return None
 
 
-def _chosen(cut: CutPlan, settings: Settings) -> str:
-    """What the machine would choose near the programmed speed."""
+def chosen(cut: CutPlan, settings: Settings) -> str:
+    """What the machine would choose near the programmed speed, for the whole chain or each of its blocks."""
     if not cut.wave.shape.turns_back:
         return ""
     requests = []
     for request in cut.chain.requests:
         values = {key: given for key, given in request.values.items() if key not in "NEF"}
         requests.append(request._replace(values=values, chosen_by="AUTO"))
+    instead = "(VIB AUTO) in place of N and f takes"
+    whole = _choice(Chain(tuple(requests)), settings)
+    if whole is not None:
+        solution = whole.solution
+        found = f"N {solution.per_rev:.4g} f {solution.frequency_hz:.4g} Hz S {solution.speed_rpm:z.0f}"
+        return f"{instead} {found}"
+    is_chain = len(requests) > 1
+    if is_chain and all(_choice(Chain((request,)), settings) is not None for request in requests):
+        return f"{instead} each block of this cut on its own"
+    return ""
+
+
+def _choice(chain: Chain, settings: Settings) -> CutPlan | None:
+    """What the machine chooses; None where it finds nothing in a few tries."""
     trials = Trials(settings)
     try:
-        plan, _ = Chooser(settings).cut(Chain(tuple(requests)), lambda one: _made(one, trials))
+        return Chooser(settings).cut(chain, lambda one: _made(one, trials))[0]
     except (RefusalError, SelfCheckError):
-        return ""
-    solution = plan.solution
-    found = f"N {solution.per_rev:.4g} f {solution.frequency_hz:.4g} Hz S {solution.speed_rpm:z.0f}"
-    return f"(VIB AUTO) in place of N and f takes {found}"
+        return None
 
 
 def _made(chain: Chain, trials: Trials) -> tuple[CutPlan, Expansion]:

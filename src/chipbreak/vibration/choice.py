@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
+from itertools import islice
 
 from chipbreak.kinematics.conditions import (
     LEAST_PER_REV,
@@ -46,7 +47,8 @@ _LEAST_HZ = 0.1
 _WITH_ROUNDING = 1.05
 _STANDS = (1.25, 1.5, 2.0, 3.0, 5.0)  # revolutions per edge
 _SLOWER = 0.85  # of a frequency that did not work, the next that is tried at most
-_STEP = 0.95  # from one speed or feed that is tried for a way out to the next
+_MOST_OTHERS = 5  # of other speeds, and feeds, that are tried to the verdict
+_STEP = 0.9  # from one speed or feed that is tried for a way out to the next
 _FEED_STEP_MM = 0.001
 _PLENTY = 0.5  # of the asked margin beyond 1 must be left for a choice to be taken at once
 
@@ -85,10 +87,11 @@ class Chooser:
         self.settings = settings
         self.worked: dict[tuple[object, ...], Conditions] = {}
 
-    def cut(self, chain: Chain, make: MakeCut) -> tuple[CutPlan, Expansion]:
+    def cut(self, chain: Chain, make: MakeCut, *, advise: bool = False) -> tuple[CutPlan, Expansion]:
         """The plan and the blocks of a chain with the best conditions that break its chips.
 
-        ``make`` plans a chain with conditions and makes its blocks.  Errors: VIB036 where nothing does it
+        ``make`` plans a chain with conditions and makes its blocks.  ``advise``: where none do it, another
+        speed and another feed are tried.  Errors: VIB036 where nothing does it
         within the limits of the machine, VIB013 where the cut is too short, and those of a chain that cannot
         be planned at all.
         """
@@ -97,7 +100,13 @@ class Chooser:
         known = self.worked.get(kind)
         if known is not None and _fits(known, cut, self.settings):
             return make(_with(cut, known, self.settings))
-        found = self._tried(cut, make)
+        try:
+            found = self._tried(cut, make)
+        except RefusalError as error:
+            if advise and error.code == NOTHING_FITS:
+                ways = self._ways_out(cut, make) or error.help
+                raise RefusalError(error.code, error.message, ways) from None
+            raise
         if kind:
             self.worked[kind] = found.conditions
         return found.made
@@ -147,6 +156,31 @@ class Chooser:
         except SelfCheckError:
             return _Tried(0.0, conditions, made)
         return _Tried(report.verdict.margin if report.holds else 0.0, conditions, made)
+
+    def _ways_out(self, cut: _Cut, make: MakeCut) -> str:
+        """A lower speed, and a lower feed, with which the machine finds conditions; empty for none."""
+        share = _share_of_limits(cut, self.settings)
+        ways = []
+        speed_rpm = self._first_that_works(cut, _lower_speeds(cut, math.sqrt(share)), make)
+        if speed_rpm is not None:
+            ways.append(f"S {shown(speed_rpm.wanted.speed_rpm)} with this feed")
+        feed = self._first_that_works(cut, _lower_feeds(cut, share), make)
+        if feed is not None:
+            ways.append(f"a feed of {shown(feed.wanted.feed_mm_rev)} mm/rev")
+        return f"give {', or '.join(ways)}" if ways else ""
+
+    def _first_that_works(self, cut: _Cut, others: Iterator[_Cut], make: MakeCut) -> _Cut | None:
+        """The first of a few cuts for which conditions are found and break its chips."""
+        group = command_group(self.settings)
+        likely = (one for one in others if _finds(one, group))
+        return next((one for one in islice(likely, _MOST_OTHERS) if self._works(one, make)), None)
+
+    def _works(self, cut: _Cut, make: MakeCut) -> bool:
+        """True where one of the best conditions breaks the chips."""
+        try:
+            return self._tried(cut, make).margin >= 1.0
+        except RefusalError:
+            return False
 
     def _candidates(self, cut: _Cut) -> Iterator[Conditions]:
         """What the machine can run, the best first.  Errors: VIB036, and VIB013 for what is too short."""
@@ -311,44 +345,60 @@ def _with(cut: _Cut, conditions: Conditions, settings: Settings) -> Chain:
 
 
 def _nothing_fits(cut: _Cut, settings: Settings) -> RefusalError:
-    """What the least demanding choice would need, and the speed or the feed that the machine can run."""
+    """What the least demanding choice would need."""
     near = f"near S {shown(cut.wanted.speed_rpm)}"
-    group = command_group(settings)
-    least = least_demand(cut.wanted, _periods(cut.wanted, group), cut.rules, cut.limits)
+    help_text = "take a lower S or a lower feed, or cut this block without vibration"
+    least = least_demand(cut.wanted, _periods(cut.wanted, command_group(settings)), cut.rules, cut.limits)
     if least is None:
         message = f"no N and f that the control can command {near} break these chips"
-        return RefusalError(NOTHING_FITS, message, _ways_out(cut, group, 1.0))
+        return RefusalError(NOTHING_FITS, message, help_text)
     has = cut.limits.acceleration_mm_s2
     if least.acceleration_mm_s2 <= has:
         message = f"no N and f {near} break these chips by the law of this control ({cut.law.name})"
-        return RefusalError(NOTHING_FITS, message, _ways_out(cut, group, 1.0))
+        return RefusalError(NOTHING_FITS, message, help_text)
     needs = (
         f"N {shown(round(least.per_rev, 4))} at f {shown(least.period.frequency_hz)} Hz needs"
         f" {least.acceleration_mm_s2 / 1000.0:z.2f} m/s2, {cut.law.limiting} {has / 1000.0:z.2f} to give"
     )
     message = f"no N and f {near} break these chips on this machine: {needs}"
-    return RefusalError(
-        NOTHING_FITS, message, _ways_out(cut, group, min(1.0, has / least.acceleration_mm_s2))
-    )
+    return RefusalError(NOTHING_FITS, message, help_text)
 
 
-def _ways_out(cut: _Cut, group: CommandGroup, share: float) -> str:
-    """A lower speed, and a lower feed, for which the closed forms and the law find conditions.
+def _share_of_limits(cut: _Cut, settings: Settings) -> float:
+    """What the axes have, as a share of what the least demanding choice needs: 1 where that is enough."""
+    least = least_demand(cut.wanted, _periods(cut.wanted, command_group(settings)), cut.rules, cut.limits)
+    return 1.0 if least is None else min(1.0, cut.limits.acceleration_mm_s2 / least.acceleration_mm_s2)
 
-    Load goes with the feed, and with the square of the speed: ``share`` is what the limits are of it.
-    """
-    ways = []
-    speed_rpm = _lowered(cut.wanted.speed_rpm, math.sqrt(share), 1.0)
-    while speed_rpm > cut.rules.min_rpm and not _finds(cut, group, cut.wanted._replace(speed_rpm=speed_rpm)):
+
+def _lower_speeds(cut: _Cut, share: float) -> Iterator[_Cut]:
+    """The cut at lower and lower speeds, from a share on; load goes with the square of the speed."""
+    speed_rpm = _lowered(cut.wanted.speed_rpm, share, 1.0)
+    is_per_rev = cut.chain.before.modes.feed_mode == "rev"
+    while speed_rpm > cut.rules.min_rpm:
+        # A feed per minute is spread over fewer revolutions.
+        longer = 1.0 if is_per_rev else cut.wanted.speed_rpm / speed_rpm
+        yield cut._replace(wanted=_with_feed(cut.wanted, longer * cut.wanted.feed_mm_rev, speed_rpm))
         speed_rpm = _lowered(speed_rpm, _STEP, 1.0)
-    if speed_rpm > cut.rules.min_rpm:
-        ways.append(f"S {shown(speed_rpm)} with this feed")
+
+
+def _lower_feeds(cut: _Cut, share: float) -> Iterator[_Cut]:
+    """The cut with lower and lower feeds: load goes with the feed."""
     feed_mm_rev = _lowered(cut.wanted.feed_mm_rev, share, _FEED_STEP_MM)
-    while feed_mm_rev > 0.0 and not _finds(cut, group, _with_feed(cut.wanted, feed_mm_rev)):
+    while feed_mm_rev > 0.0:
+        wanted = _with_feed(cut.wanted, feed_mm_rev, cut.wanted.speed_rpm)
+        yield cut._replace(wanted=wanted, chain=_fed(cut.chain, feed_mm_rev / cut.wanted.feed_mm_rev))
         feed_mm_rev = _lowered(feed_mm_rev, _STEP, _FEED_STEP_MM)
-    if feed_mm_rev > 0.0:
-        ways.append(f"a feed of {shown(feed_mm_rev)} mm/rev")
-    return f"give {', or '.join(ways)}" if ways else "cut this block without vibration"
+
+
+def _fed(chain: Chain, share: float) -> Chain:
+    """The chain at a share of its feed."""
+    requests = []
+    for request in chain.requests:
+        after = request.effect.after
+        assert after.feed is not None
+        feed = after.feed._replace(value=after.feed.value * share)
+        requests.append(request._replace(effect=request.effect._replace(after=after._replace(feed=feed))))
+    return Chain(tuple(requests))
 
 
 def _lowered(value: float, share: float, step: float) -> float:
@@ -356,17 +406,17 @@ def _lowered(value: float, share: float, step: float) -> float:
     return max(0.0, round(math.floor(min(value * share, value - step) / step + 1e-9) * step, 9))
 
 
-def _with_feed(wanted: Wanted, feed_mm_rev: float) -> Wanted:
-    """The same cut with another feed; a stroke that was asked for goes with it."""
+def _with_feed(wanted: Wanted, feed_mm_rev: float, speed_rpm: float) -> Wanted:
+    """The same cut with another feed and speed; a stroke that was asked for goes with the feed."""
     share = feed_mm_rev / wanted.feed_mm_rev
     stroke_mm = None if wanted.stroke_mm is None else wanted.stroke_mm * share
-    return wanted._replace(feed_mm_rev=feed_mm_rev, stroke_mm=stroke_mm)
+    return wanted._replace(feed_mm_rev=feed_mm_rev, stroke_mm=stroke_mm, speed_rpm=speed_rpm)
 
 
-def _finds(cut: _Cut, group: CommandGroup, wanted: Wanted) -> bool:
-    """True where the machine would find conditions for the cut with another speed or feed."""
-    other = cut._replace(wanted=wanted)
-    return any(_runs(one, other) for one in _best(wanted, group, cut.rules, cut.limits)[:_MOST_TRIED])
+def _finds(cut: _Cut, group: CommandGroup) -> bool:
+    """True where closed forms and the law find conditions for a cut."""
+    best = _best(cut.wanted, group, cut.rules, cut.limits)[:_MOST_TRIED]
+    return any(_runs(one, cut) for one in best)
 
 
 def _too_short(cut: _Cut, best: Conditions) -> RefusalError:

@@ -257,7 +257,8 @@ class _Maker(NamedTuple):
             _check_motion_mode(self.interpreted, one)
             return plan, _expand(plan, self.interpreted.settings, names, advise=advise and one is chain)
 
-        plan, expansion = self.chooser.cut(chain, make) if is_open(chain) else make(chain)
+        is_chosen = is_open(chain)
+        plan, expansion = self.chooser.cut(chain, make, advise=advise) if is_chosen else make(chain)
         # Its blocks are made: the knots have served, and a long program has many.
         plan = replace(plan, time_s=_NO_KNOTS, distance_mm=_NO_KNOTS)
         return plan, replace(expansion, printed=None)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from chipbreak.kinematics.sourced_value import SourcedValue
 from chipbreak.settings.sections import Settings
@@ -82,6 +82,14 @@ def _has_unlike_strokes(plan: CutPlan, moves: int) -> bool:
     is_long = plan.wave.form == "tick" and moves > _MANY_IN_STROKES
     bends = any(arc is not None for arc in plan.path.arcs) or len(plan.path.corners_mm()) > _FEW_CORNERS
     return bends or is_long
+
+
+def first_by_halving(holds: Callable[[int], bool], before: int, place: int) -> int:
+    """The first place behind ``before`` from which on something holds; ``place`` where no nearer one does."""
+    while place - before > 1:
+        middle = (before + place) // 2
+        before, place = (before, middle) if holds(middle) else (middle, place)
+    return place
 
 
 def with_values(chain: Chain, wish: Mapping[str, float], *, without: str, waveform: str = "") -> Chain:

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from chipbreak.kinematics.sourced_value import shown
 from chipbreak.settings.sections import Settings
+from chipbreak.vibration.advice import chosen
 from chipbreak.vibration.measure import CutReport
 from chipbreak.vibration.plan import command_group
-from chipbreak.vibration.trial import Trials, with_values
+from chipbreak.vibration.trial import Trials, first_by_halving, with_values
 
 _STROKES = (1.05, 1.25, 1.5, 2.0, 2.5, 3.0)  # times the least stroke by the formula
 _TURNS = (2.0, 3.0)  # of the spindle, per edge, in one vibration
@@ -23,6 +24,8 @@ def ways_out(settings: Settings, report: CutReport) -> str:
     found = [_larger_stroke(settings, report), _lower_frequency(settings, report)]
     if report.following is not None:
         found.append(_fewer_vibrations(settings, report))
+    if not any(found):
+        found.append(chosen(report.plan, settings))
     return ", or ".join(way for way in found if way)
 
 
@@ -46,16 +49,23 @@ def _lower_frequency(settings: Settings, report: CutReport) -> str:
     trials = Trials(settings)
     group = command_group(settings)
     per_rev = round(plan.solution.per_rev, 4)
-    for factor in _SLOWER:
-        frequency_hz = group.nearest(plan.solution.frequency_hz * factor).frequency_hz
-        if frequency_hz >= plan.solution.frequency_hz:
-            continue
-        wish = {"N": per_rev, "F": float(shown(frequency_hz))}
-        works = trials.works(with_values(plan.chain, wish, without="SE"))
-        if works is not None:
-            speed = f"S {works.plan.solution.speed_rpm:z.0f}"
-            return f"N {shown(per_rev)} f {shown(frequency_hz)} Hz ({speed}) with the same feed and stroke"
-    return ""
+    top_hz = plan.solution.frequency_hz
+    every = dict.fromkeys(group.nearest(top_hz * factor).frequency_hz for factor in _SLOWER)
+    lower = [frequency_hz for frequency_hz in every if frequency_hz < top_hz]
+    found = dict[int, CutReport]()
+
+    def works(place: int) -> bool:
+        wish = {"N": per_rev, "F": float(shown(lower[place]))}
+        report = trials.works(with_values(plan.chain, wish, without="SE"))
+        if report is not None:
+            found[place] = report
+        return report is not None
+
+    place = first_by_halving(works, -1, len(lower))
+    if place not in found:
+        return ""
+    speed = f"S {found[place].plan.solution.speed_rpm:z.0f}"
+    return f"N {shown(per_rev)} f {shown(lower[place])} Hz ({speed}) with the same feed and stroke"
 
 
 def _fewer_vibrations(settings: Settings, report: CutReport) -> str:
