@@ -204,7 +204,7 @@ def _faults(effect: BlockEffect, side: str) -> Iterator[str]:
         yield "changes the tool, stops or leaves the program"
     if now not in ("off", side):
         yield "changes the side of the compensation"
-    if any(word.address != "L" for word in effect.unread):
+    if effect.unread:
         yield "has a word that is not read here"
     yield from _faults_of_move(effect)
 

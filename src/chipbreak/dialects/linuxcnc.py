@@ -62,8 +62,11 @@ _LOOP = Loop(
 
 _INITIAL = Modes(motion="none", feed_mode="minute", path="blend")
 
+# D and L of G41.1 and G42.1 are the diameter of the nose and its tip.
 _OWN_WORDS = FrozenTable(
     {
+        Code("compensation", "left"): "DL",
+        Code("compensation", "right"): "DL",
         Code(NON_MODAL, "dwell"): "P",
         Code(NON_MODAL, "data-setting"): "LPRIJQXYZABCUVW",
         Code(NON_MODAL, "rough-cycle"): "QDIRXZUW",
