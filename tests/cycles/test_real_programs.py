@@ -21,6 +21,7 @@ from chipbreak.text.diagnostics import ProgramRejectedError
 from .removed_region import Columns, Floats, arc_places, centre_by_radius, ways_of
 
 SAMPLES = sorted((Path(__file__).parents[2] / "samples").glob("*.nc"))
+SHOP = sorted((Path(__file__).parents[1] / "shop").glob("*.nc"))
 ROUGHS = re.compile(rb"G0*7[123]\D[^\n]*P", re.IGNORECASE)
 _WORD = re.compile(r"([A-Z])\s*(-?[\d.]+)")
 _HEADS = re.compile(r"\(CHIPBREAK UNROLLED (G7[12]|CONTOUR|G\d+)")
@@ -155,6 +156,12 @@ def test_samples(sample: Path) -> None:
     program = sample.read_bytes()
     if ROUGHS.search(program):
         assert held(program) > 0
+
+
+@pytest.mark.parametrize("path", SHOP, ids=lambda path: path.stem)
+def test_programs_of_shops(path: Path) -> None:
+    """Patterns, boring with G20, and cycles that stay have no contour to be held against here."""
+    held(path.read_bytes())
 
 
 def test_real_programs(corpus: list[Path]) -> None:

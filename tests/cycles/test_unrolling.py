@@ -345,3 +345,26 @@ def test_explain_says_passes_depth_and_time_of_each_cycle() -> None:
     assert "Cycles written out: 2" in text
     assert re.search(r"line 5: G71 P10 Q20: 9 passes of 2 mm, \d+ vibrated cuts, 0:\S+ as programmed, ", text)
     assert report.as_dict()["cycles"][0]["passes"] == 9
+
+
+def test_compensation_in_force_at_a_roughing_cycle_comes_back_behind_it() -> None:
+    under = CYCLE.replace(b"G0 X52. Z2.\n", b"G42 G0 X52. Z2.\n").replace(b"G0 X100.", b"G40 G0 X100.")
+    result = chipbreak.rewrite(under, load("fanuc-lathe", ALWAYS))
+    rough = result.data.split(b"UNROLLED G71")[1].split(b"ROLLED")[0]
+    assert b"\nG40 G0 X52. Z2.\n(PASS 1 " in rough
+    assert rough.rstrip(b" (CHIPBREAK").endswith(b"\nG42\n") or b"\nG42\n(CHIPBREAK" in rough
+    assert [d.place.line for d in result.diagnostics if d.code == "CYC009" and d.place] == [6]
+    assert chipbreak.restore(result.data) == under
+    stays = load("fanuc-lathe", [*ALWAYS, 'cycles.nose_in_roughing="compensated"'])
+    left = chipbreak.rewrite(under, stays)
+    assert not left.changed
+    assert any("compensates the nose" in d.message for d in left.diagnostics)
+
+
+def test_a_pattern_under_compensation() -> None:
+    pattern = CYCLE.replace(b"G71 U2. R0.5\nG71", b"G73 U4. W1. R3\nG73").replace(
+        b"G0 X52. Z2.\n", b"G42 G0 X52. Z2.\n"
+    )
+    written = filtered(pattern.replace(b"G0 X100.", b"G40 G0 X100."), *ALWAYS)
+    assert written.count(b"(PASS ") == 3
+    assert b"\nG40 G0 X52. Z2.\n(PASS 1 " in written

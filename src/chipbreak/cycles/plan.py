@@ -25,7 +25,7 @@ from chipbreak.cycles.reading import (
     segments_of,
     steps_of,
 )
-from chipbreak.cycles.roughing import Roughing, roughing_passes
+from chipbreak.cycles.roughing import Motion, Roughing, roughing_passes
 from chipbreak.cycles.single_passes import first_lines, single_passes
 from chipbreak.cycles.subroutine_cycles import cycles_in, subroutine_edit
 from chipbreak.cycles.writing import (
@@ -41,13 +41,15 @@ from chipbreak.editing.edits import Edit
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.flow import ContourCall, contour_calls, sequence_lines
 from chipbreak.model.interpreted_program import InterpretedProgram
-from chipbreak.model.modal import State
+from chipbreak.model.modal import NOWHERE, State
 from chipbreak.operations.kinds import Kind
+from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 
 BAD_ALLOWANCE = "CYC005"
 REPEATED_NUMBER = "CYC008"
+UNDER_COMPENSATION = "CYC009"
 _MOST_LINES_BETWEEN = 2000
 _MOST_PASSES = 500
 _NARROW_STEPS = 8  # of the output; the digits blur what is shorter
@@ -161,6 +163,7 @@ def _add_contours(plan: UnrollPlan, interpreted: InterpretedProgram, wanted: set
         if refused is None:
             plan.edits.extend(edits)
             plan.notes.extend(_repeated(interpreted, group))
+            plan.notes.extend(_under_compensation(interpreted, group, starts))
             continue
         said = refused.line if refused.line in wanted else lines[0]
         plan.refused.append(refused._replace(line=said, others=tuple(lines)))
@@ -178,6 +181,21 @@ def _repeated(interpreted: InterpretedProgram, group: Sequence[ContourCall]) -> 
             message = f"N{number:g} stands on {len(found)} blocks: {way}, in line {taken}, is taken"
             help_text = "give every contour of the program numbers of its own"
             yield Refused(one.line, RefusalError(REPEATED_NUMBER, message, help_text))
+
+
+def _under_compensation(
+    interpreted: InterpretedProgram, group: Sequence[ContourCall], starts: Mapping[int, State]
+) -> Iterator[Refused]:
+    """For roughing cycles at which G41 or G42 is in force: controls differ in what that does."""
+    for one in group:
+        kind = kind_of(interpreted.program.block(one.line), interpreted.settings)
+        if kind != "finish" and starts[one.line].modes.compensation != "off":
+            message = (
+                "nose compensation is in force at this roughing cycle; its passes are written without it"
+            )
+            help_text = "rough under G40; where the control compensates here,"
+            help_text += ' cycles.nose_in_roughing = "compensated" lets the cycle stay'
+            yield Refused(one.line, RefusalError(UNDER_COMPENSATION, message, help_text))
 
 
 def _groups(calls: Sequence[ContourCall]) -> list[list[ContourCall]]:
@@ -285,6 +303,7 @@ def _contour_edit(interpreted: InterpretedProgram, group: Sequence[ContourCall])
 def _edit_of_call(interpreted: InterpretedProgram, contour: ContourCall, state: State) -> UnrolledEdit:
     call = read_call(interpreted, contour)
     _refuse_state(call, state)
+    _refuse_noses(interpreted, call, state)
     if call.kind == "finish":
         return UnrolledEdit(_finish_edit(interpreted, call, state), Kind.FINISH)
     edit_of = _pattern_edit if call.kind == "pattern" else _rough_edit
@@ -298,14 +317,33 @@ def _refuse_state(call: Call, state: State) -> None:
     why = ""
     if math.isnan(state.position.x + state.position.z):
         why = f"where this cycle starts is not known: {state.unknown_why}"
-    elif modes.compensation != "off" and call.kind != "finish":
-        why = "nose compensation is in force at this cycle"
     elif modes.motion not in ("rapid", "line"):
         why = "an arc or a cycle is in force at this cycle"
     if why:
         raise RefusalError(
             UNREAD_FORM, why, "move to its start with G0 X Z in plain absolute numbers before it"
         )
+
+
+def _refuse_noses(interpreted: InterpretedProgram, call: Call, state: State) -> None:
+    """Where the control compensates the nose in roughing too, passes without it would leave another shape."""
+    if call.kind == "finish" or interpreted.settings.cycles.nose_in_roughing == "ignored":
+        return
+    effects = effects_of_contour(interpreted, state, call.contour_first, call.contour_last)
+    if any(one.modes.compensation != "off" for one in (state, *(effect.after for effect in effects))):
+        message = "this control compensates the nose in this cycle (cycles.nose_in_roughing)"
+        raise RefusalError(UNREAD_FORM, message, "rough under G40, and take G41 and G42 out of the contour")
+
+
+def _uncompensated(blocks: Sequence[str], state: State, settings: Settings) -> list[str]:
+    """The passes under G40, from the start point itself; behind them the compensation that was in force."""
+    dialect = settings.dialect
+    if state.modes.compensation == "off":
+        return list(blocks)
+    there = BlockWriter(state._replace(position=NOWHERE), settings)
+    off = dialect.code("compensation", "off")
+    start = there.block("G0", state.position.z, state.position.x)
+    return [f"{off} {start}", *blocks, dialect.code("compensation", state.modes.compensation)]
 
 
 def _rough_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Edit:
@@ -322,7 +360,8 @@ def _rough_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Ed
     step_mm = settings.output.step_mm(is_inch=state.is_inch)
     cycle = _cycle(call, contour)._replace(narrow_mm=_NARROW_STEPS * step_mm)
     blocks = blocks_of_passes(roughing_passes(cycle), contour.frame, state, settings, call.feed)
-    content = tuple(text for text in (call.speed, *wished(blocks, call.wish), *_motion_back(state)) if text)
+    blocks = _uncompensated(wished(blocks, call.wish), state, settings)
+    content = tuple(text for text in (call.speed, *blocks, *_motion_back(state)) if text)
     reason = f"passes of {call.depth_mm:g} mm along {along} to the contour with its allowances"
     promise = UnrolledRoughing(cycle=cycle, contour=contour)
     return Edit(call.first, call.last, content, call.name, reason, promise)
@@ -386,9 +425,12 @@ def _pattern_edit(interpreted: InterpretedProgram, call: Call, state: State) -> 
     segments = segments_of(steps[1:], frame)
     passes = pattern_passes(Pattern(start, begin, segments, offsets, first.kind == "line"))
     blocks = blocks_of_passes(passes, frame, state, settings, call.feed)
-    content = tuple(text for text in (call.speed, *wished(blocks, call.wish), *_motion_back(state)) if text)
+    blocks = _uncompensated(wished(blocks, call.wish), state, settings)
+    content = tuple(text for text in (call.speed, *blocks, *_motion_back(state)) if text)
     reason = f"{call.times} passes along the contour, the last one at its allowances"
-    promise = PlannedMoves(frame=frame, motions=tuple(motion for one in passes for motion in one.moves))
+    to_start = () if state.modes.compensation == "off" else (Motion(False, start),)
+    motions = (*to_start, *(motion for one in passes for motion in one.moves))
+    promise = PlannedMoves(frame=frame, motions=motions)
     return Edit(call.first, call.last, content, call.name, reason, promise)
 
 

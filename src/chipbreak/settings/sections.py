@@ -326,13 +326,15 @@ class Cycles(ValueRecord):
     ``unroll``: those whose cuts are asked to vibrate, all, or none.  ``depth_unit`` is what D without a
     decimal point counts in a block that says the whole cycle.  ``retract_mm`` is how far the tool goes back
     where the cycle does not say it.  ``plain_corners``: C, R, I, K and A without a comma in a straight move
-    of a contour are a chamfer, a radius and an angle.
+    of a contour are a chamfer, a radius and an angle.  ``nose_in_roughing`` is what G41 and G42 are to G71,
+    G72 and G73: nothing, or what they are to G70.
     """
 
     unroll: str = _one_of("asked", "always", "never")
     depth_unit: str = _one_of("increment", "program")
     retract_mm: float = _at_least(0.5)
     plain_corners: bool = True
+    nose_in_roughing: str = _one_of("ignored", "compensated")
 
 
 class Times(ValueRecord):
