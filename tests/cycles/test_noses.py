@@ -155,6 +155,26 @@ def test_what_stays_and_why(change: tuple[str, str], options: tuple[str, ...], w
     assert any(one.code == "VIB040" and why in one.message for one in error.value.diagnostics)
 
 
+@pytest.mark.parametrize(
+    ("change", "lead_out"),
+    [
+        (("G40 G0 X80. Z5.", "G40\nM9\nG28 U0\nG28 W0"), ["M9", "G28 U0", "G28 W0"]),
+        (("G40 G0 X80. Z5.", "G40 G28 U0 W0"), ["G40 G28 U0 W0"]),
+        (("G40 G0 X80. Z5.", "G40 G0 U5.\nZ5."), ["G0 X67. Z-50.", "Z5."]),
+        (("G40 G0 X80. Z5.", "G40 G0 X80. Z5. T0100"), ["T0100 G0 X80. Z5."]),
+        (("G40 G0 X80. Z5.", "M1\nG40\nG0 X80.\nZ5."), ["M1", "G0 X80. Z-50.", "Z5."]),
+    ],
+)
+def test_ways_out(change: tuple[str, str], lead_out: list[str]) -> None:
+    """The move behind G40 says both axes, for the tool is beside the programmed place along each."""
+    assert kept(PLAIN.replace(*change), *NOSE)[9:-1] == ["G1 X60.4", *lead_out]
+
+
+def test_where_the_tool_comes_from_does_not_matter_on_a_control_that_leads_in_square_to_the_shape() -> None:
+    from_home = PLAIN.replace("G0 X60. Z5.\n", "")
+    assert kept(from_home, *NOSE)[2:] == kept(PLAIN, *NOSE)[3:]
+
+
 def test_finishing_cycle_whose_contour_compensates() -> None:
     """The contour of a G70 is written out, then offset; both come back."""
     written = chipbreak.rewrite(CYCLE.encode(), load("fanuc-lathe", [*ASKED, *NOSE])).data

@@ -138,10 +138,11 @@ def _refuse_way_in(move: Move, way: Segment, offset: Offset) -> None:
     why = ""
     if move.kind not in ("rapid", "line"):
         why = "the compensation begins with an arc"
-    elif not way.length_mm > (offset.nose.radius_mm if offset.rules.leads_in_by_itself else _NOTHING_MM):
+    elif math.isnan(way.length_mm):
+        # Where it ends square to the next move, where it begins does not matter.
+        why = "where the compensation begins is not known" if offset.rules.leads_in_by_itself else ""
+    elif way.length_mm <= (offset.nose.radius_mm if offset.rules.leads_in_by_itself else _NOTHING_MM):
         why = "the move that leads into the compensation is not longer than the nose radius"
-        if math.isnan(way.length_mm):
-            why = "where the compensation begins is not known"
     if why:
         raise _refused(why, "lead in with a straight move, from a place that plain numbers give")
 

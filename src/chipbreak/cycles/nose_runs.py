@@ -30,6 +30,7 @@ from chipbreak.text.named_tuple import NamedTuple
 _KINDS = ("rapid", "line", "cw", "ccw")
 _GROUPS = frozenset({"motion", "compensation", "feed_mode", "speed_mode"})
 _SHAPE = frozenset("RIK")
+_HOME = frozenset({"home"})
 
 
 class Run(NamedTuple):
@@ -61,12 +62,18 @@ def compensated_runs(interpreted: InterpretedProgram) -> list[Run]:
 
 
 def _behind(interpreted: InterpretedProgram, ends: BlockEffect) -> int:
-    """The line behind the move that leads out; of G40 alone that is the next one, whatever it is."""
+    """The line behind the move that leads out, or behind the blocks that take both axes home."""
     line = ends.block.line
     for effect in interpreted.effects_of(line, interpreted.program.source.body.stop):
-        if effect.move is not None or effect.non_modal or effect.after.ended:
+        is_on_its_way = effect.non_modal == _HOME and not _is_home(effect)
+        if not is_on_its_way and (effect.move is not None or effect.non_modal or effect.after.ended):
             return effect.block.line + 1
     return line + 1
+
+
+def _is_home(effect: BlockEffect) -> bool:
+    """True where neither axis is at a known place any more."""
+    return math.isnan(effect.after.position.x) and math.isnan(effect.after.position.z)
 
 
 def offset_run(interpreted: InterpretedProgram, run: Run, nose: Nose) -> Written:
@@ -175,7 +182,8 @@ def _is_of_the_move(word: Word) -> bool:
 def _refuse_run(interpreted: InterpretedProgram, effects: Sequence[BlockEffect]) -> None:
     side = effects[0].after.modes.compensation
     for effect in effects[:-1]:
-        _refuse_block(effect, side)
+        if effect.after.modes.compensation != "off" or effect.non_modal != _HOME:
+            _refuse_block(effect, side)
     targets = interpreted.flow.targets
     if any(effect.block.line in targets for effect in effects):
         raise _refused("a jump leads into it", "take the jump out")
@@ -223,7 +231,7 @@ def _refuse_way_out(effect: BlockEffect) -> None:
     """The compensation ends with a straight move to a known place, or a way home."""
     move = effect.move
     is_off = effect.after.modes.compensation == "off"
-    goes_home = effect.non_modal == {"home"}
+    goes_home = effect.non_modal == _HOME and _is_home(effect)
     is_straight = move is not None and move.kind in ("rapid", "line") and not effect.non_modal
     is_plain = not (effect.block.skip or effect.block.has_macro or effect.block.opaque)
     is_known = move is not None and not math.isnan(move.end.x + move.end.z)
