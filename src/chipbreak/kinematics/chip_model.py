@@ -38,7 +38,8 @@ class Verdict:
     ``margin``: stroke / least stroke that breaks, for the weakest vibration of the steady part; precisely
     1 - (least gap g_1 of that vibration) / (feed / z as reached), so ``breaks`` is the same as margin >= 1.
     Of a dwell it is the shortest stand in revolutions (per edge).
-    ``per_rev`` and ``stroke_mm`` are as reached (N is 0 when the tool never turns back, which cannot break).
+    ``per_rev`` and ``stroke_mm`` are as reached (N is 0 when the tool never turns back, which cannot break);
+    the stroke is that of the middle one of all vibrations.
     Chips are those of one edge: the longest in the steady part (the whole cut when it does not break), the
     first from the start of the cut to its first gap; in mm on the circumference, None without a diameter.
     ``peak_thickness`` is in feed / z, that of the steady part; ``ramp_peak_thickness`` is that of the rest,
@@ -111,8 +112,9 @@ def judge(
     if rests is not None:
         margin = rests.shortest_s(steady.crest) / motion.pass_s
     breaks = margin >= 1.0 - _TOUCH
-    stroke_mm = _stroke(motion, steady)
-    passes = math.floor(stroke_mm / feed_mm) + 1  # an older pass lies wholly behind the tool
+    reach_mm = _reach(motion, steady)
+    stroke_mm = reach_mm if rests is not None else _stroke(motion, steady, reach_mm)
+    passes = math.floor(reach_mm / feed_mm) + 1  # an older pass lies wholly behind the tool
     if rests is None and bool((np.diff(distance_mm) >= 0.0).all()):
         passes = 1  # it never turns back, so every pass lies behind the one that follows it
     chips_per_s, cut_share, longest_s, peak_mm = _chips(motion, _sampled_part(motion, steady, passes), passes)
@@ -198,11 +200,32 @@ def _margin(gaps: Gaps, steady: _Steady, crest_s: Floats, pass_s: float) -> floa
     return 0.0 if missing and margin >= 1.0 - _TOUCH else margin
 
 
-def _stroke(motion: Motion, steady: _Steady) -> float:
-    """Peak to peak distance [mm] from the mean feed in the steady part."""
+def _reach(motion: Motion, steady: _Steady) -> float:
+    """Peak to peak distance [mm] from the mean feed in the steady part, with what is late at corners."""
     low, high = np.searchsorted(motion.time_s, [steady.start_s, steady.end_s])
-    ahead_mm = motion.distance_mm[low : high + 1] - steady.speed_mm_s * motion.time_s[low : high + 1]
-    return float(np.ptp(ahead_mm))
+    return float(np.ptp(_ahead_mm(motion, steady, int(low), int(high))))
+
+
+def _stroke(motion: Motion, steady: _Steady, reach_mm: float) -> float:
+    """Peak to peak distance [mm] from the mean feed of the middle one of all vibrations of the steady part.
+
+    Where rounding makes wrinkles, these are no vibrations.
+    """
+    if steady.crest.size < 3:
+        return reach_mm
+    first = int(steady.crest[0])
+    ahead_mm = _ahead_mm(motion, steady, first, int(steady.crest[-1]))
+    starts = steady.crest[:-1] - first
+    sizes_mm = np.maximum.reduceat(ahead_mm, starts) - np.minimum.reduceat(ahead_mm, starts)
+    return float(np.median(sizes_mm[sizes_mm >= sizes_mm.max() / 2.0]))
+
+
+def _ahead_mm(motion: Motion, steady: _Steady, first: int, last: int) -> Floats:
+    """How far the tool is ahead of the mean feed at knots ``first`` to ``last``."""
+    ahead_mm: Floats = (
+        motion.distance_mm[first : last + 1] - steady.speed_mm_s * motion.time_s[first : last + 1]
+    )
+    return ahead_mm
 
 
 def _sampled_part(motion: Motion, steady: _Steady, passes: int) -> tuple[float, float]:
