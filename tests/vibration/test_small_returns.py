@@ -56,3 +56,13 @@ def test_on_other_controls_the_points_stay_where_they_are() -> None:
     program = b"G97 G95 S600 M3\nG0 X12. Z0.\n(VIB N0.5 Q1.5)\nG1 Z-2.4 F0.08\nM2\n"
     (cut,) = chipbreak.rewrite(program, settings, allow_unbroken=True).cuts
     assert np.diff(cut.expansion.time_s).max() >= cut.wave.period_s * 0.99
+
+
+@pytest.mark.parametrize("wish", ["E2.5", "E2", "E3"])
+def test_no_rest_is_longer_than_the_way_to_the_next_block(wish: str) -> None:
+    """Three slow servo periods are longer than the base period in which a block follows the crest."""
+    sets = ("planner.servo_period_ms=2", "output.segments=tick", "axes.Z.max_acceleration_mm_s2=10000")
+    settings = chipbreak.load("linuxcnc-lathe", sets)
+    program = HEAD.format(750, wish, 3.0, 0.09).encode()
+    (cut,) = chipbreak.rewrite(program, settings, allow_unbroken=True).cuts
+    assert np.diff(cut.expansion.time_s, prepend=0.0).min() > 0.0

@@ -29,7 +29,8 @@ def with_rests(
 ) -> tuple[Floats, Floats]:
     """The knots, (n,) each, with a rest at each crest behind which the tool goes on forward.
 
-    ``rest_s`` is how long, 0 for a control that needs none.  A wave without corners slows down by itself.
+    ``rest_s`` is how long, 0 for a control that needs none.  A wave without corners slows down by itself, and
+    between a crest and a knot that follows sooner there is no time to rest.
     """
     if rest_s <= 0.0 or wave.shape.is_even or rest_s >= _return_s(wave):
         return time_s, distance_mm
@@ -37,7 +38,8 @@ def with_rests(
     crest = _at((number + wave.alpha_share) * wave.period_s, time_s)
     trough = _at((number + 1.0) * wave.period_s, time_s)
     goes_on = (distance_mm[trough] > distance_mm[crest] + _SAME_MM) & (trough > crest) & (crest > 0)
-    rests = crest[goes_on] + 1
+    has_time = time_s[np.minimum(crest + 1, len(time_s) - 1)] > time_s[crest] + rest_s + _SAME_S
+    rests = crest[goes_on & has_time] + 1
     return np.insert(time_s, rests, time_s[rests - 1] + rest_s), np.insert(
         distance_mm, rests, distance_mm[rests - 1]
     )
