@@ -122,11 +122,12 @@ class Drawn:
         for pattern, (kind, wish) in wishes.items():
             for match in pattern.finditer(said):
                 yield kind, replace(self, wish=wish.format(*match.groups()))
-        for speed in SPEED.findall(said):
-            feed = self.feed_mm_rev * (self.speed_rpm / float(speed) if self.is_per_minute else 1.0)
-            yield "other speed", replace(self, speed_rpm=float(speed), feed_mm_rev=feed)
-        for feed in FEED.findall(said):
-            yield "other feed", replace(self, feed_mm_rev=float(feed))
+        # Of several blocks that are refused, what does for all of them.
+        for speed in sorted(map(float, SPEED.findall(said)))[:1]:
+            feed = self.feed_mm_rev * (self.speed_rpm / speed if self.is_per_minute else 1.0)
+            yield "other speed", replace(self, speed_rpm=speed, feed_mm_rev=feed)
+        for feed in sorted(map(float, FEED.findall(said)))[:1]:
+            yield "other feed", replace(self, feed_mm_rev=feed)
         for need in NEEDS.findall(said) if self.wish != "AUTO" else ():
             yield "acceleration", replace(self, acceleration_mm_s2=float(need) * 1000.0)
 
