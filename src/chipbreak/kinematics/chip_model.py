@@ -216,7 +216,9 @@ def _stroke(motion: Motion, steady: _Steady, reach_mm: float) -> float:
     first = int(steady.crest[0])
     ahead_mm = _ahead_mm(motion, steady, first, int(steady.crest[-1]))
     starts = steady.crest[:-1] - first
-    sizes_mm = np.maximum.reduceat(ahead_mm, starts) - np.minimum.reduceat(ahead_mm, starts)
+    # From the higher of its two crests, as rounding leaves them.
+    highest_mm = np.maximum(np.maximum.reduceat(ahead_mm, starts), ahead_mm[steady.crest[1:] - first])
+    sizes_mm = highest_mm - np.minimum.reduceat(ahead_mm, starts)
     return float(np.median(sizes_mm[sizes_mm >= sizes_mm.max() / 2.0]))
 
 

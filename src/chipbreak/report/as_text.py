@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     )
 
 # Chips of the ramps are said where they are thicker than the others by more than rounding makes them.
+_FUZZ = 1e-6
 _OTHER_STROKE = 0.03  # of the planned stroke, from which on the reached one is told
 _MUCH_THICKER = 1.01
 _LEAST_DRIFT_STEPS = 0.001
@@ -220,7 +221,7 @@ def _band(cut: ExplainedCut) -> Iterator[str]:
     if cut.override_band:
         least, most = cut.override_band
         # Rounded towards 100 %: what is said breaks.
-        percents = f"{math.ceil(100.0 * least)}% to {math.floor(100.0 * most)}%"
+        percents = f"{math.ceil(100.0 * least - _FUZZ)}% to {math.floor(100.0 * most + _FUZZ)}%"
         with_it = "which this cut holds at 100%" if cut.holds_override else "which takes N with it"
         yield f"breaks from {percents} of feed override, {with_it}"
 
