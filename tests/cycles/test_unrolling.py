@@ -367,3 +367,20 @@ def test_a_pattern_under_compensation() -> None:
     written = filtered(pattern.replace(b"G0 X100.", b"G40 G0 X100."), *ALWAYS)
     assert written.count(b"(PASS ") == 3
     assert b"\nG40 G0 X52. Z2.\n(PASS 1 " in written
+
+
+@pytest.mark.parametrize(
+    ("behind", "why"),
+    [
+        ("G0 X60. Z5.\nG1 Z-5.\n", "says no F"),
+        ("G0 X60. Z5.\nG1 Z-5. F0.2\n", ""),
+        ("G0 X60. Z5.\nF0.2\nG1 Z-5.\n", ""),
+        ("", ""),
+    ],
+)
+def test_a_cut_behind_a_finishing_cycle_says_its_own_feed(behind: str, why: str) -> None:
+    """Whether the F of the contour is in force behind G70 no page of a maker says."""
+    program = CYCLE.replace(b"G0 X100. Z100.", behind.encode() + b"G0 X100. Z100.")
+    result = chipbreak.rewrite(program, load("fanuc-lathe", ALWAYS))
+    assert (b"UNROLLED G70" in result.data) is not bool(why)
+    assert not why or any(why in d.message for d in result.diagnostics)

@@ -438,6 +438,7 @@ def _finish_edit(interpreted: InterpretedProgram, call: Call, state: State) -> E
     lines = (call.contour_first, call.contour_last)
     effects = effects_of_contour(interpreted, state, *lines)
     _refuse_left_behind(state, effects[-1].after)
+    _refuse_unsaid_behind(interpreted, call)
     settings = interpreted.settings
     if any(words_of_corner(effect, settings) for effect in effects):
         blocks, ends = plain_contour(effects, state, settings)
@@ -468,6 +469,20 @@ def _refuse_left_behind(before: State, behind: State) -> None:
     if changed:
         message = f"the contour leaves another {', '.join(changed)} in force behind this cycle"
         raise RefusalError(UNREAD_FORM, message, "end in the contour what it begins: G40 in its last block")
+
+
+def _refuse_unsaid_behind(interpreted: InterpretedProgram, call: Call) -> None:
+    """F and S of the contour stay behind its written blocks; behind the cycle of the control they may not."""
+    said = set(interpreted.flow.finishes.get(call.last - 1, ()))
+    for effect in interpreted.effects_of(call.last, interpreted.program.source.body.stop):
+        if not said or effect.after.ended:
+            return
+        said -= {word.address for word in effect.block.words} if not effect.in_contour else set()
+        if said and effect.move is not None and effect.move.is_cut and not effect.in_contour:
+            letters = " and ".join(sorted(said))
+            shown = effect.block.text.strip()[:40]
+            message = f"{shown} behind this cycle says no {letters}, and which is in force there is not known"
+            raise RefusalError(UNREAD_FORM, message, f"give {letters} on that block, or before it")
 
 
 def _copied(effect: BlockEffect, wish: str) -> str:
