@@ -147,12 +147,13 @@ def _asked(interpreted: InterpretedProgram, operations: Sequence[Operation]) -> 
     rule = settings.cycles.unroll
     if rule == "never" or (rule == "asked" and not _may_wish(interpreted)):
         return {}
-    from chipbreak.cycles.pecks import is_peck
+    from chipbreak.cycles.pecks import is_deep_hole, is_peck
     from chipbreak.cycles.plan import cycle_lines
 
     requests = requests_of(interpreted, operations)
     kinds = cycle_lines(interpreted)
-    kinds |= dict.fromkeys(line for line in requests.pecks if is_peck(interpreted, line))
+    pecks = (one for one in requests.pecks if is_peck(interpreted, one) or is_deep_hole(interpreted, one))
+    kinds |= dict.fromkeys(pecks)
     wishes = {line: by for line, by in requests.cycles.items() if line in kinds}
     if rule == "always":
         words = {line: by for line, by in wishes.items() if by == "word"}

@@ -70,3 +70,33 @@ def test_what_cannot_be_written_out_is_an_error(old: str, new: str, code: str) -
     with pytest.raises(ProgramRejectedError) as caught:
         chipbreak.rewrite(program, load("fanuc-lathe"))
     assert code in {d.code for d in caught.value.diagnostics}
+
+
+DEEP = "G0 X0. Z3.\nG83 Z-40. Q5000 F0.12\nG80\n"
+
+
+def test_a_deep_hole_with_the_block_that_ends_it() -> None:
+    program = f"{HEAD}(VIB N1.5 PECK OFF)\n{DEEP}{TAIL}"
+    assert moves_of(program) == ["G1 Z-40. F0.12", "G0 Z3.", "G80"]
+    at_x = program.replace("G83 Z", "G83 X0. Z").replace("G80", "M9\nG80 M5")
+    assert moves_of(at_x) == ["G1 Z-40. F0.12", "G0 Z3.", "M9", "G80 M5"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("Q5000", "Q5000 R-2."),
+        ("Q5000", "Q5000 P500"),
+        ("G83 Z", "G83 X5. Z"),
+        ("G80\n", ""),
+        ("G80\n", "Z-60.\nG80\n"),
+        ("G80\n", "G80 G0 Z50.\n"),
+    ],
+)
+def test_a_deep_hole_that_stays_is_an_error(old: str, new: str) -> None:
+    program = f"{HEAD}(VIB N1.5 PECK OFF)\n{DEEP.replace(old, new, 1)}{TAIL}".encode()
+    with pytest.raises(ProgramRejectedError) as caught:
+        chipbreak.rewrite(program, load("fanuc-lathe"))
+    assert "CYC007" in {d.code for d in caught.value.diagnostics}
+    asked = program.replace(b" PECK OFF", b"")
+    assert chipbreak.rewrite(asked, load("fanuc-lathe")).data == asked

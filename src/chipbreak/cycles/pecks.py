@@ -1,4 +1,4 @@
-"""G74 and G75 without their pecks: each cut in one move, for a wish that says PECK OFF.
+"""G74, G75 and G83 without their pecks: each cut in one move, for a wish that says PECK OFF.
 
 ::
 
@@ -15,7 +15,7 @@ from chipbreak.cycles.call import BAD_DEPTH, UNREAD_FORM, refuse_modes
 from chipbreak.cycles.contour import Frame, Point
 from chipbreak.cycles.promise import PlannedMoves
 from chipbreak.cycles.roughing import Motion, Pass
-from chipbreak.cycles.writing import blocks_of_passes
+from chipbreak.cycles.writing import blocks_of_passes, without_number
 from chipbreak.editing.edits import Edit
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
@@ -26,6 +26,8 @@ from chipbreak.syntax.nodes import Block, Word
 from chipbreak.text.diagnostics import RefusalError
 
 _WORDS = frozenset("GXZUWPQRIKDF")
+# What P and R of a G83 on a lathe are differs from maker to maker.
+_HOLE_WORDS = frozenset("GXZUWQF")
 _LATHE = Frame("Z", 1, 1)
 _MOST_CUTS = 500
 _NOTHING_MM = 1e-6
@@ -35,6 +37,65 @@ def is_peck(interpreted: InterpretedProgram, line: int) -> bool:
     """True for a G74 or G75 that cuts."""
     effect = interpreted.effect(line)
     return "peck-cycle" in effect.non_modal and effect.block.has_any("XZUW")
+
+
+def is_deep_hole(interpreted: InterpretedProgram, line: int) -> bool:
+    """True for a G83 that drills, and does not go on with the one before."""
+    effect = interpreted.effect(line)
+    codes = {round(number * 10) for number in effect.block.numbers("G")}
+    begins = effect.before.modes.motion != "cycle" and effect.move is not None
+    return begins and not codes.isdisjoint(interpreted.settings.dialect.deep_drilling)
+
+
+def deep_hole_edit(interpreted: InterpretedProgram, line: int) -> Edit:
+    """The edit that writes out the cycle in a line (from 0), and the G80 that ends it, as one cut.
+
+    Errors: CYC007 for a form that is not known.
+    """
+    block = interpreted.program.block(line)
+    state = interpreted.before(line)
+    end = named_place(block, state, "XZUW", interpreted.settings)
+    last, ends = _end_of_cycle(interpreted, line)
+    _refuse_hole(block, state, (end.z - state.position.z, end.x - state.position.x))
+    start = _LATHE.inside(state.position.z, state.position.x)
+    moves = (Motion(True, _LATHE.inside(end.z, end.x)), Motion(False, start))
+    feed = "".join(block.text_of(word) for word in block.words_of("F"))
+    blocks = blocks_of_passes([Pass(1, "without pecks", moves)], _LATHE, state, interpreted.settings, feed)
+    back = ["G1"] if state.modes.motion == "line" else []
+    name = " ".join(block.text_of(word) for word in block.words_of("GXZUW"))
+    promise = PlannedMoves(frame=_LATHE, motions=moves)
+    content = (*blocks, *back, *ends)
+    return Edit(line, last + 1, content, name, "the hole of the cycle without its pecks", promise)
+
+
+def _end_of_cycle(interpreted: InterpretedProgram, line: int) -> tuple[int, list[str]]:
+    """The line of the G80 behind a cycle, and the blocks up to it; none of them may move or drill again."""
+    said: list[str] = []
+    for effect in interpreted.effects_of(line + 1, interpreted.program.source.body.stop):
+        block = effect.block
+        if effect.move is not None or effect.after.ended or block.opaque or block.controls or block.skip:
+            break
+        said += [without_number(block)] if not block.is_empty else []
+        if effect.after.modes.motion != "cycle":
+            return block.line, said
+    message = "a G80 without a move does not stand behind the one hole of this cycle"
+    raise RefusalError(UNREAD_FORM, message, "end it with a block G80 after one hole, or take PECK OFF out")
+
+
+def _refuse_hole(block: Block, state: State, way_mm: tuple[float, float]) -> None:
+    refuse_modes(state.modes)
+    foreign = next((word for word in block.words if word.address not in _HOLE_WORDS), None)
+    why = ""
+    if foreign is not None or block.skip or block.has_macro or len(block.numbers("G")) > 1:
+        why = "the cycle does not stand alone in its block, with plain numbers and without P and R"
+    elif math.isnan(sum(way_mm)):
+        why = f"where this cycle starts or ends is not known: {state.unknown_why}"
+    elif abs(way_mm[1]) > _NOTHING_MM or abs(way_mm[0]) <= _NOTHING_MM:
+        why = "the tool does not wait over its hole"
+    elif state.modes.compensation != "off" or state.modes.motion not in ("rapid", "line"):
+        why = "nose compensation, an arc or a cycle is in force at this cycle"
+    if why:
+        raise RefusalError(UNREAD_FORM, why, "move over the hole before it, or take PECK OFF out")
 
 
 def peck_edit(interpreted: InterpretedProgram, line: int) -> Edit:

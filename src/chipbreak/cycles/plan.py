@@ -14,7 +14,7 @@ from chipbreak.cycles.call import BAD_DEPTH, UNREAD_FORM, Call, kind_of, read_ca
 from chipbreak.cycles.contour import Frame
 from chipbreak.cycles.corners import BAD_CONTOUR, words_of_corner
 from chipbreak.cycles.pattern import Pattern, offsets_of, pattern_passes
-from chipbreak.cycles.pecks import is_peck, peck_edit
+from chipbreak.cycles.pecks import deep_hole_edit, is_deep_hole, is_peck, peck_edit
 from chipbreak.cycles.promise import CopiedContour, PlannedMoves, RemovedContour, UnrolledRoughing
 from chipbreak.cycles.reading import (
     TURNS_BACK,
@@ -143,10 +143,13 @@ def _add_subroutine_cycles(plan: UnrollPlan, interpreted: InterpretedProgram, wa
 
 
 def _add_pecks(plan: UnrollPlan, interpreted: InterpretedProgram, wanted: set[int]) -> None:
-    """Cycles that go without their pecks (G74, G75)."""
-    for line in sorted(line for line in wanted if is_peck(interpreted, line)):
+    """Cycles that go without their pecks (G74, G75, G83)."""
+    for line in sorted(wanted):
+        edit_of = deep_hole_edit if is_deep_hole(interpreted, line) else peck_edit
+        if edit_of is peck_edit and not is_peck(interpreted, line):
+            continue
         try:
-            plan.edits.append(UnrolledEdit(peck_edit(interpreted, line), None, line))
+            plan.edits.append(UnrolledEdit(edit_of(interpreted, line), None, line))
         except RefusalError as error:
             plan.refused.append(Refused(line, error))
 

@@ -198,6 +198,7 @@ class Dialect(NamedTuple):
     ``contour_cycles`` the codes (times ten) of cycles whose P and Q name their contour, and which each is
     ``subroutine_cycles`` the codes (times ten) of cycles whose Q names a subroutine with their contour
     ``turning_cycles`` the codes (times ten) that make one pass with each block, and along which axis
+    ``deep_drilling`` the codes (times ten) that drill along Z by pecks
     ``nose``          how it compensates nose radii; None where that is not known
     ``place_variables`` numbers and names of the variables that hold the place where the tool stands
     ``place_settings`` the L of those G10 that work with that place
@@ -248,6 +249,7 @@ class Dialect(NamedTuple):
     turning_cycles: Mapping[int, ContourCycle] = FrozenTable({})
     subroutine_cycles: Mapping[int, ContourCycle] = FrozenTable({})
     nose: NoseRules | None = None
+    deep_drilling: frozenset[int] = frozenset()
     place_variables: frozenset[int | str] = frozenset(range(5001, 5061))
     place_settings: frozenset[float] = frozenset()
     turns_offsets: bool = False
