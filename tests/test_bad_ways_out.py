@@ -17,6 +17,7 @@ Way = tuple[str, str] | str  # (pattern, new text), or SECTION.KEY=VALUE
 
 WAYS: dict[str, list[Way]] = {
     "arc-cannot-be": [("R3.", "R9.")],
+    "arc-radius-without-point": [("R5 ", "R5. "), "control.decimal_point=calculator"],
     "arc-of-a-chain-cannot-be": [("X47.", "X50.")],
     "arc-ends-off-its-circle": [("Z-10.", "Z-8.")],
     "arc-goes-on-without-its-code": [("X60.", "G3 X60.")],

@@ -342,6 +342,20 @@ def _position_refusal(
         if math.isnan(move.end[at]):
             message = f"where {axis} ends cannot be known: its number has no decimal point"
             return RefusalError("VIB052", message, _WRITE_THE_POINT), None
+    return _arc_refusal(interpreted, effect, move)
+
+
+def _arc_refusal(
+    interpreted: InterpretedProgram, effect: BlockEffect, move: Move
+) -> tuple[RefusalError, None] | None:
+    """An arc whose centre or radius is a number without a decimal point."""
+    if move.kind not in ("cw", "ccw"):
+        return None
+    for word in effect.block.words_of("RIJK"):
+        length = length_mm(word, effect.after, interpreted.settings)
+        if length is not None and math.isnan(length):
+            message = f"how this arc runs cannot be known: {effect.block.text_of(word)} has no decimal point"
+            return RefusalError("VIB052", message, _WRITE_THE_POINT), None
     return None
 
 
