@@ -248,3 +248,25 @@ def test_look_ahead_passes_a_reversal_at_half_the_joint_speed_or_the_lower_feed(
         ramps_s = feed_mm_s / 8000.0 + (feed_mm_s - passed_mm_s) / 8000.0
         ramps_mm = (2.0 * feed_mm_s**2 - passed_mm_s**2) / 16000.0
         assert time_s == pytest.approx(ramps_s + (0.2 - ramps_mm) / feed_mm_s)
+
+
+def test_a_cut_so_long_that_its_motion_is_looked_at_less_often_says_so(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    sets = ["planner.model=after-interpolation", "axes.Z.acc_dec_ms=4", "axes.Z.position_gain_1_s=200"]
+    settings = chipbreak.load("generic-lathe", sets)
+
+    def told() -> tuple[float | None, str]:
+        result = chipbreak.rewrite(FAST.replace("N1.5 Q1.2", "E2").encode(), settings)
+        report = chipbreak.explain(result, settings)
+        return report.cuts[0].looks, str(report)
+
+    looks, text = told()
+    assert looks is not None
+    assert looks >= 60.0
+    assert "looked at" not in text
+    monkeypatch.setattr("chipbreak.trajectory.real_motion._MOST_TIMES", 10_000)
+    looks, text = told()
+    assert looks is not None
+    assert looks < 60.0
+    assert f"looked at {looks:.0f} times a vibration only" in text

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 # Chips of the ramps are said where they are thicker than the others by more than rounding makes them.
 _FUZZ = 1e-6
+_ENOUGH_LOOKS = 60  # a vibration
 _OTHER_STROKE = 0.03  # of the planned stroke, from which on the reached one is told
 _MUCH_THICKER = 1.01
 _LEAST_DRIFT_STEPS = 0.001
@@ -237,6 +238,8 @@ def _machine(cut: ExplainedCut) -> Iterator[str]:
         needs += f", {cut.delay_s * MS_PER_S:.3g} ms late"
     if cut.path_error_mm:
         needs += f" and up to {cut.path_error_mm:z.4f} mm off the path"
+    if cut.looks is not None and cut.looks < _ENOUGH_LOOKS:
+        needs += f", looked at {cut.looks:.0f} times a vibration only, for its length"
     if cut.flank_clearance:
         used = ", ".join(f"{c.deg:z.2f} at {c.diameter_mm:.4g} mm" for c in cut.flank_clearance)
         needs += f"; degrees of flank clearance that the forward stroke uses: {used}"

@@ -115,6 +115,7 @@ def _cut(cut: CutReport, source: Source, settings: Settings) -> ExplainedCut:
         programmed_s=cut.programmed_s,
         delay_s=cut.following and cut.following.delay_s,
         path_error_mm=cut.following and cut.following.path_error_mm,
+        looks=cut.following and cut.following.looks,
         unproven=cut.is_unproven,
         acceleration_share=_share(cut.acceleration_mm_s2, cut.allowed_mm_s2),
         override_band=cut.override_band,

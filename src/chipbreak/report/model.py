@@ -85,7 +85,8 @@ class ExplainedCut:
                    ``holds_override``  the cut holds it at 100 %
     ``follows_spindle``  the blocks say feed per revolution: N stays when the spindle droops
     ``servo_share``  what the axes make of the commanded stroke, None where they are taken to follow;
-                   ``delay_s``  by how much they are late;  ``path_error_mm``  how far they leave the path
+                   ``delay_s``  by how much they are late;  ``path_error_mm``  how far they leave the path;
+                   ``looks``  how often a vibration their motion was looked at
     ``moved``      axis -> what moves it, where the profile says so
     """
 
@@ -119,6 +120,7 @@ class ExplainedCut:
     programmed_s: float | None = None
     delay_s: float | None = None
     path_error_mm: float | None = None
+    looks: float | None = None
     unproven: bool = False
     acceleration_share: float | None = None
     override_band: tuple[float, float] | None = None

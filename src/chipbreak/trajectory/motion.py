@@ -15,7 +15,8 @@ class Motion(NamedTuple):
 
     ``time_s`` and ``distance_mm`` are the knots of the motion along the path, (m,); between them it is even.
     ``delay_s`` is by how much the tool is behind the command, ``settling_s`` how long a change of the command
-    is still seen, ``path_error_mm`` how far the tool leaves the path at most: 0 for a command itself.
+    is still seen, ``path_error_mm`` how far the tool leaves the path at most, ``look_s`` after how long the
+    motion was looked at again: 0 for a command itself.
     """
 
     spans_s: Floats
@@ -24,6 +25,7 @@ class Motion(NamedTuple):
     delay_s: float = 0.0
     settling_s: float = 0.0
     path_error_mm: float = 0.0
+    look_s: float = 0.0
 
     @property
     def peak_acceleration_mm_s2(self) -> float:

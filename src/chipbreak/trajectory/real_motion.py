@@ -34,7 +34,8 @@ def followed(motion: Motion, distance_mm: Floats, blocks: Blocks, filters: Seque
     own = [filters[axis] for axis in moving]
     if all(one == NO_FILTER for one in own):
         return motion
-    at_s = times_to_look_at(motion.time_s, motion.distance_mm, own, _step_s(motion, own))
+    step_s = _step_s(motion, own)
+    at_s = times_to_look_at(motion.time_s, motion.distance_mm, own, step_s)
     points_mm = np.concatenate([np.zeros((1, 3)), np.cumsum(blocks.moved_mm, axis=0)])
     if _is_straight(points_mm):
         along_mm, off_mm = _on_a_line(motion, points_mm, moving, own, at_s)
@@ -50,6 +51,7 @@ def followed(motion: Motion, distance_mm: Floats, blocks: Blocks, filters: Seque
         delay_s=max(one.delay_s for one in own),
         settling_s=max(one.settling_s for one in own),
         path_error_mm=off_mm,
+        look_s=step_s,
     )
 
 

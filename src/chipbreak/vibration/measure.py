@@ -44,11 +44,15 @@ class Clearance(NamedTuple):
 
 
 class Following(NamedTuple):
-    """How the axes follow: their share of the commanded stroke (None of a dwell), how late, how far off."""
+    """How the axes follow: their share of the commanded stroke (None of a dwell), how late, how far off.
+
+    ``looks`` is how often a vibration their motion was looked at: less often in very long cuts.
+    """
 
     stroke_share: float | None
     delay_s: float
     path_error_mm: float
+    looks: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,6 +260,7 @@ def _report(plan: CutPlan, expansion: Expansion, timed: _Timed) -> CutReport:
             verdict.stroke_mm / plan.wave.stroke_mm if plan.wave.shape.turns_back else None,
             motion.delay_s,
             motion.path_error_mm,
+            plan.wave.period_s / motion.look_s,
         )
         if is_filtered
         else None,
