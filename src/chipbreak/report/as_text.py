@@ -239,7 +239,7 @@ def _machine(cut: ExplainedCut) -> Iterator[str]:
     if cut.path_error_mm:
         needs += f" and up to {cut.path_error_mm:z.4f} mm off the path"
     if cut.looks is not None and cut.looks < _ENOUGH_LOOKS:
-        needs += f", looked at {cut.looks:.0f} times a vibration only, for its length"
+        needs += f", looked at {cut.looks:z.0f} times a vibration only, for its length"
     if cut.flank_clearance:
         used = ", ".join(f"{c.deg:z.2f} at {c.diameter_mm:.4g} mm" for c in cut.flank_clearance)
         needs += f"; degrees of flank clearance that the forward stroke uses: {used}"
