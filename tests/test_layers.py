@@ -40,6 +40,7 @@ ONLY_IN = {
         "cli",
         "tool_commands",
         "advise_command",
+        "machine_test_command",
         "batch_command",
         "completion_command",
         "hook_commands",

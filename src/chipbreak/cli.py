@@ -19,6 +19,7 @@ from chipbreak.completion_command import completion
 from chipbreak.figure_commands import plot, report
 from chipbreak.git_commands import git_diff, textconv
 from chipbreak.hook_commands import hooks
+from chipbreak.machine_test_command import machine_test
 from chipbreak.options import (
     DIFFERENT,
     DONE,
@@ -381,6 +382,7 @@ cli.add_command(git_diff)
 cli.add_command(hooks)
 cli.add_command(textconv)
 cli.add_command(advise)
+cli.add_command(machine_test)
 cli.add_command(report)
 
 

@@ -97,6 +97,22 @@ class Loop(NamedTuple):
         return 1 + len(self.end)
 
 
+class Clock(NamedTuple):
+    """How a program reads the clock of a control, in milliseconds.
+
+    ``wait`` is a block that keeps it from working out statements before the blocks in front have run,
+    ``begin`` sets the clock to zero, ``end`` leaves what it says in ``{variable}``, from ``first_variable``
+    on, ``message`` stops and shows ``{text}``.  ``program`` is a number for a program that does such things.
+    """
+
+    wait: str
+    begin: str
+    end: str
+    message: str
+    first_variable: int
+    program: int
+
+
 class CommentMarks(NamedTuple):
     """What stands before and behind a comment that is written; nothing behind where the line ends it."""
 
@@ -219,6 +235,7 @@ class Dialect(NamedTuple):
     ``settings``      numbers of $ lines (``$11=0.02``) -> the key of the profile that says the same
     ``stops_at``      what it stops at; None where it is not known to
     ``repeats_codes`` every block says its code: G1, and with S the M code of the spindle
+    ``clock``         how a program reads the time; None where it cannot
     """
 
     name: str
@@ -271,6 +288,7 @@ class Dialect(NamedTuple):
     stops_at: Stops | None = None
     repeats_codes: bool = False
     message_mark: str = ""
+    clock: Clock | None = None
 
     def code(self, group: str, value: str, like: Collection[int] = ()) -> str:
         """The G code that sets a modal group, such as ``G95`` for feed_mode, rev.

@@ -14,6 +14,7 @@ from chipbreak.dialects.base import (
     OTHER_SPINDLES,
     PATH_MARKS,
     THROUGH_SPINDLE,
+    Clock,
     Code,
     ContourCycle,
     Dialect,
@@ -35,6 +36,15 @@ _LOOP = Loop(
     labels=range(1, 4),
     reuses=True,
     variables=(range(1, 34), range(100, 200), range(500, 1000)),
+)
+
+_CLOCK = Clock(
+    wait="G53",
+    begin="#3001=0",
+    end="#{variable}=#3001",
+    message="#3006=1({text})",
+    first_variable=101,
+    program=7999,
 )
 
 # The S of G50 and G92 is the limit of the spindle, which ``speed_limit`` says.
@@ -122,6 +132,7 @@ FANUC_LATHE_A = Dialect(
     speed_limit=frozenset({500}),
     machine_retract=("G28 U0", "G28 W0"),
     loop=_LOOP,
+    clock=_CLOCK,
     contour_cycles=_CONTOURS_AB,
     nose=FANUC_NOSE,
     deep_drilling=frozenset({830}),
@@ -156,6 +167,7 @@ FANUC_LATHE_B = Dialect(
     speed_limit=frozenset({500, 920}),
     machine_retract=("G28 U0", "G28 W0"),
     loop=_LOOP,
+    clock=_CLOCK,
     contour_cycles=_CONTOURS_AB,
     nose=FANUC_NOSE,
     deep_drilling=frozenset({830}),
@@ -196,6 +208,7 @@ FANUC_LATHE_C = Dialect(
     speed_limit=frozenset({500, 920}),
     machine_retract=("G28 U0", "G28 W0"),
     loop=_LOOP,
+    clock=_CLOCK,
     contour_cycles=FrozenTable({720: "finish", 730: "along-z", 740: "along-x", 750: "pattern"}),
     nose=FANUC_NOSE,
     deep_drilling=frozenset({830}),
@@ -253,6 +266,7 @@ FANUC_MILL = Dialect(
     macros=MACRO_B,
     call_sets=MACRO_B_SETS,
     loop=_LOOP,
+    clock=_CLOCK,
     own_words=_OWN_WORDS,
     bare_arc_is_line=True,
 )
