@@ -143,15 +143,18 @@ def _columns(names: Sequence[str], count: int, file: str) -> list[Column]:
 
 def _column(name: str) -> Column:
     words = [word.lower() for word in _WORD.findall(name)]
-    letters = [word.upper() for word in words if word.upper() in AXES and len(word) == 1]
-    if any(word in _TIME_NAMES for word in words):
-        units = [_TIME_UNITS[word] for word in words if word in _TIME_UNITS]
-        return Column("time", units[0] if units else 1.0)
-    if len(letters) == 1:
-        units = [_PLACE_UNITS[word] for word in words if word in _PLACE_UNITS]
-        half = 0.5 if any(word in _DIAMETERS for word in words) else 1.0
-        return Column(letters[0], half * (units[0] if units else 1.0))
-    return Column(_LEFT_OUT, 1.0)
+    letters = [word.upper() for word in words if word.upper() in tuple(AXES)]
+    if set(words) & set(_TIME_NAMES):
+        return Column("time", _unit(words, _TIME_UNITS))
+    if len(letters) != 1:
+        return Column(_LEFT_OUT, 1.0)
+    half = 0.5 if set(words) & set(_DIAMETERS) else 1.0
+    return Column(letters[0], half * _unit(words, _PLACE_UNITS))
+
+
+def _unit(words: Sequence[str], units: Mapping[str, float]) -> float:
+    """What the unit among some words is worth, 1 where there is none."""
+    return next((units[word] for word in words if word in units), 1.0)
 
 
 def _check_times(time_s: Floats) -> None:
