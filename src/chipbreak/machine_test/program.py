@@ -119,7 +119,8 @@ def _head(writer: _Writer, groups: Sequence[Group], timed: bool) -> Iterator[str
     codes = [dialect.code(*mode) for mode in modes if dialect.can(*mode)]
     yield from codes if dialect.repeats_codes else [" ".join(codes)]
     planner = settings.planner
-    yield from (planner.smoothing_off, planner.path_mode, planner.override_off)
+    # The overrides stay with the operator, who may want to see it slowly first.
+    yield from (planner.smoothing_off, planner.path_mode)
     yield writer.incremental if dialect.clock is None else ""
 
 
@@ -149,7 +150,7 @@ def _end(writer: _Writer, variables: Sequence[int]) -> Iterator[str]:
     planner = settings.planner
     dialect = settings.dialect
     yield writer.absolute
-    yield from (planner.override_on, planner.smoothing_on)
+    yield planner.smoothing_on
     yield planner.usual_path_mode if planner.path_mode else ""
     if variables and dialect.clock is not None:
         yield dialect.clock.message.format(text=f"TIMES IN {variables[0]} TO {variables[-1]}")
