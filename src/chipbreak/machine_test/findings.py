@@ -291,7 +291,7 @@ def _open_speeds(known: _Known) -> Iterator[str]:
     top = max(group.feed_mm_min for group in known.form.groups)
     yield f"max_velocity_mm_min: the test asked for no more than F{top:g}"
     if known.rate:
-        yield f"planner.max_blocks_per_s: {known.rate:.0f} are read, and more was not asked"
+        yield f"planner.max_blocks_per_s: {known.rate:z.0f} are read, and more was not asked"
     elif not known.has_blocks:
         yield "planner.max_blocks_per_s: the form has no times of the groups B1 to B4"
 

@@ -109,7 +109,7 @@ def _head(writer: _Writer, groups: Sequence[Group], timed: bool) -> Iterator[str
     yield writer.comment("machine test of chipbreak: moves in air, no work, no tool near anything")
     yield writer.comment(f"jog to where these ways are free: {ways}")
     yield writer.comment("it starts from there, goes no other way, and ends there")
-    yield writer.comment(f"spindle off, feed override 100 %, about {minutes:.1f} minutes")
+    yield writer.comment(f"spindle off, feed override 100 %, about {minutes:.3g} minutes")
     if timed:
         yield writer.comment("the times are left in variables: write them into the form")
     yield writer.comment("start the trace, if there is one, then go on")
