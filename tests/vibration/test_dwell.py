@@ -283,3 +283,21 @@ def test_legs_along_axes_that_are_not_alike_take_their_own_times() -> None:
         spans_s.append(way_mm / feed_mm_s + ramps * feed_mm_s / has / 2.0 + dwell_s)
         rest = dwell_s > 0.0
     assert cut.duration_s == pytest.approx(sum(spans_s), rel=0.003)
+
+
+@pytest.mark.parametrize("unit", ["G94", "G95"])
+def test_a_dwell_cut_is_timed_in_the_feed_mode_of_its_program(unit: str) -> None:
+    """Its blocks keep the program's feed, so the one of the profile says nothing of them."""
+    feed = {"G94": "F417", "G95": "F0.139"}[unit]
+    program = (
+        f"G21 G18 G90 G8 G97 {unit} S3000 M3\nG0 X8 Z0.5\n(VIB E4 WAVE DWELL)\n"
+        f"G1 Z-4.753 {feed}\nG2 X10.336 Z-7.089 I2.336 K0\nG1 X13.\nM2\n"
+    )
+
+    def duration_s(mode: str) -> float:
+        sets = ["axes.X.max_acceleration_mm_s2=5000", "axes.Z.max_acceleration_mm_s2=5000"]
+        sets += ["planner.max_feed_override=1.2", f"output.feed_mode={mode}"]
+        (cut,) = chipbreak.rewrite(program.encode(), chipbreak.load("linuxcnc-lathe", sets)).cuts
+        return cut.duration_s
+
+    assert duration_s("rev") == duration_s("minute")

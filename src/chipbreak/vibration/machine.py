@@ -27,13 +27,14 @@ def law_of(settings: Settings) -> type[ControlLaw]:
     return law_named(settings.planner.model)
 
 
-def control_along(settings: Settings, path: Path, state: State) -> ControlLaw:
+def control_along(settings: Settings, path: Path, state: State, feed_mode: str = "") -> ControlLaw:
     """The control and its axes along a path: the limits of the direction that is limited most.
 
-    ``state`` is that before the cut; its path mode counts where the profile switches to none.  Errors: VIB035
+    ``state`` is that before the cut; its path mode counts where the profile switches to none.  ``feed_mode``
+    is that of the blocks where it is not the profile's.  Errors: VIB035
     when a law that speeds up and brakes needs an acceleration that the profile does not have.
     """
-    law = _with_numbers(law_of(settings), settings)
+    law = _with_numbers(law_of(settings), settings, feed_mode or settings.output.feed_mode)
     law = _in_path_mode(law, settings, state)
     axes = [_limits(name, axis) for name, axis in settings.axes.items()]
     directions = directions_of(path)
@@ -53,13 +54,13 @@ def axes_follow_exactly(settings: Settings) -> bool:
     return all(_filter(axis) == NO_FILTER for axis in settings.axes.values())
 
 
-def _with_numbers(law: type[ControlLaw], settings: Settings) -> ControlLaw:
+def _with_numbers(law: type[ControlLaw], settings: Settings, feed_mode: str) -> ControlLaw:
     """The law with what the profile says; what means nothing to it is left out."""
     planner = settings.planner
     numbers: dict[str, Any] = {
         "servo_period_s": planner.servo_period_ms / MS_PER_S,
         "blocks_per_s": planner.max_blocks_per_s,
-        "per_revolution": settings.output.feed_mode == "rev",
+        "per_revolution": feed_mode == "rev",
         "max_feed_override": planner.max_feed_override,
         "reversal_stop_s": planner.reversal_stop_ms / MS_PER_S,
         "joint_speed_mm_s": (planner.joint_speed_mm_min or 0.0) / S_PER_MIN,

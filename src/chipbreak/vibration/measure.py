@@ -174,7 +174,7 @@ def _in_time(moves: ReadBack, settings: Settings, plan: CutPlan, expansion: Expa
         raise SelfCheckError("a move that is no cut stands in a vibrated cut")
     distance_mm = _check_path(settings, moves, plan, expansion)
     moved = np.diff(np.vstack((plan.path.legs[0].start, moves.points_mm)), axis=0)
-    law = control_along(settings, plan.path, plan.chain.before)
+    law = control_along(settings, plan.path, plan.chain.before, _feed_mode(settings, plan))
     blocks = law.blocks(moved, np.diff(distance_mm))
     timed = list[_Timed]()
     for one in law.variants():
@@ -268,6 +268,11 @@ def _report(plan: CutPlan, expansion: Expansion, timed: _Timed) -> CutReport:
     )
 
 
+def _feed_mode(settings: Settings, plan: CutPlan) -> str:
+    """That of the blocks: a cut that dwells keeps the program's own."""
+    return plan.expander.feed_mode(plan.chain.before.modes.feed_mode, settings.output.feed_mode)
+
+
 def _reached(moves: ReadBack, settings: Settings, plan: CutPlan) -> ReadBack:
     """The moves with the points that the axes reach in their steps."""
     steps_mm = axis_steps_mm(settings, plan.chain.before)
@@ -276,8 +281,7 @@ def _reached(moves: ReadBack, settings: Settings, plan: CutPlan) -> ReadBack:
     is_incremental = all(move.incremental for move in plan.chain.moves)
     origin_mm = np.array(plan.path.legs[0].start) if is_incremental else np.zeros(3)
     points_mm = reached(moves.points_mm, steps_mm, origin_mm)
-    mode = plan.expander.feed_mode(plan.chain.before.modes.feed_mode, settings.output.feed_mode)
-    if mode != "inverse":
+    if _feed_mode(settings, plan) != "inverse":
         return replace(moves, points_mm=points_mm)
     # Inverse time is that of the way which the axes really go.
     moved = np.diff(np.vstack((plan.path.legs[0].start, points_mm)), axis=0)
