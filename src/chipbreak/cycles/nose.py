@@ -23,6 +23,7 @@ from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 
 _NOTHING_MM = 1e-6
+_NEAR = 2  # blocks before and behind
 
 
 class Nose(NamedTuple):
@@ -94,18 +95,20 @@ def _refuse_gouging(
 ) -> None:
     """No place of a cut, and of the rapids beside it, may be nearer to that cut than the nose radius.
 
-    Other cuts of the run are none of its walls: each of several passes is deeper than the one before.
+    Other cuts of the run are none of its walls, nor are blocks that are farther away than a control looks:
+    each of several passes is deeper than the one before, and may be fed back.
     Errors: VIB040.
     """
     # The way in of a control that leads in by itself is not parallel to its own.
     first = 1 if offset.rules.leads_in_by_itself else 0
     for begin, behind in _cuts(rapids, first):
-        walls = [shape[index] for index in range(begin, behind) if not rapids[index]]
-        places = [one for several in pieces[max(begin - 1, first) : behind] for one in several]
-        try:
-            check_distance(walls, places, offset.nose.radius_mm)
-        except RefusalError:
-            raise _too_large(offset.nose) from None
+        for index in range(max(begin - 1, first), behind):
+            near = range(max(begin, index - _NEAR), min(behind, index + _NEAR + 1))
+            walls = [shape[at] for at in near if not rapids[at]]
+            try:
+                check_distance(walls, pieces[index], offset.nose.radius_mm)
+            except RefusalError:
+                raise _too_large(offset.nose) from None
 
 
 def _cuts(rapids: Sequence[bool], first: int) -> Iterator[tuple[int, int]]:

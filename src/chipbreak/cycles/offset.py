@@ -196,7 +196,7 @@ def _circles_meet(one: Segment, other: Segment) -> Iterator[Point]:
 def check_distance(contour: Sequence[Segment], made: Sequence[Segment], distance_mm: float) -> None:
     """No point of ``made`` may be nearer to the contour, which may have gaps.  Errors: CYC002."""
     lines = [_places(one) for one in contour]
-    if not lines:
+    if not lines or not made:
         return
     first = np.concatenate([line[:-1] for line in lines])
     way = np.concatenate([line[1:] for line in lines]) - first
