@@ -11,7 +11,7 @@ PROFILE := generic-lathe
 CODE := src tests benchmarks
 FUZZ_SECONDS ?= 120
 
-.PHONY: real-control demo test check-table fuzz lint man site test-pythons hooks bench wheel release-dry-run clean
+.PHONY: machine-test real-control demo test check-table fuzz lint man site test-pythons hooks bench wheel release-dry-run clean
 
 $(BIN)/chipbreak: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -78,6 +78,10 @@ bench: $(VENV)/.bench
 # Cuts drawn at random on LinuxCNC's simulated machine, and the tables of docs/real-control.md; needs root.
 real-control: $(VENV)/.dev
 	$(BIN)/python benchmarks/real_control.py --write
+
+# Machines drawn at random, measured by the machine test, and new cuts on them (some minutes).
+machine-test: $(VENV)/.dev
+	$(BIN)/python benchmarks/machine_test.py
 
 wheel: $(VENV)/.dev
 	rm -f dist/chipbreak-*.whl

@@ -1,14 +1,16 @@
 """Machines whose numbers are drawn at random, measured by the machine test, and new cuts on them.
 
-``python benchmarks/machine_test.py [COUNT]``: for each machine a trace with noise is recorded of the program
-of ``chipbreak machine-test write``, ``read`` makes a profile of it, and cuts that are promised with this
-profile are run on the machine: N, stroke and verdict as promised and as run.
+``python benchmarks/machine_test.py [COUNT [KLIPPER [LINUXCNC]]]``: so many machines of each sort.  Each runs
+the program of ``chipbreak machine-test write``; ``read`` makes a profile of a trace with noise (of Klipper:
+of its times), and cuts that are promised with this profile are run on the machine: N, stroke and verdict as
+promised and as run.  Klipper's planner and LinuxCNC's simulated machine are left out where they are not here.
 """
 
 from __future__ import annotations
 
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -16,51 +18,89 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 from bench_machine import Kept, drawn_cut, drawn_machine, fanuc_cut, measured_profile
+from bench_planners import (
+    PLANNER,
+    drawn_klipper,
+    klipper_cut,
+    klipper_profile,
+    linuxcnc_cuts,
+    linuxcnc_profile,
+)
+from linuxcnc import machine
 
 CUTS = 3
 TRIES = 20
 
 
-def cuts_on(seed: int) -> tuple[str, list[Kept]]:
-    """What a machine is called, and what it made of its cuts; none where the test refused it."""
-    draw = np.random.default_rng(seed)
-    name, machine = drawn_machine(draw)
-    settling_s = sum(machine.averages_s) + 7.0 * sum(machine.lags_s)
+def _so_many(cut: Callable[[], Kept | None]) -> list[Kept]:
     found: list[Kept] = []
-    with tempfile.TemporaryDirectory() as folder:
-        try:
-            profile = measured_profile(machine, draw, Path(folder))
-        except AssertionError as error:
-            return f"{name}, refused: {str(error).splitlines()[0]}", []
-        for _ in range(TRIES):
-            kept = fanuc_cut(drawn_cut(draw, settling_s), profile, machine)
-            found += [kept] if kept is not None else []
-            if len(found) == CUTS:
-                break
-    return name, found
+    for _ in range(TRIES):
+        kept = cut()
+        found += [kept] if kept is not None else []
+        if len(found) == CUTS:
+            break
+    return found
 
 
-def main(count: int) -> None:
+def on_fanuc(draw: np.random.Generator, folder: Path) -> tuple[str, list[Kept]]:
+    """A machine with acc/dec filters, stepped through time."""
+    name, one = drawn_machine(draw)
+    profile = measured_profile(one, draw, folder)
+    settling_s = sum(one.averages_s) + 7.0 * sum(one.lags_s)
+    return name, _so_many(lambda: fanuc_cut(drawn_cut(draw, settling_s), profile, one))
+
+
+def on_klipper(draw: np.random.Generator, folder: Path) -> tuple[str, list[Kept]]:
+    """Klipper's own planner."""
+    one = drawn_klipper(draw)
+    profile = klipper_profile(one, draw, folder)
+    return "junction, Klipper", _so_many(lambda: klipper_cut(one, profile, draw))
+
+
+def on_linuxcnc(draw: np.random.Generator, folder: Path) -> tuple[str, list[Kept]]:
+    """LinuxCNC's simulated machine."""
+    acceleration_mm_s2 = float(draw.uniform(2000.0, 15000.0))
+    profile = linuxcnc_profile(acceleration_mm_s2, folder)
+    return "linuxcnc", linuxcnc_cuts(acceleration_mm_s2, profile, draw)
+
+
+def _measured(
+    sort: Callable[[np.random.Generator, Path], tuple[str, list[Kept]]], seed: int, folder: Path
+) -> tuple[str, list[Kept]]:
+    """A machine and its cuts; none where the test refuses what it sees."""
+    try:
+        return sort(np.random.default_rng(seed), folder)
+    except AssertionError as error:
+        return f"{sort.__name__}, refused: {str(error).splitlines()[0]}", []
+
+
+def main(fanuc: int = 30, klipper: int = 10, linuxcnc: int = 3) -> None:
     """A line a machine, and the sums."""
+    sorts = [
+        (on_fanuc, fanuc),
+        (on_klipper, klipper if (PLANNER / "klippy" / "toolhead.py").is_file() else 0),
+        (on_linuxcnc, linuxcnc if machine.available() else 0),
+    ]
     print("| machine | N off by at most % | stroke off by at most % | verdicts as promised |")
     print("| --- | --- | --- | --- |")
     every: list[Kept] = []
-    for seed in range(count):
-        name, found = cuts_on(seed)
-        every += found
-        counts = max((one.count_error for one in found), default=0.0)
-        strokes = max((one.stroke_error for one in found), default=0.0)
-        same = sum(one.same_verdict for one in found)
-        print(
-            f"| {seed} {name} | {100 * counts:.2f} | {100 * strokes:.1f} | {same} of {len(found)} |",
-            flush=True,
-        )
+    for sort, count in sorts:
+        for seed in range(count):
+            with tempfile.TemporaryDirectory() as folder:
+                name, found = _measured(sort, seed, Path(folder))
+            every += found
+            counts = max((one.count_error for one in found), default=0.0)
+            strokes = max((one.stroke_error for one in found), default=0.0)
+            same = sum(one.same_verdict for one in found)
+            row = f"| {name} {seed} | {100 * counts:.2f} | {100 * strokes:.1f} | {same} of {len(found)} |"
+            print(row, flush=True)
     print(
         f"{len(every)} cuts: N within 1 % {sum(one.count_error <= 0.01 for one in every)},"
         f" stroke within 5 % {sum(one.stroke_error <= 0.05 for one in every)},"
-        f" verdict {sum(one.same_verdict for one in every)}"
+        f" verdict {sum(one.same_verdict for one in every)};"
+        f" chips break in {sum(one.run[2] for one in every)}"
     )
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 30)
+    main(*map(int, sys.argv[1:]))

@@ -182,7 +182,7 @@ def fanuc_cut(cut: Cut, profile: str, machine: Machine) -> Kept | None:
     if not result.cuts:
         return None
     (report,) = result.cuts
-    lengths_mm, per_rev_mm = _blocks_of(result.data.decode())
+    lengths_mm, per_rev_mm = blocks_of(result.data.decode())
     speed_rpm = report.plan.solution.speed_rpm
     step_s = report.wave.period_s / 640.0
     command, _ = commanded(lengths_mm, per_rev_mm * speed_rpm / 60.0, machine, step_s)
@@ -197,9 +197,9 @@ def fanuc_cut(cut: Cut, profile: str, machine: Machine) -> Kept | None:
     return Kept(promised, (ran.per_rev, ran.stroke_mm, ran.margin >= 1.0))
 
 
-def _blocks_of(text: str) -> tuple[Floats, Floats]:
+def blocks_of(text: str, mark: str = "(CHIPBREAK") -> tuple[Floats, Floats]:
     """Lengths and feeds per revolution of the blocks of a cut in Z from 0."""
-    body = text.split("(CHIPBREAK BEGIN VIB")[1].split("(CHIPBREAK END", maxsplit=1)[0]
+    body = text.split(f"{mark} BEGIN VIB")[1].split(f"{mark} END", maxsplit=1)[0]
     ends, feeds = [0.0], list[float]()
     for line in body.splitlines():
         words = dict(_WORD.findall(re.sub(r"\([^)]*\)", "", line)))
@@ -231,14 +231,14 @@ def drawn_machine(draw: np.random.Generator) -> tuple[str, Machine]:
 def measured_profile(machine: Machine, draw: np.random.Generator, folder: Path, axes: str = "Z") -> str:
     """The profile that the machine test makes of a machine, from a trace with noise."""
     program, form, trace, profile = (folder / name for name in ("t.nc", "t.toml", "t.csv", "p.toml"))
-    _command_line("write", "-p", "fanuc-lathe", "-o", str(program), "--axes", axes, "--force", "-q")
+    command_line("write", "-p", "fanuc-lathe", "-o", str(program), "--axes", axes, "--force", "-q")
     groups = groups_of(program.read_text(), x_is_diameter=True)
     record = recorded(groups, {"X": machine, "Z": machine}, draw)
     trace.write_text(record.csv(axes))
-    _command_line("read", str(form), "--trace", str(trace), "-o", str(profile), "--force", "-q")
+    command_line("read", str(form), "--trace", str(trace), "-o", str(profile), "--force", "-q")
     return str(profile)
 
 
-def _command_line(*arguments: str) -> None:
+def command_line(*arguments: str) -> None:
     done = CliRunner().invoke(cli, ["machine-test", *arguments])
     assert done.exit_code == 0, done.output

@@ -13,6 +13,7 @@ from click.testing import CliRunner
 
 import chipbreak
 from bench_machine import drawn_cut, drawn_machine, fanuc_cut, groups_of, measured_profile, recorded
+from bench_planners import PLANNER, drawn_klipper, klipper_cut, klipper_profile
 from chipbreak.cli import cli
 from stepped_machine import Machine
 
@@ -40,6 +41,21 @@ def test_cuts_on_a_measured_machine_are_as_promised(seed: int, tmp_path: Path) -
     found = [fanuc_cut(drawn_cut(draw, settling_s), profile, machine) for _ in range(3)]
     kept = [one for one in found if one is not None]
     assert len(kept) >= 2
+    assert max(one.count_error for one in kept) <= 0.01
+    assert max(one.stroke_error for one in kept) <= 0.05
+    assert all(one.same_verdict for one in kept)
+
+
+@pytest.mark.klipper
+@pytest.mark.skipif(
+    not (PLANNER / "klippy" / "toolhead.py").is_file(), reason="Klipper's planner is not here"
+)
+def test_cuts_on_a_machine_of_which_only_times_are_known(tmp_path: Path) -> None:
+    draw = np.random.default_rng(2)
+    machine = drawn_klipper(draw)
+    profile = klipper_profile(machine, draw, tmp_path)
+    kept = [one for one in (klipper_cut(machine, profile, draw) for _ in range(2)) if one is not None]
+    assert kept
     assert max(one.count_error for one in kept) <= 0.01
     assert max(one.stroke_error for one in kept) <= 0.05
     assert all(one.same_verdict for one in kept)

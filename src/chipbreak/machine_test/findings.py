@@ -176,6 +176,8 @@ def _of_law(model: str, fits: Sequence[tuple[str, Fit]]) -> Iterator[Measured]:
     """What is one number for all axes: that of the axis that knows it best."""
     name = {"ramps": "joint_speed", "stops": "stop", "cruises": "smooth_share"}.get(fits[0][1].kind.name)
     if name is None:
+        if model == "junction":
+            yield Measured("planner.min_cruise_ratio", 0.0, 0.0)
         if model == "look-ahead":
             yield Measured("planner.joint_speed_mm_min", _AT_REST_MM_MIN, 0.0)
         return

@@ -52,6 +52,7 @@ _ALIGNMENTS = 4
 _SLOPE_S = 0.0005
 _BAND = 0.15
 _GENERIC = FILTER_KINDS[3]
+_SHORTEST_S = 0.0008  # of a filter that is seen
 _FILTER_STARTS = {
     "average_s": (0.008, 0.04),
     "bell_s": (0.01,),
@@ -243,7 +244,9 @@ def fits_of(data: AxisData, known: Limits, usual_model: str, only: Kind | None =
     kinds = KINDS if only is None else (only,)
     rough = _rough_fits(part, data.as_times, known, usual_model, kinds)
     found = [fit for begin in rough for fit in _with_filters(begin, part, known)]
-    best = _ranked(found, part, usual_model)[:_FINALISTS]
+    # A filter that is over before the next place is seen stands for what the model rounds.
+    plain = [one for one in found if all(one.numbers[name] > _SHORTEST_S for name in one.behind.names)]
+    best = _ranked(plain or found, part, usual_model)[:_FINALISTS]
     if part.count == data.count:
         return best
     return _ranked([_solve(one, one.behind, data, known, _FINE_ROUNDS) for one in best], data, usual_model)

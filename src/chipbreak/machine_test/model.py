@@ -109,7 +109,7 @@ PERIODS = Kind(
     ),
     steps=True,
 )
-KINDS = (EXACT, RESTS, STOPS, RAMPS, CRUISES, PERIODS)
+KINDS = (EXACT, RESTS, RAMPS, CRUISES, STOPS, PERIODS)
 
 
 class FilterKind(NamedTuple):
