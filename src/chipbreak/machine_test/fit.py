@@ -230,7 +230,15 @@ def _begin_of(motion: Motion) -> Motion:
 def _first_guess(seen_s: Floats, seen_mm: Floats, at_s: Floats, place_mm: Floats) -> float:
     """When the motion began, from where both have gone a tenth of the first stroke."""
     level = 0.1 * min(float(seen_mm.max()), float(place_mm.max()))
-    return float(seen_s[int((seen_mm > level).argmax())] - at_s[int((place_mm > level).argmax())])
+    return _passes_s(seen_s, seen_mm, level) - _passes_s(at_s, place_mm, level)
+
+
+def _passes_s(time_s: Floats, place_mm: Floats, level_mm: float) -> float:
+    """When an axis first comes by a level, between two places that may be far apart."""
+    behind = max(int((place_mm > level_mm).argmax()), 1)
+    before_mm, behind_mm = float(place_mm[behind - 1]), float(place_mm[behind])
+    share = min(max((level_mm - before_mm) / max(behind_mm - before_mm, 1e-9), 0.0), 1.0)
+    return float(time_s[behind - 1] + share * (time_s[behind] - time_s[behind - 1]))
 
 
 def fits_of(data: AxisData, known: Limits, usual_model: str, only: Kind | None = None) -> list[Fit]:
