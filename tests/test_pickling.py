@@ -17,12 +17,14 @@ import chipbreak
 from chipbreak.editing.edits import Edit, OverlapError
 from chipbreak.editing.promise import Promise
 from chipbreak.macros.parameters import UnsetError
+from chipbreak.operations.linear_pattern import TooDifficultError
 from chipbreak.settings import profile_names
 from chipbreak.syntax.expressions import UnreadableError
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.span import Place
 from chipbreak.vibration.speeds import UnknownSpeedError
+from chipbreak.whole_files import NotReplacedError
 
 FOUND = Diagnostic("VIB001", Severity.ERROR, "N is wrong", "write another", Place("a.nc", 3, 2, 5), "G1 N2")
 EDIT = Edit(0, 4, ("G4 X1.",), "title", "reason", Promise(), "vibrate")
@@ -37,6 +39,8 @@ ERRORS = [
     UnknownSpeedError("VIB057", "no speed", "give one", 7),
     UnreadableError("too deep", 7),
     UnsetError("MCR001", "no beam", "measure it"),
+    TooDifficultError("too many ways"),
+    NotReplacedError("it has other names"),
 ]
 Copier = Callable[[Any], Any]
 

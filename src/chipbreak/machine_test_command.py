@@ -61,6 +61,7 @@ def write(
     from chipbreak.machine_test.groups import groups_for, usual_axes, usual_feed_mm_min
     from chipbreak.machine_test.program import program_text, variables_for
     from chipbreak.text.diagnostics import RefusalError
+    from chipbreak.trajectory.law_names import LAW_KEYS
 
     settings = settings_of(asked, "-")
     letters = (axes or usual_axes(settings)).upper()
@@ -73,7 +74,9 @@ def write(
     for file in (target, form):
         if file.exists() and not force:
             raise click.UsageError(f"{file} is there already: give another name, or --force to replace it")
-    count = repeats or (1 if settings.dialect.clock or settings.planner.model == "linuxcnc" else 10)
+    # Where no clock times a group and no record of the motion is usual, a hand with a watch does.
+    has_record = "max_feed_override" in LAW_KEYS[settings.planner.model]
+    count = repeats or (1 if settings.dialect.clock or has_record else 10)
     groups = groups_for(letters, travel, feed or usual_feed_mm_min(settings, letters), count)
     variables = variables_for(settings, groups)
     try:

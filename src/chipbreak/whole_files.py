@@ -29,6 +29,10 @@ class NotReplacedError(OSError):
 
     def __init__(self, why: str) -> None:
         super().__init__(errno.EPERM, why)
+        self.why = why
+
+    def __reduce__(self) -> tuple[type[NotReplacedError], tuple[str]]:
+        return type(self), (self.why,)
 
 
 def replace(target: Path, pieces: Iterable[bytes], *, before: Callable[[Path], None] | None = None) -> None:

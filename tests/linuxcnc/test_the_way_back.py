@@ -17,8 +17,11 @@ PROFILES = {
     "fusion-mill.nc": str(SAMPLES / "mill-with-laser.toml"),
     "linuxcnc-lathe.ngc": "linuxcnc-lathe",
     "roughing.nc": "fanuc-lathe",
+    "shaft.ngc": "linuxcnc-lathe",
     "turning.nc": "generic-lathe",
 }
+# What its machine reaches.
+SETS = {"shaft.ngc": [f"axes.{axis}.max_acceleration_mm_s2=10000" for axis in "XZ"]}
 
 
 def goes_back(program: bytes, result: chipbreak.Result, settings: chipbreak.Settings) -> bool:
@@ -42,6 +45,6 @@ def test_there_is_a_profile_for_every_sample() -> None:
 
 @pytest.mark.parametrize("name", PROFILES)
 def test_sample(name: str) -> None:
-    settings = chipbreak.load(PROFILES[name])
+    settings = chipbreak.load(PROFILES[name], SETS.get(name, []))
     program = (SAMPLES / name).read_bytes()
     assert goes_back(program, chipbreak.rewrite(program, settings, name), settings)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 import pickle
+from functools import cache
 from itertools import chain
 from math import inf
 from pathlib import Path
@@ -250,12 +251,18 @@ def _is_text(node: ast.expr, text: str) -> bool:
     return isinstance(node, ast.Constant) and node.value == text
 
 
+@cache
+def trees() -> dict[str, ast.Module]:
+    """Every module of the package by its path inside it, parsed once for all names."""
+    files = PACKAGE.rglob("*.py")
+    return {file.relative_to(PACKAGE).as_posix(): ast.parse(file.read_bytes()) for file in files}
+
+
 @pytest.mark.parametrize("name", NAMED)
 def test_no_branch_on_the_name_of_a_law_or_a_wave(name: str) -> None:
     found = {}
-    for file in PACKAGE.rglob("*.py"):
-        inside = file.relative_to(PACKAGE).as_posix()
-        lines = branches_on(ast.parse(file.read_bytes()), name)
+    for inside, tree in trees().items():
+        lines = branches_on(tree, name)
         if lines and inside != NAMED[name]:
             found[inside] = lines
     assert not found

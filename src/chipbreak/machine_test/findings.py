@@ -11,12 +11,13 @@ from chipbreak.machine_files.found import Found, Machine
 from chipbreak.machine_test.fit import AxisData, Fit, fits_of
 from chipbreak.machine_test.form import Form
 from chipbreak.machine_test.groups import Group
-from chipbreak.machine_test.model import Limits, law_of, time_s
+from chipbreak.machine_test.model import EXACT, Limits, law_of, time_s
 from chipbreak.machine_test.trace import Piece
 from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
+from chipbreak.trajectory.law_names import LAW_KEYS
 from chipbreak.units import MS_PER_S, S_PER_MIN
 
 _FEWEST_TIMES = 6
@@ -176,9 +177,9 @@ def _of_law(model: str, fits: Sequence[tuple[str, Fit]]) -> Iterator[Measured]:
     """What is one number for all axes: that of the axis that knows it best."""
     name = {"ramps": "joint_speed", "stops": "stop", "cruises": "smooth_share"}.get(fits[0][1].kind.name)
     if name is None:
-        if model == "junction":
+        if "min_cruise_ratio" in LAW_KEYS[model]:
             yield Measured("planner.min_cruise_ratio", 0.0, 0.0)
-        if model == "look-ahead":
+        if "joint_speed_mm_min" in LAW_KEYS[model]:
             yield Measured("planner.joint_speed_mm_min", _AT_REST_MM_MIN, 0.0)
         return
     fit = min((one for _, one in fits), key=lambda one: one.shares[name])
@@ -200,7 +201,8 @@ def _of_axes(
         if "acceleration" in fit.numbers and _share(fit, "acceleration") <= _MOST_SHARE:
             key = f"axes.{axis}.max_acceleration_mm_s2"
             yield Measured(key, fit.numbers["acceleration"], _share(fit, "acceleration"), "mm/s2")
-        if axis in has_trace and (fit.behind.names or model in ("look-ahead", "after-interpolation")):
+        has_filters = fit.behind.names or fit.kind is EXACT or "joint_speed_mm_min" in LAW_KEYS[model]
+        if axis in has_trace and has_filters:
             yield from _of_filter(axis, fit, settings.axes[axis].feed_forward)
 
 
@@ -299,9 +301,9 @@ def _open_speeds(known: _Known) -> Iterator[str]:
 
 
 def _open_laws(known: _Known) -> Iterator[str]:
-    if known.model == "junction":
+    if "junction_deviation_mm" in LAW_KEYS[known.model]:
         yield "the speed at corners (junction_deviation_mm, corner_velocity_mm_s): take it from the control"
-    if known.model == "linuxcnc":
+    if "max_feed_override" in LAW_KEYS[known.model]:
         yield "planner.max_feed_override and servo_period_ms: take them from the INI file"
     yield "what cutting forces, heat and wear change: it was measured in air"
 
