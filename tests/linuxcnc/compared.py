@@ -30,13 +30,15 @@ def marked(output: bytes) -> bytes:
     return b"".join([*parts, source.data[source.starts[line] :]])
 
 
-def assert_same_outside(data: bytes, output: bytes, *, lathe: bool, comes_back: bool = True) -> None:
+def assert_same_outside(
+    data: bytes, output: bytes, *, lathe: bool, comes_back: bool = True, block_delete: bool = False
+) -> None:
     """Each block outside the brackets meets the same state, and behind each bracket is the same state.
 
     ``comes_back`` is False for checks: place, spindle and coolant count where the tool moves.
     """
-    was = rs274.judge(_OUR_WORDS.sub(b"", marked(output)), lathe=lathe)
-    now = rs274.judge(output, lathe=lathe)
+    was = rs274.judge(_OUR_WORDS.sub(b"", marked(output)), lathe=lathe, block_delete=block_delete)
+    now = rs274.judge(output, lathe=lathe, block_delete=block_delete)
     assert was.accepted, was.message
     assert now.accepted, f"{now.message}\n{data.decode()}"
     for before, after in zip_longest(records(was.canon), records(now.canon)):

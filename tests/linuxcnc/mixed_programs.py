@@ -25,6 +25,10 @@ class Writer:
     lines: list[str] = field(default_factory=list)
     inch: bool = False
     surface: bool = False
+    incremental: bool = False
+    diameter: bool = False
+    at: dict[str, float] = field(default_factory=dict)
+    subroutines: list[str] = field(default_factory=list)
 
     def length(self, mm: float) -> str:
         """A length in the units in force, with more digits than the output has."""
@@ -35,7 +39,13 @@ class Writer:
         return {axis: round(self.random.uniform(6.0, 20.0), 2) for axis in axes}
 
     def words(self, place: dict[str, float]) -> str:
-        return " ".join(axis + self.length(mm) for axis, mm in place.items())
+        """Words that go to a place in the modes in force."""
+        said = []
+        for axis, mm in place.items():
+            way = mm - self.at.get(axis, 0.0) if self.incremental else mm
+            said.append(axis + self.length(2.0 * way if axis == "X" and self.diameter else way))
+        self.at |= place
+        return " ".join(said)
 
     def feed(self) -> str:
         return "F" + self.length(self.random.choice([0.05, 0.08, 0.1, 0.2]))
@@ -61,7 +71,7 @@ class Writer:
         for at, axis in enumerate(axes):
             place[axis] += self.random.choice([-3.0, -1.5, 1.0, 2.5])
             feed = self.feed() if at == 0 and self.random.random() < 0.7 else ""
-            self.write(f"G1 {axis}{self.length(place[axis])} {feed}".rstrip())
+            self.write(f"G1 {self.words({axis: place[axis]})} {feed}".rstrip())
         if self.random.random() < 0.8:
             self.write("(VIB OFF)")
 
@@ -88,6 +98,8 @@ class Writer:
         self.write(f"{code} {self.speed()}")
 
     def thread(self) -> None:
+        if self.incremental or self.diameter:
+            return
         pitch = self.length(1.0)
         self.write("G0 " + self.words(self.place()))
         if self.random.random() < 0.6:
@@ -102,7 +114,71 @@ class Writer:
     def stop(self) -> None:
         self.write(*self.random.choice([["M0"], ["M1"], ["T1 M6", "M3"], ["M5", "M3"], ["M8"], ["M9"]]))
 
+    def arrive(self) -> None:
+        """Behind a change of zero a program says where it goes, without distances."""
+        was, self.incremental = self.incremental, False
+        self.write(*(["G90"] if was else []), "G0 " + self.words(self.place()), *(["G91"] if was else []))
+        self.incremental = was
+
+    def zero(self) -> None:
+        """Another zero: an offset, one that G10 sets, or G92."""
+        axis = self.random.choice("XZ" if self.lathe else "XYZ")
+        far = self.length(self.random.choice([-7.0, 4.0, 9.0]))
+        offset = f"G{self.random.choice(['54', '55', '56', '59.1', '59.3'])}"
+        texts = [offset, f"G10 L2 P{self.random.randint(0, 3)} {axis}{far}", f"G10 L20 P1 {axis}{far}"]
+        texts += [f"G92 {axis}{far}", "G92.1", "G92.2", "G92.3"]
+        texts += [] if self.lathe else [f"G43.1 Z{far}", "G49", "G43 H2"]
+        self.write(self.random.choice(texts))
+        self.arrive()
+
+    def distance(self) -> None:
+        self.incremental = not self.incremental
+        self.write("G91" if self.incremental else "G90")
+
+    def diameters(self) -> None:
+        if self.lathe:
+            self.diameter = not self.diameter
+            self.write("G7" if self.diameter else "G8")
+
+    def skipped(self) -> None:
+        """A block that a switch may skip; behind it the program says everything again."""
+        was, self.incremental = self.incremental, False
+        block = self.random.choice(["M8", self.speed(), self.feed(), "G0 " + self.words(self.place())])
+        again = [self.speed(), self.feed()]
+        self.write(*(["G90"] if was else []), f"/{block}", *again, *(["G91"] if was else []))
+        self.incremental = was
+        self.arrive()
+
+    def called(self) -> None:
+        """A subroutine, called once or twice; it leaves the modes as they were."""
+        number = 900 + len(self.subroutines)
+        outer, self.lines = self.lines, []
+        self.arrive()
+        for item in self.random.choices([Writer.vibrated, Writer.cut, Writer.rapid, Writer.one_shot], k=2):
+            item(self)
+        body, self.lines = self.lines, outer
+        self.subroutines.append("\n".join([f"o{number} sub", *body, f"o{number} endsub"]))
+        self.write(*[f"o{number} call"] * self.random.randint(1, 2))
+        self.write(*[text for text in (self.speed(), self.feed()) if self.random.random() < 0.8])
+        self.arrive()
+
+    def arc(self) -> None:
+        """A quarter by its centre or by its radius, in the plane of the machine."""
+        if self.diameter:
+            return
+        step = self.random.choice([1.0, 2.0, 3.5])
+        first, second, letter = ("Z", "X", "K") if self.lathe else ("X", "Y", "I")
+        place = self.place()
+        self.write("G0 " + self.words(place))
+        goal = {first: place[first] + step, second: place[second] + step}
+        is_centre = self.random.random() < 0.5 and not self.inch
+        size = f"{letter}{self.length(step)}" if is_centre else f"R{self.length(step)}"
+        code = "G3" if is_centre else self.random.choice(["G2", "G3"])
+        self.write(f"{code} {self.words(goal)} {size} {self.feed()}")
+
     def other(self) -> None:
+        if self.incremental:
+            return
         feed = self.random.choice(["", " F0.1"])
         # Behind a branch no speed is known until S is said again.
         branch = ["o100 if [1 gt 0]", f"G0 Z{self.length(9.0)}", "o100 endif", self.speed()]
@@ -121,6 +197,12 @@ _ITEMS: tuple[Callable[[Writer], None], ...] = (
     Writer.other,
     Writer.cut,
     Writer.rapid,
+    Writer.zero,
+    Writer.distance,
+    Writer.diameters,
+    Writer.skipped,
+    Writer.called,
+    Writer.arc,
 )
 
 
@@ -135,7 +217,7 @@ def program(seed: int) -> tuple[bytes, bool]:
         random.choice(_ITEMS)(write)
     write.rapid()
     labels = iter(range(100, 200))
-    text = "\n".join([*write.lines, "M2", ""])
+    text = "\n".join([*write.subroutines, *write.lines, "M2", ""])
     # Every branch has a label of its own.
     text = re.sub(r"o100 if(.*\n.*\n)o100", lambda m: f"o{(n := next(labels))} if{m[1]}o{n}", text)
     return text.encode(), write.lathe

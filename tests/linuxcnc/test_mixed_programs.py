@@ -19,7 +19,12 @@ from .mixed_programs import program
 
 # The same each time, or a search: see tests/fuzz.py.
 EXAMPLES = 300 if hypothesis_settings.default and hypothesis_settings.default.derandomize else 2000
-SETTINGS = ['planner.model="ideal"', 'output.segments="stroke"', "checks.enabled=false"]
+SETTINGS = [
+    'planner.model="ideal"',
+    'output.segments="stroke"',
+    "checks.enabled=false",
+    'vibration.refused="leave"',
+]
 
 
 def check(data: bytes, *, lathe: bool) -> str:
@@ -33,7 +38,8 @@ def check(data: bytes, *, lathe: bool) -> str:
         return "refused"
     if not result.changed:
         return "unchanged"
-    assert_same_outside(data, result.data, lathe=lathe)
+    for block_delete in (False, True) if b"\n/" in data else (False,):
+        assert_same_outside(data, result.data, lathe=lathe, block_delete=block_delete)
     return "changed"
 
 

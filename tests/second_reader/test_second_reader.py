@@ -3,7 +3,7 @@
 The original is held against the filtered program on a second reader of Fanuc's words, which knows nothing of
 the package: each block outside the brackets with the state that it meets, and the state behind each bracket.
 ``make test`` draws some programs, ``make fuzz`` others, and
-``python tests/second_reader/search.py 100000`` as many as one likes.
+``python tests/mixed_search.py fanuc 100000`` as many as one likes.
 """
 
 from __future__ import annotations
