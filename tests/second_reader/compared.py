@@ -72,6 +72,8 @@ def checked(text: str, control: Control) -> tuple[str, str]:
     except chipbreak.ProgramRejectedError as error:
         codes = sorted({said.code for said in error.diagnostics if said.severity.value == "error"})
         return f"refused {' '.join(codes)}", ""
+    except chipbreak.SelfCheckError as error:
+        return "fault", f"exit 4: {error}"
     if not result.changed:
         return "unchanged", ""
     return "changed", difference(result.data, control)
