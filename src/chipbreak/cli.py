@@ -41,6 +41,7 @@ from chipbreak.options import (
     verify_program,
 )
 from chipbreak.profile_commands import profile
+from chipbreak.resume_command import resume
 from chipbreak.streams import (
     Commands,
     complain,
@@ -384,6 +385,7 @@ cli.add_command(textconv)
 cli.add_command(advise)
 cli.add_command(machine_test)
 cli.add_command(report)
+cli.add_command(resume)
 
 
 cli.add_command(profile)

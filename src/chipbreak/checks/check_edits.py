@@ -13,23 +13,19 @@ from chipbreak.checks.plan import PlannedCheck, plan_checks
 from chipbreak.dialects.modes import UNSAID
 from chipbreak.editing.edits import Edit
 from chipbreak.editing.promise import SpindleRestarted
+from chipbreak.insertion.place_words import place_word
 from chipbreak.insertion.retract import retract_blocks
 from chipbreak.insertion.safe_points import SafePoint
 from chipbreak.model.flow import Flow
 from chipbreak.model.giving_back import speed_text
 from chipbreak.model.interpret import Interpreter
 from chipbreak.model.interpreted_program import InterpretedProgram
-from chipbreak.model.words import is_diameter
 from chipbreak.operations.main_program import MainProgram
 from chipbreak.operations.operations import Operation
 from chipbreak.settings.sections import Settings
-from chipbreak.syntax.numbers import print_number
 from chipbreak.syntax.parse import read_block
 from chipbreak.text.diagnostics import Diagnostic
 from chipbreak.tools.merge import ToolTable
-
-# As many as any program has: a position is printed back as it was programmed, never rounder.
-_DECIMALS = 6
 
 
 def edits_of_checks(
@@ -146,9 +142,4 @@ class _Blocks:
 
     def _word(self, axis: str) -> str:
         """Where an axis stood, as a word."""
-        value = getattr(self.before.position, axis.lower()) / self.before.mm_per_unit
-        if axis == "X" and is_diameter(self.before, self.settings.control):
-            value *= 2.0
-        words = self.settings.axis_words
-        number = print_number(value * words.signs[axis], _DECIMALS)
-        return words.letters[axis] + self.settings.dialect.set_off + number
+        return place_word(axis, self.before, self.settings)

@@ -66,11 +66,11 @@ def _line(one: Diagnostic, settings: Settings) -> str:
 def _place(program: Program) -> tuple[int, int]:
     """Before the first block that does anything; a program number or a title stays in front."""
     body = program.source.body
-    first = next((line for line in body if _does_something(program, line)), body.stop)
+    first = next((line for line in body if does_something(program, line)), body.stop)
     return first, first
 
 
-def _does_something(program: Program, line: int) -> bool:
+def does_something(program: Program, line: int) -> bool:
     """False for blank lines, comments, program numbers and names."""
     block = program.block(line)
     is_named = bool(block.marks) and not block.words

@@ -53,10 +53,14 @@ _PLACING: frozenset[Group] = frozenset({"distance", "units", "work_offset", "len
 class Obstacles:
     """What is known about the lines of a program before any candidate is looked at.
 
-    ``tool_changes``: the lines that change the tool, in order.
+    ``tool_changes``: the lines that change the tool, in order.  ``says_surface_speed``: what is inserted can
+    say a surface speed (G96) and its limit again.
     """
 
-    def __init__(self, interpreted: InterpretedProgram, main: MainProgram) -> None:
+    def __init__(
+        self, interpreted: InterpretedProgram, main: MainProgram, *, says_surface_speed: bool = False
+    ) -> None:
+        self._left_out = self._OF_SURFACE_SPEED if says_surface_speed else ()
         self.interpreted = interpreted
         self.main = main
         self.dialect = interpreted.settings.dialect
@@ -76,7 +80,7 @@ class Obstacles:
     def at(self, line: int, state: State) -> Obstacle | None:
         """What does not let anything be inserted before a line, None when its place and modes allow it."""
         for rule in self._RULES:
-            why = rule(self, line, state)
+            why = "" if rule in self._left_out else rule(self, line, state)
             if why:
                 return Obstacle(why, self._WAYS_OUT.get(rule, MAKE_A_PLACE))
         return None
@@ -100,6 +104,11 @@ class Obstacles:
         return (
             f"it moved after line {self._user_line(setter)}, which may or may not have set {words_for(what)}"
         )
+
+    def runs_once(self, line: int) -> bool:
+        """False for a line in a loop or a branch, or where a jump may pass by or come back."""
+        inside = any(nest.first <= line <= nest.last for nest in self._nests)
+        return not inside and not (self._jumps and self._jumps[0] <= line <= self._jumps[1])
 
     def _conditional_at(self, line: int) -> int:
         """Index of what is conditional before a line, -1 where nothing has been yet."""
@@ -221,6 +230,7 @@ class Obstacles:
         _taps,
         _looks_ahead,
     )
+    _OF_SURFACE_SPEED = (_surface_speed_is_on, _surface_speed_has_a_limit)
     _WAYS_OUT: ClassVar[Mapping[Callable[[Obstacles, int, State], str], str]] = {
         _behind_what_is_unreadable: CALL_THE_TOOL_AGAIN,
         _in_one_of_several_paths: ONE_PATH_A_FILE,

@@ -15,10 +15,11 @@ def variables_of(block: Block) -> Iterator[int | str | None]:
     for control in block.controls:
         expressions += control.arguments
     for expression in expressions:
-        yield from _variables(expression)
+        yield from variables_in(expression)
 
 
-def _variables(expression: Expression) -> Iterator[int | str | None]:
+def variables_in(expression: Expression) -> Iterator[int | str | None]:
+    """The same of one expression."""
     waiting = [expression]
     while waiting:
         one = waiting.pop()
