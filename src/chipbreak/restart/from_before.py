@@ -13,10 +13,12 @@ from functools import cached_property
 import numpy as np
 
 from chipbreak.dialects.base import NON_MODAL
+from chipbreak.insertion.looking_back import effects_before
 from chipbreak.insertion.obstacles import Obstacles
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.flow import contour_calls, sequence_lines
 from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.words import codes_of
 from chipbreak.operations.main_program import calls_subprogram
 from chipbreak.restart.restart_case import RestartCase
 from chipbreak.restart.standing import Standing
@@ -26,6 +28,8 @@ from chipbreak.syntax.shapes import bits_of
 # How far it is looked for the next F: a program says it with its first cut.
 _HORIZON = 2000
 _ROTARY = "ABC"
+# Cycles of Fanuc-type lathes that are programmed in two lines.
+_TWO_LINES = frozenset({"rough-cycle", "peck-cycle", "thread-cycle"})
 
 
 class Before:
@@ -94,6 +98,15 @@ def _shape_stands_before(before: Before) -> str:
     return ""
 
 
+def _between_the_lines_of_a_cycle(before: Before) -> str:
+    """``G71 U2. R1.`` says what the ``G71 P10 Q20`` behind it works with."""
+    was = next(effects_before(before.interpreted, before.line), None)
+    now = next((one for one in before.interpreted.effects if one.block.line >= before.line), None)
+    if was is None or now is None or not was.non_modal & now.non_modal & _TWO_LINES:
+        return ""
+    return "it is between the two lines of a cycle"
+
+
 def _called_block_stands_before(before: Before) -> str:
     """``M97 P100`` behind the line, and N100 in front of it."""
     calls = [one for one in before.interpreted.effects if one.does("subprogram", "local-call")]
@@ -138,18 +151,33 @@ def _speed_is_in_other_units(before: Before) -> str:
 
 
 def _feed_is_not_known(before: Before) -> str:
-    """F is not known, and the next cut counts on it."""
-    feed = before.case.in_force.feed
-    if feed is not None and not math.isnan(feed.value):
+    """An F is in force that cannot be known, and the next cut counts on it."""
+    if not _has_lost_its_feed(before):
         return ""
     stop = min(before.line + _HORIZON, before.interpreted.program.source.body.stop)
     for effect in before.interpreted.effects_of(before.line, stop):
         if effect.block.has("F") or effect.after.ended:
             return ""
         feeds = effect.move is not None and effect.move.kind != "rapid"
-        if feeds or calls_subprogram(effect) or "macro-call" in effect.non_modal:
+        if feeds or _calls(effect):
             return f"which F is in force in line {before.user_line(effect.block.line)} is not known"
     return ""
+
+
+def _has_lost_its_feed(before: Before) -> bool:
+    """A call since the last F may have set another; behind a loop it is not known, but in force."""
+    said = next(reversed([one.block.line for one in _with_letters(before, "F")]), -1)
+    since = [effect for effect in before.effects() if effect.block.line > said]
+    if any(_calls(effect) for effect in since):
+        return True
+    feed = before.case.in_force.feed
+    is_known = feed is not None and not math.isnan(feed.value)
+    ends = any(codes_of(effect.block, "feed_mode", before.dialect) for effect in since)
+    return said >= 0 and not is_known and not ends
+
+
+def _calls(effect: BlockEffect) -> bool:
+    return calls_subprogram(effect) or "macro-call" in effect.non_modal
 
 
 def _rotary_axis_is_not_known(before: Before) -> str:
@@ -200,6 +228,7 @@ WHY: tuple[Callable[[Before], str], ...] = (
     _modes_are_kept,
     _tool_is_not_known,
     _shape_stands_before,
+    _between_the_lines_of_a_cycle,
     _called_block_stands_before,
     _variables,
     _rotary_axis_is_not_known,

@@ -43,7 +43,9 @@ class RestartCase(Case):
     @cached_property
     def axes(self) -> frozenset[str]:
         """The axes that go to where they stood: all that is known of them, and what the rest relies on."""
-        needed = super().axes
+        needed = self.dependencies.axes
+        if "Z" in needed:  # the way to it starts where the others were
+            needed |= frozenset(self.place_axes)
         if self.calls_tool:
             return needed
         position = self.state.position._asdict()
@@ -68,18 +70,18 @@ class RestartCase(Case):
     @cached_property
     def offset_words(self) -> str | None:
         """What brings the length offset into force, "" where none is needed, None where it is not known."""
-        if not self.has_offset or (self.calls_tool and not self.dependencies.length_offset):
+        if not self.has_offset or not (self.dependencies.length_offset or "Z" in self.axes):
             return ""
         return offset_words(self.interpreted, self.line) or self._offset_of_the_tool()
 
     def _offset_of_the_tool(self) -> str | None:
         """``G43`` without H, where no H was ever given: that of the tool that was in the spindle then."""
         for effect in effects_before(self.interpreted, self.line):
-            if calls_tool(effect, self.dialect) or effect.non_modal:
-                return None
             codes = codes_of(effect.block, "length_offset", self.dialect)
             if codes:
                 return None if codes[-1] != _OFFSET or self._has_h() else "G43"
+            if calls_tool(effect, self.dialect):
+                return None
         return None
 
     def _has_h(self) -> bool:
