@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
@@ -326,7 +327,7 @@ def _program(random: Random) -> bytes:
     return "\n".join([*lines, "M30", "%", ""]).encode()
 
 
-def _rest(data: bytes, line: int) -> tuple[object, list[tuple[object, ...]]]:
+def _rest(data: bytes, line: int) -> tuple[Any, list[Any]]:
     """The state before a line (from 1), and what the blocks from there on do."""
     whole = interpret(parse(read(data), LATHE.dialect), LATHE)
     source = whole.program.source
@@ -338,31 +339,35 @@ def _rest(data: bytes, line: int) -> tuple[object, list[tuple[object, ...]]]:
     return whole.before(line - 1), effects
 
 
+def _ends(moves: list[Any]) -> list[Any]:
+    """Where the moves with a known end go to."""
+    known = [one for one in moves if len(one) > 4 and not math.isnan(one[6].x + one[6].z)]
+    return [one[6] for one in known]
+
+
+def _goes_on(data: bytes, line: int) -> None:
+    """A restart at a line does what the whole program does from there on, or says why there is none."""
+    try:
+        result = resume(data, LATHE, line)
+    except chipbreak.ProgramRejectedError as error:
+        assert {one.code for one in error.diagnostics} <= {"RSM001", "RSM002"}
+        return
+    rest = b"".join(data.splitlines(keepends=True)[result.line - 1 :])
+    was, moves = _rest(data, result.line)
+    now, again = _rest(result.data, result.data.count(b"\n") - rest.count(b"\n") + 1)
+    if moves[0][0].startswith(("M1", "N", "T")):  # at a tool call: the way there is another
+        assert _ends(moves) == _ends(again)
+        return
+    assert difference(was, now) == ""
+    assert spindle_speed(was) == spindle_speed(now)
+    assert moves == again
+
+
 @pytest.mark.parametrize("seed", range(16))
 def test_random_programs_go_on_as_they_would_have(seed: int) -> None:
     random = Random(seed)
     data = _program(random)
     if seed % 2 and b"G98" not in data:
         data = chipbreak.rewrite(data, LATHE, allow_unbroken=True).data
-    count = data.count(b"\n")
-    for line in random.sample(range(5, count), k=4):
-        try:
-            result = resume(data, LATHE, line)
-        except chipbreak.ProgramRejectedError as error:
-            assert {one.code for one in error.diagnostics} <= {"RSM001", "RSM002"}
-            continue
-        rest = b"".join(data.splitlines(keepends=True)[result.line - 1 :])
-        was, moves = _rest(data, result.line)
-        now, again = _rest(result.data, result.data.count(b"\n") - rest.count(b"\n") + 1)
-        at_tool_call = moves[0][0].startswith(("M1", "N", "T"))  # type: ignore[attr-defined]
-        if not at_tool_call:
-            assert difference(was, now) == ""  # type: ignore[arg-type]
-            assert spindle_speed(was) == spindle_speed(now)  # type: ignore[arg-type]
-            assert moves == again
-        else:
-            known = [one for one in moves if len(one) > 4 and not math.isnan(one[6].x + one[6].z)]  # type: ignore[attr-defined]
-            assert [one[6] for one in known] == [  # type: ignore[misc]
-                one[6]
-                for one in again
-                if len(one) > 4 and not math.isnan(one[6].x + one[6].z)  # type: ignore[attr-defined]
-            ]
+    for line in random.sample(range(5, data.count(b"\n")), k=4):
+        _goes_on(data, line)
