@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from pathlib import Path
 from random import Random
@@ -78,7 +79,8 @@ def test_random_programs_go_on(seed: int) -> None:
     data, lathe = program(seed)
     settings = chipbreak.load("linuxcnc-lathe" if lathe else "linuxcnc-mill", ["planner.model=ideal"])
     if seed % 2:
-        data = chipbreak.rewrite(data, settings, allow_unbroken=True).data
+        with contextlib.suppress(chipbreak.ProgramRejectedError):  # then it is started again as it is
+            data = chipbreak.rewrite(data, settings, allow_unbroken=True).data
     count = data.count(b"\n")
     for line in Random(seed).sample(range(4, count), k=3):
         assert_goes_on(data, line, settings)
