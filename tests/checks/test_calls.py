@@ -277,6 +277,7 @@ def test_calls_are_checked_when_the_profile_is_read(text: str, code: str, tmp_pa
         ("T5", "calls a tool"),
         ("T{tool} M6", "calls a tool"),
         ("M6", "calls a tool"),
+        ("O1", "begins a program"),
         ("M30", "ends the program"),
         ("M99", "ends the program"),
         ("G20", "changes the units"),

@@ -37,6 +37,12 @@ def _ends_program(effect: BlockEffect) -> str:
     return "ends the program" if ends else ""
 
 
+def _begins_program(effect: BlockEffect) -> str:
+    # A number as the first word: what stands behind it is another program.
+    begins = effect.block.word("O") is not None and not effect.block.controls
+    return "begins a program" if begins else ""
+
+
 def _jumps(effect: BlockEffect) -> str:
     jumps = any(control.keyword != "O-CALL" for control in effect.block.controls)
     return "jumps, loops, or waits for another path" if jumps else ""
@@ -58,6 +64,7 @@ def _limits_speed(effect: BlockEffect) -> str:
 
 _RULES: tuple[Callable[[BlockEffect], str], ...] = (
     _ends_program,
+    _begins_program,
     _jumps,
     _sets_feed,
     _calls_tool,
