@@ -2,9 +2,9 @@
 
 Programs, profiles, ``--set``, templates of calls, rules of operations, files of tools, traces, machine files
 and whole commands are taken from the tests and samples and spoilt.  Nothing may end in a traceback, in a
-fault of ours (exit 4), in a search without end (2 s and 2 s for each MB), in output after an error, or in a control
-character on the screen.  What does is printed with all it takes to see it again; the last line counts the
-cases.
+fault of ours (exit 4), in a search without end (2 s and 2 s for each MB), in output after an error, or in a
+control character on the screen.  What does is printed with all it takes to see it again; the last line
+counts the cases.
 
 ``python tests/fuzz_inputs.py --coverage [ARGUMENTS OF LIBFUZZER]`` lets atheris choose the bytes by what they
 reach, where it is installed (``pip install atheris``).
