@@ -35,10 +35,12 @@ demo: $(BIN)/chipbreak
 
 # The fast part of the tests measures coverage, because that takes half as long again; "make test-pythons" runs it on
 # every Python.
-FAST := tests/test_advise.py tests/test_api.py tests/test_bad.py tests/test_cases.py tests/test_cli.py \
-	tests/test_messages.py tests/test_outcome.py tests/test_streams.py tests/batch tests/cycles tests/dialects \
-	tests/editing tests/figures tests/hooks tests/machine_files tests/trajectory tests/model tests/operations/test_kinds.py tests/passes tests/settings tests/text tests/tools tests/syntax/test_blocks.py \
-	tests/checks/test_clashes.py tests/checks/test_plan.py tests/vibration/test_several_paths.py \
+FAST := tests/test_advise.py tests/test_api.py tests/test_bad.py tests/test_bounds.py tests/test_cases.py \
+	tests/test_cli.py tests/test_faults.py tests/test_messages.py tests/test_outcome.py tests/test_streams.py \
+	tests/batch tests/checks tests/cycle_time tests/cycles tests/dialects tests/editing tests/figures tests/hooks \
+	tests/machine_files tests/machine_test tests/model tests/operations/test_kinds.py \
+	tests/operations/test_linear_pattern.py tests/passes tests/restart tests/settings tests/text tests/tools \
+	tests/trajectory tests/syntax/test_blocks.py tests/vibration/test_several_paths.py \
 	tests/vibration/test_wishes.py tests/vibration/test_left_cuts.py tests/vibration/test_large_changes.py \
 	tests/vibration/test_refusals.py
 
