@@ -160,7 +160,7 @@ def test_cuts_before_and_behind_are_not_run_into() -> None:
         program = f"G21 G18 G90 G8 G97 G95 {mode} S1250 M3\nG0 X8 Z1\nG1 X10 F0.1\n"
         program += "G1 Z-2 F0.1 N1.5\nG1 X12 F0.1\nZ-2.5\nM2\n"
         programs.append(chipbreak.rewrite(program.encode(), settings).data)
-        assert f"{mode}\n(CHIPBREAK END" in programs[-1].decode()
+        assert f"{mode}\nM50 P1\nM51 P1\n(CHIPBREAK END" in programs[-1].decode()
     for done in machine.run(
         programs, acceleration_mm_s2=10000, velocity_mm_s=VELOCITY_MM_S, lathe=True, speed_up=5.0
     ):
