@@ -25,8 +25,8 @@ def by_dask(tasks: Iterable[Task], address: str, jobs: int) -> Iterator[Finished
     """What became of each task, in the order in which they finish, on the cluster at ``address``.
 
     ``local`` starts a cluster of ``jobs`` processes for as long as it takes.  A task whose worker dies goes
-    to another one; one that takes :data:`_TRIES` workers with it is given as lost.  Errors: BAT002 without
-    Dask or without a cluster at the address.
+    to another one; one that takes :data:`_TRIES` workers with it, and as many again when it runs alone, is
+    given as lost.  Errors: BAT002 without Dask or without a cluster at the address.
     """
     with ExitStack() as stack:
         client = _client(address, jobs, stack)
@@ -53,10 +53,11 @@ def _client(address: str, jobs: int, stack: ExitStack) -> Client:
 
 
 def _gathered(client: Client, tasks: Iterable[Task]) -> Iterator[Finished]:
-    from distributed import as_completed  # noqa: PLC0415
+    from distributed import KilledWorker, as_completed  # noqa: PLC0415
 
     waiting = iter(tasks)
     under_way: dict[str, Task] = {}
+    suspects: list[Task] = []
 
     def submitted(count: int) -> list[Any]:
         futures = []
@@ -70,8 +71,22 @@ def _gathered(client: Client, tasks: Iterable[Task]) -> Iterator[Finished]:
     ready = as_completed(submitted(workers * _AHEAD))
     for future in ready:
         task = under_way.pop(future.key)
-        error = future.exception()
-        yield future.result() if error is None else lost(task, f"{type(error).__name__}: {error}")
+        if isinstance(future.exception(), KilledWorker):
+            suspects.append(task)
+        else:
+            yield _finished(future, task)
         future.release()
         for other in submitted(1):
             ready.add(other)
+    # A worker that dies takes along what else it had at hand: only a task that is alone on the cluster, and
+    # dies again, is the one to blame.
+    for task in suspects:
+        future = client.submit(filtered, task, pure=False)
+        yield _finished(future, task)
+        future.release()
+
+
+def _finished(future: Any, task: Task) -> Finished:
+    """What a future gives, waited for; lost where it gives nothing."""
+    error = future.exception()
+    return lost(task, f"{type(error).__name__}: {error}") if error is not None else future.result()
