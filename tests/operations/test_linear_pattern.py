@@ -96,3 +96,8 @@ def test_what_cannot_be_followed_is_refused(expression: str, why: str) -> None:
 
 def test_nothing_repeated_is_nothing() -> None:
     assert LinearPattern("((){9999}){9999}A").search("BA") == "A"
+
+
+def test_python_warns_of_nothing() -> None:
+    """Tests turn warnings into errors; a user would see them among the messages."""
+    assert LinearPattern("[[A]+x").search("B[AX") == "[AX"

@@ -12,6 +12,7 @@ Where an expression can be met in several ways, the first place counts, and ther
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Callable, Iterator
 from typing import TypeVar
 
@@ -236,7 +237,8 @@ class _Reader:
         self.at = atom.end()
         text = atom[0] if len(atom[0]) > 1 or atom[0] == "." else re.escape(atom[0])
         try:
-            takes = re.compile(text, re.IGNORECASE)
+            with warnings.catch_warnings(action="ignore"):  # of what sets may mean in a later Python
+                takes = re.compile(text, re.IGNORECASE)
         except re.error as error:
             raise TooDifficultError(f"{error}") from None
         return lambda then: self._add(_Place(takes=takes, to=(then,)))
