@@ -95,3 +95,23 @@ def test_what_is_no_plain_pass_stays(cycle: bytes) -> None:
     assert "CYC007" in {d.code for d in result.diagnostics}
     with pytest.raises(ProgramRejectedError):
         chipbreak.rewrite(program.replace(b"T0101", b"T0101\n(VIB N1.5)"), load("fanuc-lathe"))
+
+
+@pytest.mark.parametrize(
+    "cycle",
+    [
+        b"G90 X1.8 Z-0.8 F0.008\n",
+        b"G94 X0.8 Z0. F0.008\n",
+        b"G71 U0.06 R0.02\nG71 P10 Q20 U0.01 W0.004 F0.008\nN10 G0 X0.8\nG1 Z-0.8\nN20 X2.2\n",
+    ],
+)
+def test_no_cycle_ends_at_a_place_with_more_digits_than_are_written(cycle: bytes) -> None:
+    """Its start was said in millimetres, and is no whole number of the steps of inches."""
+    head = b"O1\nG21 G99 G40\nT0101\nG97 S600 M3\nG0 X55.01 Z2.003\nG20\n"
+    program = head + cycle + b"G0 X4. Z4.\nM30\n"
+    result = chipbreak.rewrite(program, load("fanuc-lathe", [ALWAYS]))
+    assert result.data == program
+    (said,) = [d for d in result.diagnostics if d.code == "CYC007"]
+    assert "has more digits than are written" in said.message
+    on_grid = program.replace(b"G20\n", b"G20\nG0 X2.1657 Z0.0789\n")
+    assert chipbreak.rewrite(on_grid, load("fanuc-lathe", [ALWAYS])).changed

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 
+from chipbreak.cycles.call import UNREAD_FORM
 from chipbreak.cycles.contour import Frame, Segment
 from chipbreak.cycles.reading import Step, pieces_of, steps_of
 from chipbreak.cycles.roughing import Motion, Pass
@@ -16,10 +17,17 @@ from chipbreak.settings.axis_words import CENTRES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.syntax.numbers import print_number
+from chipbreak.text.diagnostics import RefusalError
+
+# As near as the state behind written blocks must be to that of the cycle.
+_NEAR_MM = 2e-5
 
 
 class BlockWriter:
-    """Writes moves from where the tool stands in ``state``; remembers what it has printed last."""
+    """Writes moves from where the tool stands in ``state``; remembers what it has printed last.
+
+    Errors: CYC007 where that place has more digits than are written, so that no block leads back to it.
+    """
 
     def __init__(self, state: State, settings: Settings) -> None:
         self.state = state
@@ -30,6 +38,20 @@ class BlockWriter:
             axis: "" if math.isnan(place) else self._place(axis, place) for axis, place in places.items()
         }
         self.code = ""
+        for axis, place in places.items():
+            self._refuse_fine_start(axis, place)
+
+    def _refuse_fine_start(self, axis: str, place_mm: float) -> None:
+        if not self.at[axis]:
+            return
+        scale = self._factor(axis) / self.state.mm_per_unit
+        if abs(float(self.at[axis]) / scale - place_mm) > _NEAR_MM:
+            start = f"{self.words.letters[axis]}{place_mm * scale:.6f}"
+            message = f"{start}, where this starts, has more digits than are written"
+            help_text = (
+                f"move before it to a place with as few digits as {self.words.letters[axis]}{self.at[axis]}"
+            )
+            raise RefusalError(UNREAD_FORM, message, help_text)
 
     def block(self, code: str, z_mm: float, radius_mm: float, behind: str = "") -> str:
         """One move; empty where nothing would move."""
@@ -42,8 +64,12 @@ class BlockWriter:
         return " ".join([code, *said, *([behind] if behind else [])])
 
     def _place(self, axis: str, value_mm: float) -> str:
+        return self._number(value_mm * self._factor(axis))
+
+    def _factor(self, axis: str) -> float:
+        """What a place in the geometry is multiplied with to become a number of the program."""
         factor = 2.0 if axis == "X" and is_diameter(self.state, self.settings.control) else 1.0
-        return self._number(value_mm * factor * self.words.signs[axis])
+        return factor * self.words.signs[axis]
 
     def _number(self, length_mm: float) -> str:
         decimals = self.settings.output.decimals_of(is_inch=self.state.is_inch)
