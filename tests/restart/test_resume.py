@@ -371,3 +371,12 @@ def test_random_programs_go_on_as_they_would_have(seed: int) -> None:
         data = chipbreak.rewrite(data, LATHE, allow_unbroken=True).data
     for line in random.sample(range(5, data.count(b"\n")), k=4):
         _goes_on(data, line)
+
+
+def test_overrides_that_the_filter_holds_are_given_back_before_anything_moves() -> None:
+    """A run that was ended inside a cut has left them held, and the operator must slow down what comes now."""
+    settings = chipbreak.load("linuxcnc-lathe", ["planner.model=ideal"])
+    program = (Path(__file__).parents[2] / "samples" / "linuxcnc-lathe.ngc").read_bytes()
+    held = chipbreak.rewrite(program, settings).data
+    assert resume(held, settings, 200).data.splitlines()[2:4] == [b"M50 P1", b"M51 P1"]
+    assert b"M50" not in resume(program, settings, 25).data.partition(b"T1 M6")[0]

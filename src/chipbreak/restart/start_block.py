@@ -1,9 +1,10 @@
 """The blocks that come before the rest of a program: what is in force there, said again on a control at rest.
 
-Order: units, plane and all that must be off; the axes to the safe end of their travel; variables, tool,
-offset; the limit of the spindle, its mode, S and its direction; rotary axes; the place of the tool, on a
-lathe Z and then X, on a mill X and Y and then Z, with coolant before the last; feed and what is left.  Of the
-modal groups only those are said that the program itself uses somewhere: all others are what the operator has.
+Order: the overrides; units, plane and all that must be off; the axes to the safe end of their travel;
+variables, tool, offset; the limit of the spindle, its mode, S and its direction; rotary axes; the place of the
+tool, on a lathe Z and then X, on a mill X and Y and then Z, with coolant before the last; feed and what is
+left.  Of the modal groups only those are said that the program itself uses somewhere: all others are what the
+operator has.
 """
 
 from __future__ import annotations
@@ -68,6 +69,17 @@ class _Writer:
         return self.dialect.code(group, value, self.codes)
 
     # --- the parts, in their order ------------------------------------------------------------------------
+    def overrides(self) -> None:
+        """Given back where the filter holds them: a run that ended inside a cut has left them held."""
+        planner = self.settings.planner
+        held = set(planner.override_off)
+        original, runs = (
+            {block.text.strip() for block in program.event_blocks()} for program in _programs(self.before)
+        )
+        if held and held <= runs - original:
+            for text in planner.override_on:
+                self.write(text)
+
     def first_modes(self) -> None:
         """What says how all else is read, and what must be off."""
         self.write(*map(self.mode, _FIRST))
@@ -194,6 +206,7 @@ def _programs(before: Before) -> tuple[Program, ...]:
 
 
 _PARTS = (
+    _Writer.overrides,
     _Writer.first_modes,
     _Writer.home,
     _Writer.variables,
