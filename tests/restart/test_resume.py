@@ -374,7 +374,7 @@ def test_random_programs_go_on_as_they_would_have(seed: int) -> None:
 
 
 def test_overrides_that_the_filter_holds_are_given_back_before_anything_moves() -> None:
-    """A run that was ended inside a cut has left them held, and the operator must slow down what comes now."""
+    """A run that ended inside a cut has left them held, and the operator must slow down what comes now."""
     settings = chipbreak.load("linuxcnc-lathe", ["planner.model=ideal"])
     program = (Path(__file__).parents[2] / "samples" / "linuxcnc-lathe.ngc").read_bytes()
     held = chipbreak.rewrite(program, settings).data

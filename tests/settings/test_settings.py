@@ -125,6 +125,8 @@ def test_options(option: str, section: str, key: str, value: object) -> None:
         ("vibration.margin=nan", "SET003", "at least 1"),
         ("vibration.n=inf", "SET003", "above 0"),
         ("vibration.n=0", "SET003", "above 0"),
+        ("axes.X.steps_per_mm=0.1", "SET003", "at least 10"),
+        ("axes.X.increment_mm=3", "SET003", "up to 0.1"),
         ("vibration.alpha=1.0", "SET003", "below 1"),
         ("vibration.phase=half", "SET003", "auto"),
         ("vibration.waveform=square", "SET003", "triangle, sine"),

@@ -1,10 +1,10 @@
 """The blocks that come before the rest of a program: what is in force there, said again on a control at rest.
 
 Order: the overrides; units, plane and all that must be off; the axes to the safe end of their travel;
-variables, tool, offset; the limit of the spindle, its mode, S and its direction; rotary axes; the place of the
-tool, on a lathe Z and then X, on a mill X and Y and then Z, with coolant before the last; feed and what is
-left.  Of the modal groups only those are said that the program itself uses somewhere: all others are what the
-operator has.
+variables, tool, offset; the limit of the spindle, its mode, S and its direction; rotary axes; the place
+of the tool, on a lathe Z and then X, on a mill X and Y and then Z, with coolant before the last; feed
+and what is left. Of the modal groups only those are said that the program itself uses somewhere: all
+others are what the operator has.
 """
 
 from __future__ import annotations

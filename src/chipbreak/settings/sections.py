@@ -143,8 +143,9 @@ class Axis(ValueRecord):
     acc_dec: str = _one_of("linear", "exponential", "bell")
     acc_dec_ms: float | None = _at_least(None)
     bell_ms: float | None = _above(None)
-    increment_mm: float | None = _above(None)
-    steps_per_mm: float | None = _above(None)
+    # A coarser axis cuts nothing that anybody measures, and no stroke is left on it.
+    increment_mm: float | None = field(default=None, metadata={"above": 0.0, "at_most": 0.1})
+    steps_per_mm: float | None = _at_least(None, 10.0)
 
     @property
     def step_mm(self) -> float:
