@@ -380,3 +380,20 @@ def test_overrides_that_the_filter_holds_are_given_back_before_anything_moves() 
     held = chipbreak.rewrite(program, settings).data
     assert resume(held, settings, 200).data.splitlines()[2:4] == [b"M50 P1", b"M51 P1"]
     assert b"M50" not in resume(program, settings, 25).data.partition(b"T1 M6")[0]
+
+
+def test_nothing_starts_inside_what_was_offset_for_the_nose() -> None:
+    settings = chipbreak.load(
+        "fanuc-lathe", ["planner.model=ideal", "tools.nose_radius_mm.1=0.8", "tools.nose_tip.1=3"]
+    )
+    program = (
+        b"O5\nG21 G40 G99\nT0101\nG97 S800 M3\nG0 X60. Z5.\n(VIB N1.5)\nG42 G0 X30. Z2.\nG1 Z-20. F0.2\n"
+        b"X40. Z-30.\nZ-50.\nG40 G0 X60.\n(VIB OFF)\nG0 Z5.\nG1 X20. Z0 F0.1\nG0 X100. Z100.\nM30\n"
+    )
+    filtered = chipbreak.rewrite(program, settings).data
+    lines = filtered.split(b"\n")
+    first = next(n for n, text in enumerate(lines, 1) if b"CHIPBREAK COMPENSATED" in text)
+    last = next(n for n, text in enumerate(lines, 1) if b"CHIPBREAK OFFSET" in text)
+    assert last - first > 100
+    for line in range(first + 1, last, 97):
+        assert resume(filtered, settings, line).line == first

@@ -146,21 +146,20 @@ def restore(source: Source) -> Source:
 def outermost(source: Source) -> list[range]:
     """The lines of all that was written by chipbreak, its comments included, in order.
 
-    A change inside a cycle that was written out is part of that.  Raises ProgramRejectedError as
+    A change inside a cycle that was written out, or inside offset blocks, is part of that.  Raises ProgramRejectedError as
     :func:`regions` does.
     """
     if not bracket.has_any(source.data):
         return []
-    changes = regions(source)
-    without = _without(source, changes)
-    place = user_lines(without, 0, without.line_count).numbers
-    cycles = [
-        range(int(place[region.first]) - 1, int(place[region.last - 1]))
-        for region in regions(without, bracket.UNROLLED_CYCLES)
-    ]
-    found = [range(region.first, region.last) for region in changes]
-    single = [one for one in found if not any(one.start in cycle for cycle in cycles)]
-    return sorted([*single, *cycles], key=lambda one: one.start)
+    found: list[range] = []
+    for layer in bracket.LAYERS:
+        changes = regions(source, layer)
+        place = user_lines(source, 0, source.line_count).numbers
+        outer = [range(int(place[one.first]) - 1, int(place[one.last - 1])) for one in changes]
+        inner = (one for one in found if not any(one.start in around for around in outer))
+        found = sorted([*inner, *outer], key=lambda one: one.start)
+        source = _without(source, changes)
+    return found
 
 
 def _without(source: Source, found: Sequence[Region]) -> Source:
