@@ -146,8 +146,8 @@ def restore(source: Source) -> Source:
 def outermost(source: Source) -> list[range]:
     """The lines of all that was written by chipbreak, its comments included, in order.
 
-    A change inside a cycle that was written out, or inside offset blocks, is part of that.  Raises ProgramRejectedError as
-    :func:`regions` does.
+    A change inside a cycle that was written out, or inside offset blocks, is part of that.  Raises
+    ProgramRejectedError as :func:`regions` does.
     """
     if not bracket.has_any(source.data):
         return []
