@@ -397,3 +397,17 @@ def test_nothing_starts_inside_what_was_offset_for_the_nose() -> None:
     assert last - first > 100
     for line in range(first + 1, last, 97):
         assert resume(filtered, settings, line).line == first
+
+
+@pytest.mark.parametrize(("line", "wishes"), [(8, ["(VIB N1.5)"]), (12, ["(VIB OFF)"]), (15, [])])
+def test_the_wish_in_force_is_said_again(line: int, wishes: list[str]) -> None:
+    program = (
+        b"G21 G40 G99\nT0101\nG97 S800 M3\nG0 X60. Z5.\n(VIB N1.5)\nG1 Z-20. F0.2\nG0 X70. Z5.\nG0 X58.\n"
+        b"G1 Z-20.\n(VIB OFF)\nG0 X70. Z5.\nG0 X56.\nG1 Z-10. F0.1\nG0 X100. Z100.\nT0202\nG0 X60. Z5.\n"
+        b"G1 Z-10. F0.1\nG0 X100. Z100.\nM30\n"
+    )
+    result = resume(program, LATHE, line)
+    assert result.line == line
+    rest = b"".join(program.splitlines(keepends=True)[line - 1 :])
+    start = result.data.removesuffix(rest).decode().splitlines()
+    assert [text for text in start if text.startswith("(VIB")] == wishes

@@ -23,6 +23,7 @@ from chipbreak.model.modal import State
 from chipbreak.restart.from_before import Before, rotary_places
 from chipbreak.restart.restart_case import RestartCase
 from chipbreak.syntax.parse import Program, read_block
+from chipbreak.vibration.request import directive_before
 
 # Said before anything moves; of these groups "off" is what lets the axes go home.
 _FIRST = ("units", "plane", "compensation", "rotation", "polar", "interpolation", "scaling", "mirror")
@@ -186,6 +187,12 @@ class _Writer:
         if self.now.modes.distance != self.state.modes.distance:
             self.write(self.dialect.code("distance", self.state.modes.distance, self.codes))
 
+    def wish(self) -> None:
+        """The directive for the cuts that come, for who filters the new program; a tool call would end it."""
+        text = "" if self.case.calls_tool else directive_before(self.before.interpreted, self.before.line)
+        marks = self.dialect.comment_marks
+        self.write(f"{marks.before}{text}{marks.behind}" if text else "")
+
     def _motion(self) -> None:
         motion = self.state.modes.motion
         if motion == self.now.modes.motion or (motion == "none" and not self.dialect.can("motion", "none")):
@@ -215,4 +222,5 @@ _PARTS = (
     _Writer.spindle,
     _Writer.place,
     _Writer.feed,
+    _Writer.wish,
 )

@@ -470,6 +470,17 @@ def requests_of(
     return Requests(reader.requests, reader.left, air_lines, reader.diagnostics, cycles, pecks)
 
 
+def directive_before(interpreted: InterpretedProgram, line: int) -> str:
+    """The text of the directive in force before a line (from 0); empty where there is none."""
+    reader = RequestReader(interpreted)
+    reader.read()
+    said = [wish for wish in reader.wishes if wish is not reader.default and wish.line < line]
+    if not said or (said[-1].ended_at is not None and said[-1].ended_at < line):
+        return ""
+    comments = interpreted.program.block(said[-1].line).comments
+    return next((one.text for one in comments if (one.start, one.end) == said[-1].at), "")
+
+
 def _looks_asking(text: str) -> bool:
     """An axis word with, behind it, an N, or an F and then an f: a request even where the line is unreadable.
 
