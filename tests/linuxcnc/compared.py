@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 from itertools import zip_longest
 
-from chipbreak.editing.restore import regions
-from chipbreak.text.source import read
+from brackets import marked
 
 from . import rs274
 from .mixed_programs import Record, differing, is_same, records
@@ -14,20 +13,6 @@ from .mixed_programs import Record, differing, is_same, records
 _OF_MOVES = ("place", "spindle", "MIST", "FLOOD")
 # N with a decimal point behind other words is ours: the control does not know it.
 _OUR_WORDS = re.compile(rb"(?<=[^\n]) N\d*\.\d*")
-
-
-def marked(output: bytes) -> bytes:
-    """The original, with the first and the last line of every bracket that the output has."""
-    source = read(output)
-    parts = []
-    line = 0
-    for region in regions(source):
-        kept = source.data[source.starts[line] : source.starts[region.first]]
-        # A number before BEGIN stands in the original block too.
-        begin = source.raw(region.first)
-        parts += [kept, begin[begin.index(b"(") :], region.original, source.raw(region.last - 1)]
-        line = region.last
-    return b"".join([*parts, source.data[source.starts[line] :]])
 
 
 def assert_same_outside(

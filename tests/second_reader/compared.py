@@ -5,8 +5,7 @@ from __future__ import annotations
 from itertools import zip_longest
 
 import chipbreak
-from chipbreak.editing.restore import regions
-from chipbreak.text.source import read
+from brackets import marked
 
 from .reader import Control, Record, run
 
@@ -21,22 +20,9 @@ def settings_of(control: Control) -> chipbreak.Settings:
     return chipbreak.load("fanuc-mill", sets)
 
 
-def marked(output: bytes) -> str:
-    """The original, with the first and the last line of every bracket that the output has."""
-    source = read(output)
-    parts = []
-    line = 0
-    for region in regions(source):
-        kept = source.data[source.starts[line] : source.starts[region.first]]
-        begin = source.raw(region.first)
-        parts += [kept, begin[begin.index(b"(") :], region.original, source.raw(region.last - 1)]
-        line = region.last
-    return b"".join([*parts, source.data[source.starts[line] :]]).decode("latin-1")
-
-
 def difference(output: bytes, control: Control) -> str:
     """What a control does otherwise outside the brackets; empty where nothing."""
-    return differing(marked(output), output.decode("latin-1"), control)
+    return differing(marked(output).decode("latin-1"), output.decode("latin-1"), control)
 
 
 def differing(text: str, other_text: str, control: Control) -> str:

@@ -16,8 +16,9 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 import chipbreak
+from brackets import marked
 
-from .compared import checked, difference, differing, marked, settings_of
+from .compared import checked, difference, differing, settings_of
 from .programs import program
 from .reader import Control, Record, run
 
@@ -141,4 +142,4 @@ def test_a_filtered_program_that_was_spoilt_is_found() -> None:
     assert data.count(b"(CHIPBREAK END") > 0
     for words in ("F0.777", "M5", "G1 X77.7", "G58", "(CHIPBREAK END 00000000)"):
         spoilt = data.decode().replace("(CHIPBREAK END", f"{words}\n(CHIPBREAK END", 1)
-        assert differing(marked(data), spoilt, control), words
+        assert differing(marked(data).decode("latin-1"), spoilt, control), words

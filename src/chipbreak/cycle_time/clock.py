@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Iterator
 
 import numpy as np
@@ -49,7 +49,7 @@ class Clock:
 
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
-        self.seconds: Counter[str] = Counter()
+        self.seconds: defaultdict[str, float] = defaultdict(float)
         self.untimed: list[Untimed] = []
         self.changes = 0
         self.unknown_rapids = 0
@@ -59,7 +59,7 @@ class Clock:
 
     def add(self, what: str, time_s: float) -> None:
         """Seconds spent on something."""
-        self.seconds[what] += time_s  # type: ignore[assignment]
+        self.seconds[what] += time_s
 
     def cannot(self, line: int, why: str) -> None:
         """A line that cannot be timed."""

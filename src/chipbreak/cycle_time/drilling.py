@@ -68,12 +68,13 @@ class Drilling:
         top_mm, bottom_mm = self._heights(state)
         speed = self._feed_mm_s(state)
         depth_mm = top_mm - bottom_mm
-        if not (speed > 0.0 and math.isfinite(depth_mm)):
+        move = effect.move
+        if move is None or not (speed > 0.0 and math.isfinite(depth_mm)):
             self.clock.cannot(effect.block.line, "depth, R or feed of this hole is not known")
             return
         machine = self.clock.machine
         position = effect.before.position
-        over = [end - start for end, start in zip(effect.move.end[:2], position[:2], strict=True)]  # type: ignore[union-attr]
+        over = [end - start for end, start in zip(move.end[:2], position[:2], strict=True)]
         over = [way for way in over if math.isfinite(way)] + [0.0, 0.0]
         back_to = top_mm if state.modes.return_level == "r-plane" else max(self.initial_mm, top_mm)
         height = back_to - top_mm if math.isfinite(back_to) else 0.0
