@@ -11,18 +11,21 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from chipbreak.editing.bracket import OFFSET_RUNS
+from chipbreak.editing.edits import Edit
 from chipbreak.editing.render import render
 from chipbreak.editing.restore import Region, regions
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.main_program import main_program
 from chipbreak.self_check import verify_unrolled
-from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.tools.merge import ToolTable
 from chipbreak.unrolling import Span, Unrolled, moved_operation
 from chipbreak.vibration.request import requests_of
 
 if TYPE_CHECKING:
     from chipbreak.cycles.nose_runs import Run, Written
+
+OFFSET_HERE = "CYC010"
 
 
 def offset_noses(
@@ -88,8 +91,13 @@ def _user_line(interpreted: InterpretedProgram, line: int) -> int:
 
 def _rewritten(unrolled: Unrolled, written: Sequence[Written], why: Mapping[int, RefusalError]) -> Unrolled:
     """The program with its runs offset, and all that names its lines moved with them."""
+    from chipbreak.tools.nose import says_its_nose
+
     interpreted = unrolled.interpreted
     edits = [one.edit._replace(pass_name="offset") for one in written]
+    notes = [
+        _note(interpreted, one) for one in edits if not says_its_nose(interpreted.program.block(one.first))
+    ]
     output = b"".join(render(interpreted.program, edits, interpreted.settings, OFFSET_RUNS))
     sources = {one.edit.first: one.sources for one in written}
     result = verify_unrolled(interpreted, output, edits, OFFSET_RUNS, sources)
@@ -108,8 +116,21 @@ def _rewritten(unrolled: Unrolled, written: Sequence[Written], why: Mapping[int,
         spans=[one._replace(first=place(one.first), last=place(one.last)) for one in unrolled.spans],
         edits=[*unrolled.edits, *edits],
         named=frozenset(map(place, unrolled.named)),
+        diagnostics=[*unrolled.diagnostics, *notes],
         runs=runs,
         compensated={place(line): error for line, error in why.items()},
+    )
+
+
+def _note(interpreted: InterpretedProgram, edit: Edit) -> Diagnostic:
+    """What the operator has to know: numbers of the control that count no more."""
+    message = f"{edit.title}: the filter offsets this run, and the control no more"
+    help_text = (
+        "R and T of the offset screen, and wear of the nose that is entered there, change nothing here:"
+    )
+    help_text += " the numbers above must be those of the nose"
+    return interpreted.program.diagnose(
+        edit.first, OFFSET_HERE, message, help_text, severity=Severity.WARNING
     )
 
 

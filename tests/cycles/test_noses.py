@@ -251,3 +251,16 @@ def ends_of(blocks: list[str], at: tuple[float, float]) -> Iterator[tuple[float,
 
 def drawn(places: Floats) -> Floats:
     return np.concatenate([np.linspace(a, b, 200) for a, b in pairwise(places)])
+
+
+def test_that_the_control_no_longer_offsets_is_said() -> None:
+    """Its offset screen, with the wear that an operator enters there, counts no more."""
+    result = chipbreak.rewrite(PLAIN.encode(), load("fanuc-lathe", [*ASKED, *NOSE]))
+    (said,) = [d for d in result.diagnostics if d.code == "CYC010"]
+    assert said.place is not None
+    assert (said.place.line, said.message[:13]) == (4, "G42 R0.8 T3: ")
+    plain = chipbreak.rewrite(PLAIN.encode(), load("fanuc-lathe", [*ASKED]), allow_unbroken=True)
+    assert not [d for d in plain.diagnostics if d.code == "CYC010"]  # not offset: the nose is not known
+    own = PLAIN.replace("G42 G0", "G42.1 D1.6 L2 G0").replace("T0101", "G7 G18 G95\nT1 M6")
+    result = chipbreak.rewrite(own.encode(), load("linuxcnc-lathe", ASKED[:-1]), allow_unbroken=True)
+    assert not [d for d in result.diagnostics if d.code == "CYC010"]  # its block says the nose itself

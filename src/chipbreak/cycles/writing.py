@@ -46,7 +46,7 @@ class BlockWriter:
             return
         scale = self._factor(axis) / self.state.mm_per_unit
         if abs(float(self.at[axis]) / scale - place_mm) > _NEAR_MM:
-            start = f"{self.words.letters[axis]}{place_mm * scale:.6f}"
+            start = f"{self.words.letters[axis]}{place_mm * scale:z.6f}"
             message = f"{start}, where this starts, has more digits than are written"
             help_text = (
                 f"move before it to a place with as few digits as {self.words.letters[axis]}{self.at[axis]}"

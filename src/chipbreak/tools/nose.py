@@ -30,7 +30,7 @@ def nose_of(interpreted: InterpretedProgram, line: int, table: ToolTable) -> Nos
     Errors: VIB040 where its radius or tip is not known.
     """
     block = interpreted.program.block(line)
-    if any(round(number * 10) in _SAYS_ITSELF for number in block.numbers("G")):
+    if says_its_nose(block):
         return _said_by_block(interpreted, block)
     row = _row(interpreted, block)
     tools = interpreted.settings.tools
@@ -41,6 +41,11 @@ def nose_of(interpreted: InterpretedProgram, line: int, table: ToolTable) -> Nos
         radius_mm = known.corner_radius_mm if radius_mm is None else radius_mm
         tip = known.nose_tip if tip is None else tip
     return _checked(radius_mm, tip, row)
+
+
+def says_its_nose(block: Block) -> bool:
+    """True for a code that has the nose in its own words: no table of the control counts for it."""
+    return any(round(number * 10) in _SAYS_ITSELF for number in block.numbers("G"))
 
 
 def _checked(radius_mm: float | None, tip: int | None, row: _Row) -> Nose:
