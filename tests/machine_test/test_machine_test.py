@@ -133,6 +133,8 @@ def test_times_that_no_law_explains(written: Path) -> None:
         (lambda rows: [*rows[:5000], *rows[5100:]], "MTS003", "gap"),
         (lambda rows: rows[:20000], "MTS003", "come back"),
         (lambda rows: rows[:50], "MTS003", "no trace"),
+        (lambda rows: rows[:1], "MTS003", "0 lines of numbers"),
+        (lambda rows: ["\x00\x01"], "MTS003", "0 lines of numbers"),
         (lambda rows: [rows[0].replace("z_mm", "q"), *rows[1:]], "MTS003", "--columns"),
         (lambda rows: [rows[0].replace("time_ms", "time_s"), *rows[1:]], "MTS003", "time_ms"),
         (lambda rows: [rows[0].replace("z_mm", "z_inch"), *rows[1:]], "MTS004", "unit"),

@@ -81,8 +81,9 @@ def read_form(path: str | Path) -> Form:
         times = tuple(_time_s(one["ms"]) for one in values["group"])
         form = Form(str(values["profile"]), groups, times, _number(values["error_ms"]) / MS_PER_S)
     except (ValueError, KeyError, TypeError, RecursionError) as error:
-        message = plain(f"{path} is no form of a machine test: {type(error).__name__} {error}")
-        raise RefusalError(_CODE, message, _HELP) from None
+        why = "a value is of another kind than was written" if isinstance(error, TypeError) else str(error)
+        why = f"it lacks {error}" if isinstance(error, KeyError) else why
+        raise RefusalError(_CODE, plain(f"{path} is no form of a machine test: {why}"), _HELP) from None
     names = [group.name for group in groups]
     if not groups or len(set(names)) < len(names) or not form.error_s > 0.0:
         message = plain(f"{path}: every group needs a name of its own, and error_ms is above 0")

@@ -105,11 +105,11 @@ def _head(writer: _Writer, groups: Sequence[Group], timed: bool) -> Iterator[str
         yield f"O{dialect.clock.program}{writer.comment('machine test')}"
     axes = sorted({group.axis for group in groups})
     ways = " and ".join(f"{axis}+ by {longest_mm(groups, axis):g} mm" for axis in axes)
-    minutes = ideal_s(groups, REST_S) / 60.0
+    minutes = max(1, round(ideal_s(groups, REST_S) / 60.0))
     yield writer.comment("machine test of chipbreak: moves in air, no work, no tool near anything")
     yield writer.comment(f"jog to where these ways are free: {ways}")
     yield writer.comment("it starts from there, goes no other way, and ends there")
-    yield writer.comment(f"spindle off, feed override 100 %, about {minutes:.3g} minutes")
+    yield writer.comment(f"spindle off, feed override 100 %, about {minutes} min")
     if timed:
         yield writer.comment("the times are left in variables: write them into the form")
     yield writer.comment("start the trace, if there is one, then go on")

@@ -87,9 +87,13 @@ def read_trace(path: str | Path, columns: str | None = None) -> Trace:
     """
     path = Path(path)
     try:
-        data = path.read_bytes()[:_MOST_BYTES]
+        with path.open("rb") as file:
+            data = file.read(_MOST_BYTES + 1)
     except OSError as error:
         raise RefusalError(_CODE, plain(f"cannot read {path}: {error.strerror}"), _WHAT) from None
+    if len(data) > _MOST_BYTES:
+        message = f"{path.name} is larger than {_MOST_BYTES // 1_000_000} MB"
+        raise RefusalError(_CODE, plain(message), "leave out columns, or record less often")
     lines = [line.strip() for line in data.decode("latin-1").splitlines()]
     rows, names = _rows(lines)
     if len(rows) < _FEWEST_ROWS:
@@ -118,7 +122,7 @@ def _rows(lines: Sequence[str]) -> tuple[Floats, list[str]]:
             found.append(numbers)
         elif not found and cells:
             names = cells
-    return np.array(found).reshape(len(found), -1), names
+    return np.array(found).reshape(len(found), len(found[0]) if found else 0), names
 
 
 def _cells(line: str) -> list[str]:
