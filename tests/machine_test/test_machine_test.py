@@ -139,7 +139,7 @@ def test_times_that_no_law_explains(written: Path) -> None:
         (lambda rows: [rows[0].replace("time_ms", "time_s"), *rows[1:]], "MTS003", "time_ms"),
         (lambda rows: [rows[0].replace("z_mm", "z_inch"), *rows[1:]], "MTS004", "unit"),
     ],
-    ids=["gap", "half", "short", "names", "seconds", "inches"],
+    ids=["gap", "half", "short", "header", "bytes", "names", "seconds", "inches"],
 )
 def test_a_bad_trace(change, code: str, words: str, trace_rows: list[str], written: Path) -> None:
     trace = written / "t.csv"
