@@ -170,3 +170,11 @@ def test_many_cuts_of_a_kind_are_chosen_once(monkeypatch: pytest.MonkeyPatch) ->
     result = filtered(f"G21 G99\nG97 S1500 M3\nG0 Z2.\n{cuts}M30\n")
     assert len(result.cuts) == 20
     assert len(judged) < 3
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_speed_of_one_turn_a_minute() -> None:
+    """Speeds near it print as zero: nothing is divided by them."""
+    program = b"G99 G97 S1 M3\nG0 X20. Z2.\n(VIB AUTO)\nG1 Z-30. F0.3\nM30\n"
+    (cut,) = chipbreak.rewrite(program, chipbreak.load("fanuc-lathe")).cuts
+    assert cut.plan.solution.speed_rpm == 1.0

@@ -68,6 +68,9 @@ class Conditions(NamedTuple):
     chip_rev: float
 
 
+_LEAST_RPM = 1e-9
+
+
 @dataclass(frozen=True, eq=False)
 class _Table:
     """Choices as columns, (n,) each; ``at`` is the place of the period."""
@@ -80,8 +83,8 @@ class _Table:
 
     @property
     def per_rev(self) -> Floats:
-        """N."""
-        return S_PER_MIN / (self.period_s * self.speed_rpm)
+        """N; of a speed that prints as zero, more than any that is allowed."""
+        return S_PER_MIN / (self.period_s * np.maximum(self.speed_rpm, _LEAST_RPM))
 
     @property
     def alpha(self) -> Floats:

@@ -13,7 +13,7 @@ from chipbreak.units import spindle_speed_rpm, typed_surface_speed
 from chipbreak.vibration.chain import Chain
 from chipbreak.vibration.left_cut import UNKNOWN_SPEED
 
-_MOST_RPM = 1e7
+_LEAST_RPM, _MOST_RPM = 1e-3, 1e7
 _FUZZ = 1e-6
 
 
@@ -57,7 +57,7 @@ def active_speed(chain: Chain, speed: SourcedValue, settings: Settings, reasons:
     That is the speed at its start, or where the tolerance of the profile asks for it a middle one.  Errors:
     VIB053 and VIB054 for a speed that cannot be known.
     """
-    if not 0.0 < speed.value < _MOST_RPM:
+    if not _LEAST_RPM <= speed.value < _MOST_RPM:
         message = f"the spindle speed ({speed.origin}) cannot be known, is zero, or is none of a spindle"
         raise RefusalError(UNKNOWN_SPEED, message, "give S as a number before the cut")
     state = chain.before
