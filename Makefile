@@ -13,7 +13,7 @@ FUZZ_SECONDS ?= 120
 # Runs on simulated machines wait more than they compute.
 WORKERS := $(shell $(PYTHON) -c 'import os; print(2 * (os.cpu_count() or 1))')
 
-.PHONY: machine-test real-control demo test check-table fuzz lint man site test-pythons hooks bench wheel release-dry-run clean
+.PHONY: lock machine-test real-control demo test check-table fuzz lint man site test-pythons hooks bench wheel release-dry-run clean
 
 $(BIN)/chipbreak: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -21,9 +21,19 @@ $(BIN)/chipbreak: pyproject.toml
 	$(BIN)/python -m compileall -q src
 	@touch $@
 
-$(VENV)/.dev: $(BIN)/chipbreak
-	$(BIN)/python -m pip install --quiet --editable '.[dev]'
+# Every tool by its version and hash: the same ones everywhere, every time.
+$(VENV)/.dev: $(BIN)/chipbreak tests/requirements.txt
+	$(BIN)/python -m pip install --quiet --require-hashes --requirement tests/requirements.txt
+	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
 	@touch $@
+
+# Newer tools: resolves them anew, for every Python and system at once.
+RESOLVE = $(BIN)/uv pip compile --quiet --upgrade --universal --generate-hashes --no-header --no-annotate \
+	--python-version 3.11 --no-emit-package chipbreak pyproject.toml
+lock: $(BIN)/chipbreak
+	$(BIN)/python -m pip install --quiet uv
+	$(RESOLVE) --extra dev --output-file tests/requirements.txt
+	$(RESOLVE) --extra bench --constraint tests/requirements.txt --output-file benchmarks/requirements.txt
 
 demo: $(BIN)/chipbreak
 	$(BIN)/chipbreak filter -p $(PROFILE) $(SAMPLE) -o $(VENV)/turning.out.nc
@@ -73,8 +83,8 @@ hooks: $(VENV)/.dev
 	$(BIN)/python -m pip install --quiet pre-commit
 	$(BIN)/pre-commit install
 
-$(VENV)/.bench: $(VENV)/.dev
-	$(BIN)/python -m pip install --quiet --editable '.[dev,bench]'
+$(VENV)/.bench: $(VENV)/.dev benchmarks/requirements.txt
+	$(BIN)/python -m pip install --quiet --require-hashes --requirement benchmarks/requirements.txt
 	@touch $@
 
 bench: $(VENV)/.bench
@@ -90,7 +100,7 @@ machine-test: $(VENV)/.dev
 
 wheel: $(VENV)/.dev
 	rm -f dist/chipbreak-*.whl
-	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir dist .
 
 # Manual pages in build/man, from the text of the commands themselves.
 man: $(VENV)/.dev

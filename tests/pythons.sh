@@ -29,7 +29,8 @@ for version in 3.11 3.12 3.13 3.14; do
     tried="$tried $version"
     environment="$folder/python$version"
     [ -x "$environment/bin/python" ] || "$python" -m venv "$environment"
-    if ! "$environment/bin/python" -m pip install --quiet --editable '.[dev]' ||
+    if ! "$environment/bin/python" -m pip install --quiet --require-hashes --requirement tests/requirements.txt ||
+        ! "$environment/bin/python" -m pip install --quiet --no-deps --no-build-isolation --editable . ||
         ! "$environment/bin/python" -m pytest -q -n auto "$@"; then
         failed="$failed $version"
     fi
