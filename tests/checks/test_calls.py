@@ -157,13 +157,13 @@ def test_the_number_of_workpieces_and_the_sister_are_handed_over() -> None:
     assert written("fanuc-mill", "checks.every=3") == [
         "G65 P8900 K3.",
         "G65 P8901 T2. S5300. K3. U0.",
-        "G65 P8902 T2. Z20. K3.",
+        "G65 P8902 T2. Z20. K3. U0. W0.02 D1.",
         "G65 P8903 T2. W0.02 D1. K3. U0.",
     ]
     assert written("linuxcnc-mill", "checks.every=3", "checks.sister.2=14") == [
         "o<cb_calibrate> call [3]",
         "o<cb_tool_check> call [2] [5300] [3] [14]",
-        "o<cb_trace> call [2] [20.] [0] [3]",
+        "o<cb_trace> call [2] [20.] [0] [3] [0.02] [14] [1]",
         "o<cb_chip_check> call [2] [0.02] [1] [3] [14]",
     ]
     own = 'calls.own={chip_check="G65 P1 T{tool} A{every} B{sister}"}'
@@ -209,7 +209,7 @@ def test_a_shop_may_call_its_own_cycles() -> None:
         (['calls.a={chip_chek=["G65 P1"]}'], "SET031", "chip_chek", "did you mean chip_check?"),
         (['calls.a={chip_check=["G65 P1 H{limt}"]}'], "SET032", "{limt}", "limit"),
         (['calls.a={calibrate=["G65 P1 T{tool}"]}'], "SET032", "calibrate does not have", "known: every"),
-        (['calls.a={trace=["G65 P1 H{limit}"]}'], "SET032", "{limit}", "tool"),
+        (['calls.a={calibrate=["G65 P1 H{limit}"]}'], "SET032", "{limit}", "every"),
         (['calls.a={trace=["G65 P1 T{}"]}'], "SET032", "{}", "tool"),
         (['calls.a={trace=["G65 P1 T{tool"]}'], "SET033", "T{tool", "in braces"),
         (['calls.a={trace=["G65 P1 Z{height:.2f}"]}'], "SET033", "takes no format", "in braces"),

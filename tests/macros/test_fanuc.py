@@ -92,7 +92,7 @@ def mutated(name: str, old: str, new: str) -> Library:
         ("O8921.nc", "IF [#106 EQ 3] GOTO 1", "#108=0", "drill, a little longer"),
         ("O8921.nc", "IF [#106 EQ 2] GOTO 1", "#108=0", "ball, a little longer"),
         ("O8904.nc", "IF [#6 EQ 2] THEN #108=#107", "", "good ball"),
-        ("O8903.nc", "GOTO 26", "GOTO 4", "chip: shortened by 0.03"),
+        ("O8931.nc", "GOTO 26", "GOTO 4", "chip: shortened by 0.03"),
         ("O8915.nc", "LT ROUND[#23/#135]", "LE ROUND[#23/#135]", "chip: exactly 0.02"),
         ("O8923.nc", "#176=#108-#170", "GOTO 9", "chip: too small on a ball"),
         ("O8901.nc", "A[#112+#13*360./#113]", "A0.", "diameter OD-0.498"),

@@ -41,7 +41,7 @@ def test_the_command_writes_macros_that_run(tmp_path: Path) -> None:
     done = invoke("-o", str(tmp_path / "new"), "-p", "fanuc-mill", *OPTIONS)
     assert (done.exit_code, done.output) == (0, "")
     files = sorted((tmp_path / "new").iterdir())
-    assert len(files) == 31
+    assert len(files) == 33
     stand = Stand(FLAT_OK, FLAT_OK.real(), programs=Library(file.read_bytes() for file in files))
     stand.calibrate()
     assert stand.check_alone() == ""
@@ -64,10 +64,10 @@ def test_numbers_of_probe_makers_are_warned_about(tmp_path: Path) -> None:
     done = invoke("-o", str(tmp_path), "-p", "fanuc-mill", *OPTIONS, *moved)
     assert done.exit_code == 0
     assert (
-        "warning MCR005: O9810 to O9840 are also numbers of programs of Renishaw, Blum, Haas" in done.output
+        "warning MCR005: O9810 to O9842 are also numbers of programs of Renishaw, Blum, Haas" in done.output
     )
     files = sorted(tmp_path.iterdir())
-    assert (files[0].name, len(files)) == ("O9810.nc", 31)
+    assert (files[0].name, len(files)) == ("O9810.nc", 33)
     text = "".join(file.read_text() for file in files)
     assert "P89" not in text and "#103" not in text
     stand = Stand(FLAT_OK, FLAT_OK.real(), programs=Library(file.read_bytes() for file in files))

@@ -109,7 +109,7 @@ _LIMIT = ("limit", "limit_mm", "operation")
 _FIELDS_OF: Final[Mapping[CheckKind, tuple[str, ...]]] = {
     CheckKind.CALIBRATE: ("every",),
     CheckKind.TOOL_CHECK: ("tool", "speed_rpm", "every", "sister", *_LIMIT, *DATA_FIELDS),
-    CheckKind.TRACE: ("tool", "speed_rpm", "every", *_HEIGHT, *DATA_FIELDS),
+    CheckKind.TRACE: ("tool", "speed_rpm", *_DEPTH, "every", "sister", *_LIMIT, *_HEIGHT, *DATA_FIELDS),
     CheckKind.CHIP_CHECK: ("tool", *_DEPTH, "every", "sister", *_LIMIT, *_HEIGHT, *DATA_FIELDS),
 }
 

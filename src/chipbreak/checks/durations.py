@@ -51,10 +51,12 @@ def _tool_check_s(values: CallValues, settings: Settings) -> float:
 
 def _trace_s(values: CallValues, settings: Settings) -> float:
     height_mm = values.height_mm or 0.0
+    # Where not every workpiece is checked, what the last one has stored is compared with first.
+    compared_s = _chip_check_s(values, settings) if values.every > 1 else 0.0
     if not height_mm:
-        return _LENGTH_S + _turns_s(values, _TRACE_TURNS)
+        return compared_s + _LENGTH_S + _turns_s(values, _TRACE_TURNS)
     heights = math.ceil(height_mm / settings.checks.trace_step_mm) + 1
-    return _TRACE_S + _TRACE_TOUCH_S * _teeth(values) * heights + _turns_s(values, _TRACE_TURNS)
+    return compared_s + _TRACE_S + _TRACE_TOUCH_S * _teeth(values) * heights + _turns_s(values, _TRACE_TURNS)
 
 
 def _chip_check_s(values: CallValues, settings: Settings) -> float:

@@ -198,6 +198,7 @@ class _Planner:
             data,
             self.every,
             self._sister(tool),
+            DEPTHS.index(self.checks.depth),
         )
         if self.checks.depth == "breakage" and self.calls.hands_over_depth():
             values = values._replace(height_mm=0.0)  # no edge is looked at

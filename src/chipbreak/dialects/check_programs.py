@@ -134,9 +134,9 @@ MACRO_B: Final = MacroSet(
     frame="%\n{program}%\n",  # a memory card wants each program between two marks
     first_signal=1000,
     working=range(100, 180),
-    numbers=range(8900, 8931),
+    numbers=range(8900, 8933),
     arguments=FrozenTable(
-        {8900: "K", 8901: "TSKU", 8902: "TZSK", 8903: "TWDKU", 8904: "TKDRHEQB", 8919: "T"}
+        {8900: "K", 8901: "TSKU", 8902: "TZSKUWD", 8903: "TWDKU", 8904: "TKDRHEQB", 8919: "T"}
     ),
 )
 O_WORDS: Final = MacroSet(
@@ -177,7 +177,7 @@ _MACRO_B_CALLS = CallTemplates(
         {
             "calibrate": " K{every}.",
             "tool_check": " K{every}. U{sister}.",
-            "trace": " K{every}.",
+            "trace": " K{every}. U{sister}. W{limit} D{depth}.",
             "chip_check": " K{every}. U{sister}.",
         }
     ),
@@ -195,7 +195,7 @@ _O_WORD_CALLS = CallTemplates(
         {
             "calibrate": " [{every}]",
             "tool_check": " [{every}] [{sister}]",
-            "trace": " [0] [{every}]",
+            "trace": " [0] [{every}] [{limit}] [{sister}] [{depth_signed}]",
             "chip_check": " [{every}] [{sister}]",
         }
     ),
