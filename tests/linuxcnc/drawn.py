@@ -6,6 +6,7 @@ size, and another one of the same kinds that nobody has looked at, are one numbe
 
 from __future__ import annotations
 
+import math
 import random
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -339,6 +340,10 @@ def kept(cut: Cut, promise: CutReport, time_s: Floats, points_mm: Floats) -> Kep
     )
 
 
+# Of a cut that the machine never came to: run.errors says why.
+NOTHING_KEPT = Kept(math.inf, math.inf, math.inf, math.inf, False, math.inf, math.inf)
+
+
 def _moving_s(promise: CutReport) -> float:
     return promise.duration_s - promise.plan.end_dwell_s
 
@@ -366,8 +371,12 @@ def in_record(cut: Cut, result: chipbreak.Result, run: Run) -> Kept:
         for mark in ("CHIPBREAK BEGIN", "CHIPBREAK END")
     )
     inside = np.flatnonzero((run.lines > first) & (run.lines < last))
+    if not len(inside):
+        return NOTHING_KEPT
     part = run.samples[inside[0] - 3 : inside[-1] + 4]
     moves = np.flatnonzero(np.any(np.diff(part[:, 1:], axis=0) != 0.0, axis=1))
+    if not len(moves):
+        return NOTHING_KEPT
     part = part[moves[0] : moves[-1] + 2]
     return kept(cut, result.cuts[0], part[:, 0] - part[0, 0], part[:, [1, 3]])
 
