@@ -384,3 +384,22 @@ def test_a_cut_behind_a_finishing_cycle_says_its_own_feed(behind: str, why: str)
     result = chipbreak.rewrite(program, load("fanuc-lathe", ALWAYS))
     assert (b"UNROLLED G70" in result.data) is not bool(why)
     assert not why or any(why in d.message for d in result.diagnostics)
+
+
+@pytest.mark.parametrize("options", [ALWAYS, ["vibration.n=1.5"]], ids=str)
+def test_a_long_comment_of_a_contour_is_no_reason_to_refuse_the_program(options: list[str]) -> None:
+    """The block is written without it, for the control takes no longer one; the bracket keeps it."""
+    long = b"X30. Z-30. (THE TAPER OF THE SHOULDER, WHICH THE DRAWING GIVES AS 26.565 DEGREES TO THE AXIS)"
+    program = CYCLE.replace(b"X30. Z-30.", long).replace(b"N20 X52.", b"N20 X52. (" + b"A" * 90 + b")")
+    output = filtered(program, *options)
+    assert output.count(b"\nX30. Z-30.\n") == 1, "the finishing cycle copies the contour"
+    assert chipbreak.restore(output) == program
+
+
+def test_a_long_comment_under_compensation_is_no_reason_to_refuse_the_program() -> None:
+    move = b"Z-30. (" + b"B" * 90 + b")"
+    program = b"T0101\nG97 S800 M3\nG0 X40. Z2.\nG1 G42 X30. Z0. F0.2\n" + move + b"\nG0 G40 X60.\nM30\n"
+    options = ["vibration.n=1.5", "tools.nose_radius_mm.1=0.8", "tools.nose_tip.1=3"]
+    output = filtered(program, *options)
+    assert b"(CHIPBREAK COMPENSATED" in output
+    assert chipbreak.restore(output) == program

@@ -122,9 +122,11 @@ class _Writer:
         """The blocks that stand for one block."""
         block = effect.block
         for comment in block.comments:
-            self._add(effect, block.text[comment.start : comment.end])
+            if comment.end - comment.start <= self.settings.control.max_line_chars:
+                self._add(effect, block.text[comment.start : comment.end])
         if effect.move is None or effect.non_modal:
-            text = without_number(block) if effect.non_modal else _joined(block, _other_words(effect, ""))
+            plain = _joined(block, _other_words(effect, ""))
+            text = without_number(block, self.settings) if effect.non_modal else plain
             self._add(effect, text)
             return
         said = _joined(block, _other_words(effect, self.settings.axis_words.axes))

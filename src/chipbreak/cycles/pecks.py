@@ -75,7 +75,7 @@ def _end_of_cycle(interpreted: InterpretedProgram, line: int) -> tuple[int, list
         block = effect.block
         if effect.move is not None or effect.after.ended or block.opaque or block.controls or block.skip:
             break
-        said += [without_number(block)] if not block.is_empty else []
+        said += [without_number(block, interpreted.settings)] if not block.is_empty else []
         if effect.after.modes.motion != "cycle":
             return block.line, said
     message = "a G80 without a move does not stand behind the one hole of this cycle"

@@ -448,7 +448,7 @@ def _finish_edit(interpreted: InterpretedProgram, call: Call, state: State) -> E
         blocks = wished(blocks, call.wish)
     else:
         ends = [effect.move.end for effect in effects if effect.move is not None]
-        blocks = [_copied(effect, call.wish) for effect in effects]
+        blocks = [_copied(effect, call.wish, settings) for effect in effects]
     if any(math.isnan(end.x + end.z) for end in ends):
         raise RefusalError(
             BAD_CONTOUR, "a point of the contour cannot be known", "write it with plain numbers"
@@ -488,11 +488,11 @@ def _refuse_unsaid_behind(interpreted: InterpretedProgram, call: Call) -> None:
             raise RefusalError(UNREAD_FORM, message, f"give {letters} on that block, or before it")
 
 
-def _copied(effect: BlockEffect, wish: str) -> str:
+def _copied(effect: BlockEffect, wish: str, settings: Settings) -> str:
     """A block of the contour, without its number; a cut with the wish of the cycle."""
     if not (effect.block.words or effect.block.comments):
         return ""
-    text = without_number(effect.block)
+    text = without_number(effect.block, settings)
     cuts = effect.move is not None and effect.move.is_cut
     return with_wish(text, wish) if cuts else text
 

@@ -154,6 +154,7 @@ def with_wish(text: str, wish: str) -> str:
 
 
 _LATHE = Frame("Z", 1, 1)
+_ROOM_FOR_WISH = 12
 _GEOMETRY = frozenset("XZUWRIKCA") | {",R", ",C", ",A"}
 
 
@@ -171,7 +172,7 @@ def plain_contour(
     ends: list[Position] = []
     for effect in effects:
         if effect.move is None:
-            blocks += [without_number(effect.block)] if effect.block.words else []
+            blocks += [without_number(effect.block, settings)] if effect.block.words else []
             continue
         said = " ".join(effect.block.text_of(word) for word in _other_words(effect.block))
         step, pieces = next(drawn)
@@ -192,11 +193,17 @@ def _drawn(writer: BlockWriter, step: Step, pieces: Sequence[Segment]) -> Iterat
             yield text, step.move.end._replace(z=piece.end.t, x=piece.end.h)
 
 
-def without_number(block: Block) -> str:
-    """The text of a block without its N word: the number names the block of the contour alone."""
+def without_number(block: Block, settings: Settings) -> str:
+    """The text of a block without its N word: the number names the block of the contour alone.
+
+    A comment that makes it longer than a new block may be is left out; the bracket keeps it.
+    """
     number = block.sequence
     text = block.text if number is None else block.text[: number.start] + block.text[number.end :]
-    return text.strip()
+    text = text.strip()
+    if len(text) + _ROOM_FOR_WISH > settings.control.max_line_chars:
+        return " ".join(map(block.text_of, block.words))
+    return text
 
 
 def _other_words(block: Block) -> list[Word]:
