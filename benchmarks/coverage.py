@@ -258,7 +258,8 @@ def main() -> int:
         *options.sets,
     ]
     settings = load(options.profile, asked)
-    plain = load(options.profile, [*MACHINE, 'cycles.unroll="always"'])
+    control = [one for one in options.sets if not one.startswith("vibration.")]
+    plain = load(options.profile, [*MACHINE, *control, 'cycles.unroll="always"'])
     paths = [p for f in options.folders for p in (sorted(f.rglob("*")) if f.is_dir() else [f]) if p.is_file()]
     all_of = [measure(path, settings, plain) for path in paths]
     if options.files:

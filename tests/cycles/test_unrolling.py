@@ -403,3 +403,21 @@ def test_a_long_comment_under_compensation_is_no_reason_to_refuse_the_program() 
     output = filtered(program, *options)
     assert b"(CHIPBREAK COMPENSATED" in output
     assert chipbreak.restore(output) == program
+
+
+BEFORE = CYCLE.replace(CONTOUR, b"").replace(b"G0 X52. Z2.\n", b"G0 X52. Z2.\n" + CONTOUR)
+
+
+def test_a_contour_before_its_cycle_is_cut_where_it_stands() -> None:
+    """The control comes to it first: taking it out would take cuts out, so the cycle stays and says why."""
+    result = chipbreak.rewrite(BEFORE, load("fanuc-lathe", ALWAYS))
+    assert result.data == BEFORE
+    (said,) = [one for one in result.diagnostics if one.code == "CYC002"]
+    assert "the contour in line 5 stands before its cycle" in said.message
+    behind = interpret(parse(read(BEFORE), load("fanuc-lathe").dialect), load("fanuc-lathe"))
+    assert behind.before(8).position[::2] == (26.0, -30.0), "the blocks of the contour move"
+
+
+def test_the_way_out_of_a_contour_before_its_cycle() -> None:
+    """``CYCLE`` is the same with the contour behind."""
+    assert b"(CHIPBREAK UNROLLED G71 P10 Q20)" in filtered(CYCLE, *ALWAYS)

@@ -305,12 +305,21 @@ def _contour_edit(interpreted: InterpretedProgram, group: Sequence[ContourCall])
 
 def _edit_of_call(interpreted: InterpretedProgram, contour: ContourCall, state: State) -> UnrolledEdit:
     call = read_call(interpreted, contour)
+    _refuse_contour_before(interpreted, call)
     _refuse_state(call, state)
     _refuse_noses(interpreted, call, state)
     if call.kind == "finish":
         return UnrolledEdit(_finish_edit(interpreted, call, state), Kind.FINISH)
     edit_of = _pattern_edit if call.kind == "pattern" else _rough_edit
     return UnrolledEdit(edit_of(interpreted, call, state), Kind.ROUGH)
+
+
+def _refuse_contour_before(interpreted: InterpretedProgram, call: Call) -> None:
+    """A contour to which the control comes before any of its cycles is cut there, and must stay."""
+    if not interpreted.flow.in_contour(call.contour_first):
+        place = interpreted.program.source.place(call.contour_first).line
+        message = f"the contour in line {place} stands before its cycle, and the control cuts along it there"
+        raise RefusalError(BAD_CONTOUR, message, "write the contour behind the cycle")
 
 
 def _refuse_state(call: Call, state: State) -> None:

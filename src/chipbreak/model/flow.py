@@ -44,7 +44,7 @@ class Flow(NamedTuple):
     """Jump targets and cycle contours.
 
     ``targets``   lines that a GOTO may reach
-    ``contours``  [first, last] lines of shapes that G70 to G73 call by P and Q: no moves of their own
+    ``contours``  [first, last] lines of shapes that G70 to G73 before them call by P and Q: no moves there
     ``missing``   the ends of shapes that are not in the program
     ``finishes``  line of a finishing cycle -> the last F and S of its shape, those that it says
     """
@@ -86,7 +86,7 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
         cycles += _cycles_of(block, dialect)
     numbers = sequence_lines(program) if jumps or cycles else {}
     shapes = [_shape(cycle, numbers) for cycle in cycles]
-    contours = _merged(shape for shape in shapes if not isinstance(shape, MissingNumber))
+    contours = _merged(_passed_over(cycles, shapes))
     missing = tuple(shape for shape in shapes if isinstance(shape, MissingNumber) and dialect.contour_cycles)
     finishes = {
         cycle.line: said
@@ -94,6 +94,15 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
         if cycle.finishes and not isinstance(shape, MissingNumber) and (said := _last_said(program, shape))
     }
     return Flow(_targets(jumps, numbers), contours, missing, FrozenTable(finishes))
+
+
+def _passed_over(
+    cycles: Sequence[_Cycle], shapes: Sequence[_LineRange | MissingNumber]
+) -> Iterator[_LineRange]:
+    """The shapes that a cycle before them calls: to any other the control comes first, and cuts along it."""
+    for cycle, shape in zip(cycles, shapes, strict=True):
+        if not isinstance(shape, MissingNumber) and cycle.line < shape[0]:
+            yield shape
 
 
 def _last_said(program: Program, shape: _LineRange) -> dict[str, str]:
