@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from chipbreak.editing.beside import with_brackets
 from chipbreak.editing.diff import Hunk, compare, items_of
 from chipbreak.editing.restore import restore as put_back
 from chipbreak.macros import check_axes, macro_files
@@ -18,7 +19,6 @@ from chipbreak.self_check import written_edits
 from chipbreak.settings import Settings, SettingsError
 from chipbreak.syntax.parse import parse
 from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, RefusalError
-from chipbreak.text.source import read
 from chipbreak.tools import files
 from chipbreak.tools.data import ToolData
 from chipbreak.tools.merge import ToolTable
@@ -29,7 +29,12 @@ if TYPE_CHECKING:
 
 
 def check(
-    data: bytes, settings: Settings, name: str = "<stdin>", *, allow_unbroken: bool = False
+    data: bytes,
+    settings: Settings,
+    name: str = "<stdin>",
+    *,
+    beside: bytes | None = None,
+    allow_unbroken: bool = False,
 ) -> tuple[Diagnostic, ...]:
     """All that is to be said of a program, in the order of its lines; nothing is written.
 
@@ -37,43 +42,46 @@ def check(
     SettingsError and ToolFileError as :func:`rewrite` does.
     """
     try:
-        return rewrite(data, settings, name, allow_unbroken=allow_unbroken).diagnostics
+        return rewrite(data, settings, name, beside=beside, allow_unbroken=allow_unbroken).diagnostics
     except ProgramRejectedError as error:
         return error.diagnostics
 
 
-def verify(data: bytes, settings: Settings, name: str = "<stdin>") -> Result:
+def verify(data: bytes, settings: Settings, name: str = "<stdin>", *, beside: bytes | None = None) -> Result:
     """Judge a filtered program as it stands, instead of writing a new one.
 
     Cuts that do not break their chips do not raise: see ``verdict.breaks`` of the result's ``cuts``.  Raises
     what :func:`rewrite` raises; SelfCheckError also for a program that another profile or version has
     written, whose changes are not those that would be made now.
     """
-    return verify_filtered(data, settings, name)
+    return verify_filtered(data, settings, name, beside=beside)
 
 
-def restore(data: bytes, name: str = "<stdin>") -> bytes:
+def restore(data: bytes, name: str = "<stdin>", *, beside: bytes | None = None) -> bytes:
     """The original bytes from a filtered program; other programs come back as they are.
 
-    Raises ProgramRejectedError for a filtered part that somebody has edited.
+    ``beside`` is the file beside a program whose brackets were left out of it.  Raises ProgramRejectedError
+    for a filtered part, or such a program, that somebody has edited.
     """
-    return put_back(read(data, name)).data
+    return put_back(with_brackets(data, name, beside)).data
 
 
-def explain(program: bytes | Result, settings: Settings, name: str = "<stdin>") -> Report:
+def explain(
+    program: bytes | Result, settings: Settings, name: str = "<stdin>", *, beside: bytes | None = None
+) -> Report:
     """What a run did and why: each vibrated cut, operation and check, lengths in mm, times in s.
 
     ``program`` is what :func:`rewrite` takes, or what it gave.  ``str()`` of the report is the text that
     ``chipbreak explain`` prints, ``as_dict()`` its JSON.  Raises what :func:`rewrite` raises.
     """
-    result = program if isinstance(program, Result) else rewrite(program, settings, name)
+    result = program if isinstance(program, Result) else rewrite(program, settings, name, beside=beside)
     return report_of(result, settings)
 
 
 def motions(result: Result, settings: Settings) -> Iterator[CutMotion]:
     """How each of the result's ``cuts`` runs on its control, one at a time: ``time_s`` and ``distance_mm``.
 
-    They are read from ``result.data`` again, with the ``settings`` of the run, because the motion of a long
+    They are read from the new program again, with the ``settings`` of the run, because the motion of a long
     program takes more memory than the program.
     """
     from chipbreak.vibration.cut_edit import VibratedCut
@@ -81,7 +89,7 @@ def motions(result: Result, settings: Settings) -> Iterator[CutMotion]:
     if not result.cuts:
         return
     interpreted = interpret(parse(result.source, settings.dialect), settings)
-    for written in written_edits(interpreted, result.data, result.edits):
+    for written in written_edits(interpreted, result.bracketed, result.edits):
         promise = written.edit.promise
         if isinstance(promise, VibratedCut):
             yield from promise.motions(written)
@@ -116,13 +124,15 @@ def read_tools(path: str | os.PathLike[str], *, mm_per_unit: float = 1.0) -> lis
     return files.read_tools(name, files.read_bytes(name), (mm_per_unit, f"{mm_per_unit:g} mm a unit"))
 
 
-def tool_table(data: bytes, settings: Settings, name: str = "<stdin>") -> ToolTable:
+def tool_table(
+    data: bytes, settings: Settings, name: str = "<stdin>", *, beside: bytes | None = None
+) -> ToolTable:
     """All that is known about the tools of a program: from the files of ``[tools]``, then from its comments.
 
     Raises ProgramRejectedError for a filtered part that somebody has edited, ToolFileError for a file that
     cannot be used.
     """
-    return table_of(interpret(parse(put_back(read(data, name)), settings.dialect), settings))
+    return table_of(interpret(parse(put_back(with_brackets(data, name, beside)), settings.dialect), settings))
 
 
 def macro_programs(settings: Settings) -> dict[str, bytes]:

@@ -12,7 +12,8 @@ import click
 
 from chipbreak.batch.inputs import Input, inputs_of
 from chipbreak.options import FAILED, LOG, READING, USAGE, Asked, asking, settings_for
-from chipbreak.streams import read_input, say, write_json, write_or_note
+from chipbreak.program_files import read_program, write_or_note
+from chipbreak.streams import say, write_json
 from chipbreak.text.encoding import escaped
 from chipbreak.text.named_tuple import NamedTuple
 
@@ -90,12 +91,12 @@ def _written(finished: Finished, target: Path) -> Finished:
     from chipbreak.text.diagnostics import Diagnostic, Severity
 
     try:
-        write_or_note(target, finished.data, finished.diagnostics)
+        write_or_note(target, finished)
     except click.UsageError as error:
         said = Diagnostic(NOT_WRITTEN, Severity.ERROR, error.message)
         code = max(finished.code, USAGE)
-        return finished._replace(code=code, diagnostics=(said, *finished.diagnostics), data=None, report=None)
-    return finished._replace(data=None)
+        finished = finished._replace(code=code, diagnostics=(said, *finished.diagnostics), report=None)
+    return finished._replace(data=None, beside=None)
 
 
 def _targets(inputs: Sequence[Input], folder: Path) -> list[Path]:
@@ -123,14 +124,15 @@ def _tasks(inputs: Sequence[Input], asked: Asked, unread: list[Finished]) -> Ite
         try:
             if one.path.parent not in known:
                 known[one.path.parent] = settings_for(asked, name)
-            data = read_input(name)
+            program = read_program(name)
         except SettingsError as error:
             unread.append(Finished(number, name, USAGE, (error.diagnostic,)))
         except click.UsageError as error:
             said = Diagnostic("BAT003", Severity.ERROR, error.message)
             unread.append(Finished(number, name, USAGE, (said,)))
         else:
-            yield Task(number, name, data, known[one.path.parent], asked.allow_unbroken)
+            settings = known[one.path.parent]
+            yield Task(number, name, program.data, settings, asked.allow_unbroken, program.beside)
 
 
 def _run(tasks: Iterable[Task], workers: _Workers, asked: Asked) -> Iterator[Finished]:

@@ -21,6 +21,7 @@ from chipbreak.git_commands import git_diff, textconv
 from chipbreak.hook_commands import hooks
 from chipbreak.machine_test_command import machine_test
 from chipbreak.options import (
+    BESIDE,
     DIFFERENT,
     DONE,
     LOG,
@@ -41,13 +42,13 @@ from chipbreak.options import (
     verify_program,
 )
 from chipbreak.profile_commands import profile
+from chipbreak.program_files import ProgramFile, read_program, replace_program, write_program
 from chipbreak.resume_command import resume
 from chipbreak.streams import (
     Commands,
     complain,
     keep_file,
     note_rejection,
-    read_input,
     replace_file,
     say,
     write_json,
@@ -92,9 +93,14 @@ def cli() -> None:
 @click.option("--backup", metavar="SUFFIX", help="With -i: keep the original under its name plus this.")
 @click.option("--check", is_flag=True, help="Write nothing; exit 1 if anything would change.")
 @click.option(
+    "--fresh",
+    is_flag=True,
+    help="INPUT is new from a CAM system: NAME.chipbreak of a program that stood there before is old.",
+)
+@click.option(
     "--reject-file", is_flag=True, help="With -o or -i: where a program is rejected, say why in OUT.rejected."
 )
-@asking(*READING, LOG, MESSAGES)
+@asking(*READING, BESIDE, LOG, MESSAGES)
 def filter_command(
     asked: Asked,
     sources: tuple[str, ...],
@@ -102,6 +108,7 @@ def filter_command(
     in_place: bool,
     backup: str | None,
     check: bool,
+    fresh: bool,
     reject_file: bool,
 ) -> None:
     """Filter programs: from stdin or INPUT to stdout, OUT or INPUT itself.
@@ -115,7 +122,9 @@ def filter_command(
     if reject_file and not in_place and output in (None, "-"):
         raise click.UsageError("--reject-file goes with -o or -i: the file stands beside the program")
     names = _names(sources or ("-",), many=in_place or check)
-    run = _Filter(asked, output, backup, in_place, check, reject_file)
+    if asked.beside is not None and len(names) != 1:
+        raise click.UsageError("--beside is about one program; without it each has its own NAME.chipbreak")
+    run = _Filter(asked, output, backup, in_place, check, reject_file, fresh)
     with asked.reporter.logging("filter", names):
         sys.exit(max([_filter_one(run, name) for name in names]))
 
@@ -129,6 +138,7 @@ class _Filter(NamedTuple):
     in_place: bool
     check: bool
     reject_file: bool
+    fresh: bool
 
 
 def _names(sources: tuple[str, ...], *, many: bool) -> list[str]:
@@ -152,9 +162,9 @@ def _filter_one(run: _Filter, source: str) -> int:
     asked = run.asked
     if run.in_place and Path(source).exists() and not Path(source).is_file():
         raise click.UsageError(f"-i replaces INPUT itself, and {source} is no file")
-    data = read_input(source)
+    program = _program_to_filter(run, source)
     settings = settings_of(asked, source)
-    outcome = rewrite_program(data, settings, source, asked)
+    outcome = rewrite_program(program, settings, source, asked)
     asked.reporter.show(outcome.diagnostics)
     target = source if run.in_place else run.output
     if run.reject_file and target is not None and not run.check:
@@ -163,27 +173,38 @@ def _filter_one(run: _Filter, source: str) -> int:
     if result is None:
         return outcome.code
     if not run.check:
-        _write(run, source, data, result)
+        _write(run, source, program, result)
     if run.check or target not in (None, "-"):
         _print_summary(result, settings, asked)
     return DIFFERENT if run.check and result.changed else DONE
 
 
-def _write(run: _Filter, source: str, data: bytes, result: Result) -> None:
+def _program_to_filter(run: _Filter, source: str) -> ProgramFile:
+    """What is to be filtered; the file of --beside is the input's where that has none of its own."""
+    program = read_program(source, run.asked.beside if run.in_place or source == "-" else None)
+    if not run.fresh or program.beside is None:
+        return program
+    from chipbreak.editing.beside import fits
+
+    return program if fits(program.data, source, program.beside) else program._replace(beside=None)
+
+
+def _write(run: _Filter, source: str, program: ProgramFile, result: Result) -> None:
     """The program to where it is asked for; one filtered in place that would not change is left alone."""
-    if not run.in_place and run.output in (None, "-"):
-        write_stdout([result.data])
-    elif not run.in_place:
-        replace_file(Path(str(run.output)), [result.data])
+    new = ProgramFile(result.data, result.beside)
+    if not run.in_place:
+        write_program(run.output, new, run.asked.beside)
     elif result.changed:
         if run.backup is not None:
-            _keep(source, data, run.backup, run.asked)
-        replace_file(Path(source), [result.data], instead_of=data)
+            _keep(source, program, run.backup, run.asked)
+        replace_program(Path(source), new, beside=run.asked.beside, instead_of=program.data)
 
 
-def _keep(source: str, data: bytes, suffix: str, asked: Asked) -> None:
+def _keep(source: str, program: ProgramFile, suffix: str, asked: Asked) -> None:
     """The backup of a program; says its name where that is not the one that was asked for."""
-    kept = keep_file(Path(source), data, suffix)
+    kept = keep_file(Path(source), program.data, suffix)
+    if program.beside is not None:
+        replace_program(kept, program)
     if kept.name != Path(source).name + suffix and not asked.quiet and not asked.as_json:
         asked.reporter.tell(escaped(f"{source}: an older backup is there; the original is kept as {kept}"))
 
@@ -197,9 +218,9 @@ def check(asked: Asked, sources: tuple[str, ...]) -> None:
 
     failed = False
     for source in _names(sources, many=True):
-        data = read_input(source)
+        program = read_program(source)
         settings = settings_of(asked, source)
-        diagnostics = rewrite_program(data, settings, source, asked).diagnostics
+        diagnostics = rewrite_program(program, settings, source, asked).diagnostics
         failed |= has_errors(diagnostics)
         asked.reporter.show(diagnostics)
     sys.exit(DIFFERENT if failed else DONE)
@@ -207,11 +228,11 @@ def check(asked: Asked, sources: tuple[str, ...]) -> None:
 
 @cli.command()
 @click.argument("source", metavar="[INPUT]", default="-", type=click.Path(allow_dash=True))
-@asking(*READING)
+@asking(*READING, BESIDE)
 def explain(asked: Asked, source: str) -> None:
     """Show each vibrated cut, operation and check, with its reasons."""
     settings = settings_of(asked, source)
-    _print_report(run_filter(read_input(source), settings, source, asked), settings, asked)
+    _print_report(run_filter(read_program(source, asked.beside), settings, source, asked), settings, asked)
 
 
 def _print_summary(result: Result, settings: Settings, asked: Asked) -> None:
@@ -240,7 +261,7 @@ def _print_report(result: Result, settings: Settings, asked: Asked) -> None:
 
 @cli.command()
 @click.argument("source", metavar="[INPUT]", default="-", type=click.Path(allow_dash=True))
-@asking(*READING)
+@asking(*READING, BESIDE)
 def verify(asked: Asked, source: str) -> None:
     """Judge a filtered program as it stands: end points, times, states and chips.
 
@@ -249,9 +270,9 @@ def verify(asked: Asked, source: str) -> None:
     """
     from chipbreak.text.diagnostics import has_errors
 
-    data = read_input(source)
-    settings = settings_of_filtered(asked, source, data)
-    result = verify_program(data, settings, source, asked)
+    program = read_program(source, asked.beside)
+    settings = settings_of_filtered(asked, source, program)
+    result = verify_program(program, settings, source, asked)
     _print_report(result, settings, asked)
     broken = not asked.allow_unbroken and any(not cut.verdict.breaks for cut in result.cuts)
     sys.exit(DIFFERENT if broken or has_errors(result.diagnostics) else DONE)
@@ -292,7 +313,8 @@ def diff(
     settings = settings_of(asked, a) if asked.profile or asked.sets else None
     try:
         sides = [
-            items_of(read_input(name), name, settings, ignore_comments=ignore_comments) for name in (a, b)
+            items_of(one.data, name, settings, beside=one.beside, ignore_comments=ignore_comments)
+            for name, one in ((name, read_program(name)) for name in (a, b))
         ]
     except ProgramRejectedError as error:
         asked.reporter.show(error.diagnostics)
@@ -320,22 +342,19 @@ def _coloured(line: str) -> str:
 @cli.command()
 @click.argument("source", metavar="[INPUT]", default="-", type=click.Path(allow_dash=True))
 @click.option("-o", "--output", metavar="OUT", help="Write to this file, replaced in one step.")
-@asking(*REPORTING)
+@asking(BESIDE, *REPORTING)
 def restore(asked: Asked, source: str, output: str | None) -> None:
     """Give the original bytes back from a filtered program."""
-    from chipbreak.editing.restore import restore as put_back
+    from chipbreak.api import restore as put_back
     from chipbreak.text.diagnostics import ProgramRejectedError
-    from chipbreak.text.source import read
 
+    program = read_program(source, asked.beside)
     try:
-        original = put_back(read(read_input(source), source)).data
+        original = put_back(program.data, source, beside=program.beside)
     except ProgramRejectedError as error:
         asked.reporter.show(error.diagnostics)
         sys.exit(REJECTED)
-    if output is None or output == "-":
-        write_stdout([original])
-    else:
-        replace_file(Path(output), [original])
+    write_program(output, ProgramFile(original))
 
 
 @cli.command()

@@ -10,7 +10,8 @@ from typing import TypeVar
 import click
 
 from chipbreak.options import READING, USAGE, Asked, asking, run_filter, settings_of
-from chipbreak.streams import read_input, replace_file
+from chipbreak.program_files import read_program
+from chipbreak.streams import replace_file
 
 _T = TypeVar("_T")
 _OF_CUT = ("chips", "thickness", "speeds", "ramp")
@@ -49,7 +50,7 @@ def plot(asked: Asked, source: str, output: str, figure: str, number: int) -> No
     if kind is None:
         raise click.UsageError(f"{output}: name it .{', .'.join(KINDS)}")
     settings = settings_of(asked, source)
-    result = run_filter(read_input(source), settings, source, asked)
+    result = run_filter(read_program(source), settings, source, asked)
     asked.reporter.show(result.diagnostics)
 
     def draw() -> bytes:
@@ -86,7 +87,7 @@ def report(asked: Asked, source: str, output: str, edges: tuple[tuple[str, str, 
     from chipbreak.tool_commands import inspected_edges
 
     settings = settings_of(asked, source)
-    result = run_filter(read_input(source), settings, source, asked)
+    result = run_filter(read_program(source), settings, source, asked)
     asked.reporter.show(result.diagnostics)
     figures = [inspected_edges(asked, *one).svg() for one in edges]
     page = _or_usage(asked, lambda: page_of_run(result, settings, figures))

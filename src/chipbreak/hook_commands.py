@@ -10,7 +10,8 @@ from pathlib import Path
 import click
 
 from chipbreak.options import LOG, PROFILE, READING, SET, Asked, asking, settings_for, settings_of
-from chipbreak.streams import complain, read_input, replace_file, write_or_note
+from chipbreak.program_files import read_program, write_or_note
+from chipbreak.streams import complain, replace_file
 from chipbreak.text.encoding import escaped
 
 _NAMES = ("linuxcnc", "freecad", "cam", "git", "editors")
@@ -122,8 +123,10 @@ def _filter_into(asked: Asked, source: Path, target: Path) -> None:
         asked.reporter.show([error.diagnostic])
         return
     with asked.reporter.logging("hooks watch", [str(source)]):
-        finished = filtered(Task(0, str(source), read_input(str(source)), settings, asked.allow_unbroken))
-        write_or_note(target, finished.data, finished.diagnostics)
+        program = read_program(str(source))
+        task = Task(0, str(source), program.data, settings, asked.allow_unbroken, program.beside)
+        finished = filtered(task)
+        write_or_note(target, finished)
         asked.reporter.show(finished.diagnostics)
         asked.reporter.tell(escaped(f"{source}: {told(finished)}"))
 

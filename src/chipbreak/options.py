@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
     from chipbreak.pipeline import Result
+    from chipbreak.program_files import ProgramFile
     from chipbreak.settings import Settings
 
 __all__ = ["DIFFERENT", "DONE", "FAILED", "REJECTED", "USAGE", "Outcome"]
@@ -49,6 +50,7 @@ class Asked(NamedTuple):
     color: str = "never"
     log: str | None = None
     messages: bool = False
+    beside: str | None = None
 
     @property
     def reporter(self) -> Reporter:
@@ -116,6 +118,12 @@ MESSAGES = click.option(
     is_flag=True,
     help="Write warnings into the program as comments too; LinuxCNC shows them to the operator.",
 )
+BESIDE = click.option(
+    "--beside",
+    metavar="FILE",
+    type=click.Path(),
+    help="Instead of NAME.chipbreak: what 'restore' needs where the profile says output.brackets = none.",
+)
 READING = (PROFILE, SET, TOOLS, STRICT, UNBROKEN, UNROLL, *REPORTING)
 
 
@@ -164,7 +172,7 @@ def settings_for(asked: Asked, source: str) -> Settings:
     return _with_tool_files(settings, asked.tool_files) if asked.tool_files else settings
 
 
-def settings_of_filtered(asked: Asked, source: str, data: bytes) -> Settings:
+def settings_of_filtered(asked: Asked, source: str, program: ProgramFile) -> Settings:
     """The profile that filtered a program, by its stamp; without a stamp as :func:`settings_of`.
 
     Raises click.UsageError where no profile here is the one of the stamp.
@@ -173,7 +181,7 @@ def settings_of_filtered(asked: Asked, source: str, data: bytes) -> Settings:
     from chipbreak.settings import SettingsError
     from chipbreak.settings.fingerprint import fingerprint
 
-    stamp = None if asked.profile is not None else stamp_of(data)
+    stamp = None if asked.profile is not None else stamp_of(program.data + (program.beside or b""))
     if stamp is None:
         return settings_of(asked, source)
     for profile in _profiles_called(stamp.profile, source):
@@ -242,16 +250,16 @@ def _with_tool_files(settings: Settings, names: Sequence[str]) -> Settings:
     return replace(settings, tools=tools, origins=origins)
 
 
-def run_filter(data: bytes, settings: Settings, source: str, asked: Asked) -> Result:
+def run_filter(program: ProgramFile, settings: Settings, source: str, asked: Asked) -> Result:
     """Filter a program; says what is wrong with it and exits with 3 when it is rejected."""
-    outcome = rewrite_program(data, settings, source, asked)
+    outcome = rewrite_program(program, settings, source, asked)
     if outcome.result is None:
         asked.reporter.show(outcome.diagnostics)
         sys.exit(outcome.code)
     return outcome.result
 
 
-def rewrite_program(data: bytes, settings: Settings, source: str, asked: Asked) -> Outcome:
+def rewrite_program(program: ProgramFile, settings: Settings, source: str, asked: Asked) -> Outcome:
     """Filter a program; exits with 2 or 4 when something else than the program is at fault."""
     from chipbreak.pipeline import rewrite
 
@@ -261,14 +269,20 @@ def rewrite_program(data: bytes, settings: Settings, source: str, asked: Asked) 
         asked,
         outcome_of(
             lambda: rewrite(
-                data, settings, name, allow_unbroken=asked.allow_unbroken, messages=asked.messages
+                program.data,
+                settings,
+                name,
+                beside=program.beside,
+                allow_unbroken=asked.allow_unbroken,
+                messages=asked.messages,
             )
         ),
     )
 
 
-def verify_program(data: bytes, settings: Settings, source: str, asked: Asked) -> Result:
+def verify_program(program: ProgramFile, settings: Settings, source: str, asked: Asked) -> Result:
     """Judge a filtered program; exits with 3 or 4 when it is not as it was written."""
+    from chipbreak.editing.beside import with_brackets
     from chipbreak.editing.bracket import BEGIN, find
     from chipbreak.pipeline import verify_filtered
     from chipbreak.text.diagnostics import SelfCheckError
@@ -277,11 +291,11 @@ def verify_program(data: bytes, settings: Settings, source: str, asked: Asked) -
 
     def work() -> Result:
         try:
-            return verify_filtered(data, settings, name)
+            return verify_filtered(program.data, settings, name, beside=program.beside)
         except SelfCheckError as error:  # nobody's fault but the choice of program and profile
             what = f"this is not what profile {settings.name} makes of it: {error}"
             way_out = "verify it with the profile and the settings that filtered it, or filter it again"
-            if find(data, BEGIN) < 0:
+            if find(with_brackets(program.data, name, program.beside).data, BEGIN) < 0:
                 way_out = "nothing in it was written by chipbreak: filter it first"
             complain(escaped(f"{name}: error SLF003: {what}") + f"\n  help: {way_out}")
             sys.exit(FAILED)

@@ -8,6 +8,7 @@ from functools import cache, partial
 from typing import TYPE_CHECKING
 
 from chipbreak.compensating import offset_noses
+from chipbreak.editing.beside import Parted, parted, with_brackets
 from chipbreak.editing.edits import Edit
 from chipbreak.editing.notes import messages_edit, stamp_edit
 from chipbreak.editing.render import render
@@ -34,7 +35,7 @@ from chipbreak.text.diagnostics import (
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.place_order import in_place_order
-from chipbreak.text.source import Source, read
+from chipbreak.text.source import Source
 from chipbreak.text.utf_16 import refuse_utf_16
 from chipbreak.tools.merge import ToolTable
 from chipbreak.unrolling import Span, Unrolled, reason_of, unroll
@@ -47,10 +48,11 @@ if TYPE_CHECKING:
 class Result(NamedTuple):
     """What became of a program.
 
-    ``data`` is the new program.  ``changed`` says whether it differs from what came in.  ``reports`` are what
-    was found when the promises of the edits were looked after, in the order of the program.  ``left`` are the
-    cuts that were asked to vibrate and stay as they are, with the reason.  ``cycles`` are those that were
-    written out, by their lines in ``source``.
+    ``data`` is the new program, ``beside`` the file that belongs beside it where ``output.brackets`` is none.
+    ``changed`` says whether it differs from what came in.  ``reports`` are what was found when the promises
+    of the edits were looked after, in the order of the program.  ``left`` are the cuts that were asked to
+    vibrate and stay as they are, with the reason.  ``cycles`` are those that were written out, by their lines
+    in ``source``.
     """
 
     source: Source
@@ -62,11 +64,17 @@ class Result(NamedTuple):
     edits: tuple[Edit, ...]
     left: tuple[LeftCut, ...] = ()
     cycles: tuple[Span, ...] = ()
+    beside: bytes | None = None
 
     def __repr__(self) -> str:
         state = "changed" if self.changed else "not changed"
         counts = f"{len(self.edits)} edits, {len(self.diagnostics)} diagnostics"
         return f"<Result of {self.source.name!r}: {state}, {len(self.data)} bytes, {counts}>"
+
+    @property
+    def bracketed(self) -> bytes:
+        """The new program with its comments, wherever they are kept."""
+        return with_brackets(self.data, self.source.name, self.beside).data
 
     @property
     def cuts(self) -> tuple[CutReport, ...]:
@@ -83,53 +91,57 @@ def rewrite(
     settings: Settings,
     name: str = "<stdin>",
     *,
+    beside: bytes | None = None,
     allow_unbroken: bool = False,
     messages: bool = False,
 ) -> Result:
     """Filter a program.
 
     A program that was filtered before is put back first, so a second run with the same profile changes
-    nothing.  ``messages``: warnings are written into the program as comments for the operator.
+    nothing.  ``beside`` is the file beside such a program, where its brackets were left out of it.
+    ``messages``: warnings are written into the program as comments for the operator.
 
     Raises ProgramRejectedError when it has an error in it, and SelfCheckError when the result does
     not do what was promised; then nothing may be written.  Raises SettingsError for a profile whose rules or
     calls cannot be used, and ToolFileError for a file of tools that cannot be read.
     """
     refuse_utf_16(data, name)
-    source = restore(read(data, name))
-    return _run(source, data, settings, None, RunOptions(allow_unbroken, messages))
+    source = restore(with_brackets(data, name, beside))
+    result = _run(source, settings, None, RunOptions(allow_unbroken, messages))
+    return result._replace(changed=(result.data, result.beside) != (data, beside))
 
 
-def verify_filtered(data: bytes, settings: Settings, name: str = "<stdin>") -> Result:
+def verify_filtered(
+    data: bytes, settings: Settings, name: str = "<stdin>", *, beside: bytes | None = None
+) -> Result:
     """Judge a filtered program as it stands, instead of writing a new one.
 
     Raises what :func:`rewrite` raises; SelfCheckError also for a program that another profile or version has
     written, whose changes are not those that would be made now.
     """
     refuse_utf_16(data, name)
-    source = restore(read(data, name))
+    written = with_brackets(data, name, beside)
+    source = restore(written)
     try:
-        return _run(source, data, settings, data, RunOptions(allow_unbroken=True))
+        return _run(source, settings, written.data, RunOptions(allow_unbroken=True))
     except SelfCheckError:
         # Cuts that did not break their chips may have been left as they were.
-        again = _filtered_again(source, data, settings)
+        again = _filtered_again(source, written.data, settings)
         if again is None:
             raise
         return again
 
 
-def _filtered_again(source: Source, data: bytes, settings: Settings) -> Result | None:
-    """The result of filtering anew, where that gives the very bytes of ``data``."""
+def _filtered_again(source: Source, output: bytes, settings: Settings) -> Result | None:
+    """The result of filtering anew, where that gives the very bytes of ``output``."""
     try:
-        again = _run(source, data, settings, None, RunOptions())
+        again = _run(source, settings, None, RunOptions())
     except (ProgramRejectedError, SelfCheckError):
         return None
-    return None if again.changed else again
+    return again._replace(changed=False) if again.bracketed == output else None
 
 
-def _run(
-    source: Source, data: bytes, settings: Settings, output: bytes | None, options: RunOptions
-) -> Result:
+def _run(source: Source, settings: Settings, output: bytes | None, options: RunOptions) -> Result:
     """All stages on an unfiltered source; ``output`` is the program to judge, None to write one."""
     whole = _Whole.of(interpret(parse(source, settings.dialect), settings))
     passes = passes_of(settings)
@@ -156,17 +168,24 @@ def _run(
     _reject_wrong(diagnostics)
     if options.messages:
         tried = _with_messages(context, tried, diagnostics)
+    new = _as_kept(tried.output, source.name, settings)
     return Result(
         source=context.interpreted.program.source,
-        data=tried.output,
-        changed=tried.output != data,
+        data=new.data,
+        changed=False,  # than what, knows who called
         diagnostics=_ordered(diagnostics),
         reports=tuple(one.report for one in tried.kept),
         operations=tuple(context.operations),
         edits=tuple(tried.edits),
         left=(*unrolled.left, *tried.left),
         cycles=tuple(unrolled.spans),
+        beside=new.beside,
     )
+
+
+def _as_kept(output: bytes, name: str, settings: Settings) -> Parted:
+    """The new program, with its brackets in it or in a file beside it."""
+    return parted(output, name) if settings.output.brackets == "none" else Parted(output, None)
 
 
 def _settled(context: Context, passes: Sequence[Pass], output: bytes | None) -> tuple[Context, _Tried]:

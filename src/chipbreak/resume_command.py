@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 
 import click
 
-from chipbreak.options import PROFILE, REJECTED, REPORTING, SET, Asked, asking, settings_of_filtered, shown
-from chipbreak.streams import read_input, replace_file, write_stdout
+from chipbreak.options import (
+    BESIDE,
+    PROFILE,
+    REJECTED,
+    REPORTING,
+    SET,
+    Asked,
+    asking,
+    settings_of_filtered,
+    shown,
+)
+from chipbreak.program_files import ProgramFile, read_program, write_program
 
 
 @click.command("resume")
@@ -17,7 +26,7 @@ from chipbreak.streams import read_input, replace_file, write_stdout
     "-n", "--line", type=click.IntRange(min=1), required=True, help="Of the file, as an editor counts them."
 )
 @click.option("-o", "--output", metavar="OUT", help="Write to this file, replaced in one step.")
-@asking(PROFILE, SET, *REPORTING)
+@asking(PROFILE, SET, BESIDE, *REPORTING)
 def resume(asked: Asked, source: str, line: int, output: str | None) -> None:
     """Write the program that goes on from a line of PROGRAM, filtered or not.
 
@@ -28,17 +37,14 @@ def resume(asked: Asked, source: str, line: int, output: str | None) -> None:
     from chipbreak.restart.resume import resume as resumed
     from chipbreak.text.diagnostics import ProgramRejectedError
 
-    data = read_input(source)
-    settings = settings_of_filtered(asked, source, data)
+    program = read_program(source, asked.beside if source == "-" else None)
+    settings = settings_of_filtered(asked, source, program)
     try:
-        result = resumed(data, settings, line, shown(source))
+        result = resumed(program.data, settings, line, shown(source), beside=program.beside)
     except ProgramRejectedError as error:
         asked.reporter.show(error.diagnostics)
         sys.exit(REJECTED)
     except ValueError as error:
         raise click.UsageError(str(error)) from None
     asked.reporter.show(result.diagnostics)
-    if output is None or output == "-":
-        write_stdout([result.data])
-    else:
-        replace_file(Path(output), [result.data])
+    write_program(output, ProgramFile(result.data, result.beside), asked.beside)

@@ -266,19 +266,6 @@ def remove_file(target: Path) -> None:
         raise click.UsageError(escaped(f"cannot remove {target}: {error.strerror}")) from None
 
 
-def write_or_note(target: Path, data: bytes | None, diagnostics: Iterable[Diagnostic]) -> None:
-    """A program into a folder that may have to be made, or beside its place what stands in its way."""
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise click.UsageError(escaped(f"cannot write {target.parent}: {error.strerror}")) from None
-    if data is None:
-        note_rejection(target, diagnostics)
-        return
-    replace_file(target, [data])
-    note_rejection(target, None)
-
-
 def note_rejection(target: Path, diagnostics: Iterable[Diagnostic] | None) -> None:
     """Say in ``target``.rejected what stands in the way of a program; None: nothing does, remove it."""
     note = target.with_name(f"{target.name}.rejected")

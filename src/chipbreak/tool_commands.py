@@ -22,7 +22,8 @@ from chipbreak.options import (
     asking,
     settings_of,
 )
-from chipbreak.streams import read_input, replace_file, say, write_json
+from chipbreak.program_files import read_program
+from chipbreak.streams import replace_file, say, write_json
 from chipbreak.text.named_tuple import NamedTuple
 
 if TYPE_CHECKING:
@@ -171,19 +172,16 @@ def _say(verdicts: dict[int, EdgeVerdict], heading: str, *, as_json: bool) -> No
 @asking(TOOLS, PROFILE, SET, *REPORTING)
 def tools(asked: Asked, source: str) -> None:
     """Show what is known about the tools of a program, who said it, and what a check lacks."""
-    from chipbreak.editing.restore import restore
-    from chipbreak.model.interpreted_program import interpret
-    from chipbreak.syntax.parse import parse
+    from chipbreak.api import tool_table
     from chipbreak.text.diagnostics import ProgramRejectedError
-    from chipbreak.text.source import read
     from chipbreak.tools.data import ToolFileError
-    from chipbreak.tools.program import table_json, table_text, tool_table
+    from chipbreak.tools.program import table_json, table_text
 
     settings = settings_of(asked, source)
     name = "<stdin>" if source == "-" else source
-    data = read_input(source)
+    program = read_program(source)
     try:
-        table = tool_table(interpret(parse(restore(read(data, name)), settings.dialect), settings))
+        table = tool_table(program.data, settings, name, beside=program.beside)
     except ProgramRejectedError as error:
         asked.reporter.show(error.diagnostics)
         sys.exit(REJECTED)

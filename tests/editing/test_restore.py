@@ -30,46 +30,46 @@ def there_and_back(data: bytes, settings: chipbreak.Settings = SETTINGS) -> byte
     return non_modal.data
 
 
-@pytest.mark.parametrize(
-    "program",
-    [
-        pytest.param(CUT, id="plain"),
-        pytest.param(CUT.replace(b"\n", b"\r\n"), id="CRLF"),
-        pytest.param(CUT.replace(b"\n", b"\r"), id="CR"),
-        pytest.param(CUT.replace(b"1.5\n", b"1.5\r\n"), id="mixed line ends"),
-        pytest.param(CUT[:-5], id="ends with the cut, and a line end"),
-        pytest.param(CUT[:-5].rstrip(), id="ends with the cut, no line end"),
-        pytest.param(CUT.rstrip(), id="no last line end"),
-        pytest.param(CUT.replace(b"N1.5", "N1.5 (荒加工)".encode("shift-jis")), id="Shift-JIS in the block"),
-        pytest.param(
-            CUT.replace(b"G1", b"(VIB N1.5)\nG1 X21. F0.05\n(\x8dr\x89\xc1\x8dH)\nG1").replace(
-                b" N1.5\nM", b"\nM"
-            ),
-            id="Shift-JIS in a chain",
+PROGRAMS = [
+    pytest.param(CUT, id="plain"),
+    pytest.param(CUT.replace(b"\n", b"\r\n"), id="CRLF"),
+    pytest.param(CUT.replace(b"\n", b"\r"), id="CR"),
+    pytest.param(CUT.replace(b"1.5\n", b"1.5\r\n"), id="mixed line ends"),
+    pytest.param(CUT[:-5], id="ends with the cut, and a line end"),
+    pytest.param(CUT[:-5].rstrip(), id="ends with the cut, no line end"),
+    pytest.param(CUT.rstrip(), id="no last line end"),
+    pytest.param(CUT.replace(b"N1.5", "N1.5 (荒加工)".encode("shift-jis")), id="Shift-JIS in the block"),
+    pytest.param(
+        CUT.replace(b"G1", b"(VIB N1.5)\nG1 X21. F0.05\n(\x8dr\x89\xc1\x8dH)\nG1").replace(
+            b" N1.5\nM", b"\nM"
         ),
-        pytest.param(CUT.replace(b"G1 Z-3. F0.05 N1.5", b"g1 z-3. F0.05 N1.5"), id="lower-case words"),
-        pytest.param(CUT.replace(b"G1", b"N30 G1").replace(b"M30", b"N40 M30"), id="block numbers"),
-        pytest.param(CUT.replace(b"G1", b"N 30 G1"), id="a blank in the block number"),
-        pytest.param(CUT.replace(b"G1", b"n30 G1"), id="a lower-case block number"),
-        pytest.param(CUT.replace(b"G1", b"N+30. G1"), id="a block number with sign and point"),
-        pytest.param(CUT.replace(b"G1", b"N\x0030 G1"), id="a NUL in the block number"),
-        pytest.param(CUT.replace(b"N1.5", b"N1.5 (a (nested))"), id="nested comment"),
-        pytest.param(CUT.replace(b"N1.5", b"N1.5 ; ) ("), id="semicolon comment with parentheses"),
-        pytest.param(CUT.replace(b"N1.5", b"N1.5\t \t"), id="trailing blanks"),
-        pytest.param(CUT.replace(b"N1.5", b"N1.5 (" + b"LONG " * 30 + b")"), id="a long line"),
-        pytest.param(CUT.replace(b"G1 Z", b"G1\x00 Z"), id="a NUL"),
-        pytest.param(b"\xef\xbb\xbf%\nO1000\n" + CUT + b"%\n", id="BOM and percent signs"),
-        pytest.param(b"leader (CHIPBREAK)\n%\n" + CUT + b"%\ntrailer", id="leader and trailer"),
-        pytest.param(CUT.replace(b"G97 S3000", b"G97 V188.5 D20."), id="V and D"),
-        pytest.param(b"(SPEED V188.5 D20)\n" + CUT, id="V and D by directive"),
-        pytest.param(CUT.replace(b"N1.5\n", b"N1.5\nG0 Z2.\nG1 Z-4. N2.5\n"), id="two cuts"),
-        pytest.param(CUT.replace(b"N1.5\n", b"N1.5\nX30. N1.5\n"), id="a chain"),
-        pytest.param(CUT.replace(b"N1.5\n", b"N1.5\nX30. N2.5\n"), id="two chains, one behind the other"),
-        pytest.param(
-            CUT.replace(b"N1.5\n", b"N1.5\n(CHIPBREAK IS FINE)\n(CHIPBREAK END)\n"), id="comments like ours"
-        ),
-    ],
-)
+        id="Shift-JIS in a chain",
+    ),
+    pytest.param(CUT.replace(b"G1 Z-3. F0.05 N1.5", b"g1 z-3. F0.05 N1.5"), id="lower-case words"),
+    pytest.param(CUT.replace(b"G1", b"N30 G1").replace(b"M30", b"N40 M30"), id="block numbers"),
+    pytest.param(CUT.replace(b"G1", b"N 30 G1"), id="a blank in the block number"),
+    pytest.param(CUT.replace(b"G1", b"n30 G1"), id="a lower-case block number"),
+    pytest.param(CUT.replace(b"G1", b"N+30. G1"), id="a block number with sign and point"),
+    pytest.param(CUT.replace(b"G1", b"N\x0030 G1"), id="a NUL in the block number"),
+    pytest.param(CUT.replace(b"N1.5", b"N1.5 (a (nested))"), id="nested comment"),
+    pytest.param(CUT.replace(b"N1.5", b"N1.5 ; ) ("), id="semicolon comment with parentheses"),
+    pytest.param(CUT.replace(b"N1.5", b"N1.5\t \t"), id="trailing blanks"),
+    pytest.param(CUT.replace(b"N1.5", b"N1.5 (" + b"LONG " * 30 + b")"), id="a long line"),
+    pytest.param(CUT.replace(b"G1 Z", b"G1\x00 Z"), id="a NUL"),
+    pytest.param(b"\xef\xbb\xbf%\nO1000\n" + CUT + b"%\n", id="BOM and percent signs"),
+    pytest.param(b"leader (CHIPBREAK)\n%\n" + CUT + b"%\ntrailer", id="leader and trailer"),
+    pytest.param(CUT.replace(b"G97 S3000", b"G97 V188.5 D20."), id="V and D"),
+    pytest.param(b"(SPEED V188.5 D20)\n" + CUT, id="V and D by directive"),
+    pytest.param(CUT.replace(b"N1.5\n", b"N1.5\nG0 Z2.\nG1 Z-4. N2.5\n"), id="two cuts"),
+    pytest.param(CUT.replace(b"N1.5\n", b"N1.5\nX30. N1.5\n"), id="a chain"),
+    pytest.param(CUT.replace(b"N1.5\n", b"N1.5\nX30. N2.5\n"), id="two chains, one behind the other"),
+    pytest.param(
+        CUT.replace(b"N1.5\n", b"N1.5\n(CHIPBREAK IS FINE)\n(CHIPBREAK END)\n"), id="comments like ours"
+    ),
+]
+
+
+@pytest.mark.parametrize("program", PROGRAMS)
 def test_there_and_back(program: bytes) -> None:
     out = there_and_back(program)
     assert out != program

@@ -16,19 +16,21 @@ from chipbreak.text.named_tuple import NamedTuple
 
 
 class Task(NamedTuple):
-    """A program to filter.  ``number`` is its place among the others."""
+    """A program to filter, with the file beside it.  ``number`` is its place among the others."""
 
     number: int
     name: str
     data: bytes
     settings: Settings
     allow_unbroken: bool = False
+    beside: bytes | None = None
 
 
 class Finished(NamedTuple):
     """What became of a program: ``code`` as a run of its own would exit with.
 
-    ``data`` is the program to write, ``report`` what is said of it; both None unless ``code`` is 0.
+    ``data`` is the program to write, ``beside`` the file beside it where there is to be one, ``report`` what
+    is said of it; all None unless ``code`` is 0.
     ``duration_s`` is what the filter took.
     """
 
@@ -39,6 +41,7 @@ class Finished(NamedTuple):
     data: bytes | None = None
     report: Report | None = None
     duration_s: float = 0.0
+    beside: bytes | None = None
 
 
 def filtered(task: Task) -> Finished:
@@ -46,15 +49,20 @@ def filtered(task: Task) -> Finished:
     begin_s = time.perf_counter()
     outcome = _outcome(task)
     took_s = time.perf_counter() - begin_s
-    data = None if outcome.result is None else outcome.result.data
-    report = None if outcome.result is None else report_of(outcome.result, task.settings)
-    return Finished(task.number, task.name, outcome.code, outcome.diagnostics, data, report, took_s)
+    finished = Finished(task.number, task.name, outcome.code, outcome.diagnostics, duration_s=took_s)
+    result = outcome.result
+    if result is None:
+        return finished
+    report = report_of(result, task.settings)
+    return finished._replace(data=result.data, beside=result.beside, report=report)
 
 
 def _outcome(task: Task) -> Outcome:
     try:
         return outcome_of(
-            lambda: rewrite(task.data, task.settings, task.name, allow_unbroken=task.allow_unbroken)
+            lambda: rewrite(
+                task.data, task.settings, task.name, beside=task.beside, allow_unbroken=task.allow_unbroken
+            )
         )
     except Exception as error:  # one program must not end the others
         return internal_fault(error)

@@ -49,7 +49,7 @@ LINE = re.compile(
     rb"CHIPBREAK (?P<kind>BEGIN|WAS|HEX|END|UNROLLED|ROLLED|COMPENSATED|OFFSET) ?"
     rb"(?P<text>[^()]*)(?(parenthesis)\))[ \t]*"
 )
-_NAME = b"CHIPBREAK "
+NAME = b"CHIPBREAK "
 _HEX_BYTES_PER_LINE = 30
 # What every control takes inside a comment; LinuxCNC also takes lower case and more signs.
 _SAFE = re.compile(rb"[A-Z0-9 .,=_+/-]*")
@@ -63,12 +63,12 @@ def comment(kind: str, text: str, marks: CommentMarks) -> str:
 
 def has_any(data: bytes) -> bool:
     """False where no bracket line of any kind stands."""
-    return _NAME in data
+    return NAME in data
 
 
 def find(data: bytes, kind: str, start: int = 0, stop: int | None = None) -> int:
     """Where the next bracket line of a kind may be, -1 where there is none; :data:`LINE` knows for sure."""
-    name = _NAME + kind.encode("ascii")
+    name = NAME + kind.encode("ascii")
     at = data.find(name, start, stop)
     while at >= 0 and not data[max(at - 2, 0) : at].rstrip(b" ").endswith((b"(", b";")):
         at = data.find(name, at + 1, stop)

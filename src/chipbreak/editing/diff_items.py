@@ -14,12 +14,12 @@ from dataclasses import dataclass, replace
 from math import isnan
 
 from chipbreak.dialects import GENERIC_LATHE, NON_MODAL
+from chipbreak.editing.beside import with_brackets
 from chipbreak.editing.restore import Region, regions
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Assignment, Block, Control, Word
 from chipbreak.syntax.parse import Program, parse
 from chipbreak.text.named_tuple import NamedTuple
-from chipbreak.text.source import read
 from chipbreak.text.utf_16 import refuse_utf_16
 from chipbreak.units import mm_per_unit
 
@@ -118,7 +118,12 @@ class Reading:
 
 
 def items_of(
-    data: bytes, name: str, settings: Settings | None = None, *, ignore_comments: bool = False
+    data: bytes,
+    name: str,
+    settings: Settings | None = None,
+    *,
+    beside: bytes | None = None,
+    ignore_comments: bool = False,
 ) -> list[Item]:
     """The comparable items of a program.
 
@@ -126,7 +131,7 @@ def items_of(
     Raises ProgramRejectedError for a broken bracket, and for a program in UTF-16.
     """
     refuse_utf_16(data, name)
-    source = read(data, name)
+    source = with_brackets(data, name, beside)
     program = parse(source, settings.dialect if settings else GENERIC_LATHE)
     reader = _Reader(program, settings, ignore_comments=ignore_comments)
     line = 0
@@ -196,7 +201,10 @@ class _Reader:
                 at = None if line is None else self._item_at(starts, line)
                 references.append(Reference(one.text, at))
             self.items[index] = replace(item, references=tuple(references))
-        return self.items
+        source = self.program.source
+        if source.user_lines is None:
+            return self.items
+        return [replace(item, line=source.place(item.line - 1).line) for item in self.items]
 
     def _item_at(self, starts: list[int], line: int) -> int | None:
         at = bisect_right(starts, line) - 1

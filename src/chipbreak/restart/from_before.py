@@ -44,8 +44,8 @@ class Before:
         self.line = case.line
 
     def user_line(self, line: int) -> int:
-        """The number of a line of the original in the file."""
-        return self.interpreted.program.source.place(line).line
+        """The number of a line of the original in the user's file."""
+        return self.program.number(int(self.program.places[line]))
 
     def effects(self) -> Iterator[BlockEffect]:
         """The blocks of the main program before the line that are more than plain motion."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 
+from chipbreak.editing.beside import Parted, parted
 from chipbreak.editing.notes import does_something
 from chipbreak.insertion.retract import retract_blocks
 from chipbreak.model.flow import Flow
@@ -35,33 +36,42 @@ _MOST_NAMED = 8
 
 
 class Resumed(NamedTuple):
-    """``data`` is the program to run, ``line`` that of the old one with which its rest begins, from 1."""
+    """``data`` is the program to run, ``line`` that of the old one with which its rest begins, from 1.
+
+    ``beside`` is the file beside it, where the brackets of the old one are in a file too.
+    """
 
     data: bytes
     line: int
     diagnostics: tuple[Diagnostic, ...]
+    beside: bytes | None = None
 
 
-def resume(data: bytes, settings: Settings, line: int, name: str = "<stdin>") -> Resumed:
+def resume(
+    data: bytes, settings: Settings, line: int, name: str = "<stdin>", *, beside: bytes | None = None
+) -> Resumed:
     """The program from ``line`` on (from 1), or from the last safe line before it.
 
+    ``beside`` is the file beside a program whose brackets were left out of it.
     Raises ProgramRejectedError where there is none, and where a filtered part was edited; ValueError for a
     line that the program does not have; SelfCheckError where the result would not do the same.
     """
-    program = standing(data, settings, name)
-    if not 1 <= line <= program.file.line_count:
-        raise ValueError(f"{name} has {program.file.line_count} lines, and no line {line}")
-    _check_is_main(program, line - 1)
+    program = standing(data, settings, name, beside)
+    file_line = program.line_of_number(line)
+    _check_is_main(program, file_line)
     points = RestartPoints(program)
-    case, refused = points.last_before(line - 1)
+    case, refused = points.last_before(file_line)
     head = _head(program)
     if case is None or case.file_line <= head.stop:
-        raise ProgramRejectedError([_nowhere(program, line - 1, refused)])
+        raise ProgramRejectedError([_nowhere(program, file_line, refused)])
     before = Before(program, points.obstacles, case)
     texts = start_block(before)
     _look_after(case, texts)
-    said = [*_elsewhere(program, case, refused, line - 1), *_not_said(before), *_no_way_home(before)]
-    return Resumed(_written(program, case, head, texts, line), case.file_line + 1, tuple(said))
+    said = [*_elsewhere(program, case, refused, file_line), *_not_said(before), *_no_way_home(before)]
+    new = Parted(_written(program, case, head, texts, line), None)
+    if program.file.user_lines is not None:
+        new = parted(new.data, name)
+    return Resumed(new.data, program.number(case.file_line), tuple(said), new.beside)
 
 
 # --- refusals and remarks -------------------------------------------------------------------------------
@@ -72,7 +82,7 @@ def _check_is_main(program: Standing, file_line: int) -> None:
     if line <= main.last and (line < main.first or line == main.last or main.has(line)):
         return
     calls = [one.block.line for one in program.original.effects if calls_subprogram(one)]
-    lines = [str(int(program.places[at]) + 1) for at in calls if main.has(at)][:_MOST_NAMED]
+    lines = [str(program.number(int(program.places[at]))) for at in calls if main.has(at)][:_MOST_NAMED]
     help_text = (
         f"give the line of its call: {', '.join(lines)}" if lines else "give a line of the main program"
     )
@@ -94,14 +104,16 @@ def _elsewhere(
     program: Standing, case: RestartCase, refused: Sequence[Refused], file_line: int
 ) -> Iterator[Diagnostic]:
     """It starts at another line than the one that was asked for."""
-    if case.file_line == file_line:
+    number = program.number(case.file_line)
+    if number == program.number(file_line):
         return
     written = program.written_at(file_line)
     if written is not None:
-        why = f"is in what chipbreak wrote, lines {written.start + 1} to {written.stop}"
+        first, last = program.numbers(written)
+        why = f"is in what chipbreak wrote, lines {first} to {last}"
     else:
         why = f"is no place to start: {refused[0].why}"
-    message = f"starts at line {case.file_line + 1}; line {file_line + 1} {why}"
+    message = f"starts at line {number}; line {program.number(file_line)} {why}"
     help_text = "all from there on is done again"
     yield _diagnostic(program, file_line, ELSEWHERE, message, help_text, severity=Severity.NOTE)
 
@@ -215,7 +227,8 @@ def _written(program: Standing, case: RestartCase, head: range, texts: list[str]
         start, stop = (int(program.places[at]) for at in (first, last))
         if head.stop <= start < case.file_line:
             pieces.append(_lines(file, start, stop + 1))
-    pieces += [text.encode("latin-1") + file.line_end for text in (note, *texts)]
+    notes = (note,) if file.user_lines is None else ()  # its control takes none
+    pieces += [text.encode("latin-1") + file.line_end for text in (*notes, *texts)]
     pieces.append(file.data[file.starts[case.file_line] :])
     return b"".join(pieces)
 

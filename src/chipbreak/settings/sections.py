@@ -99,7 +99,10 @@ class Vibration(ValueRecord):
 
 
 class Output(ValueRecord):
-    """How an expanded cut is written."""
+    """How an expanded cut is written.
+
+    ``brackets`` says where it is kept what was there before: in comments, or in a file beside the program.
+    """
 
     feed_mode: str = _one_of("rev", "inverse", "minute")
     segments: str = _one_of("auto", "tick", "stroke")
@@ -108,6 +111,7 @@ class Output(ValueRecord):
     decimals: int = _digits(3)
     feed_decimals: int = _digits(5)
     stamp: bool = False
+    brackets: str = _one_of("comments", "none")
 
     def decimals_of(self, *, is_inch: bool) -> int:
         """Decimals of a position: inch programs get one more."""
