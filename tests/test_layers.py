@@ -45,6 +45,7 @@ ONLY_IN = {
         "completion_command",
         "hook_commands",
         "profile_commands",
+        "program_files",
         "resume_command",
         "figure_commands",
         "git_commands",
