@@ -137,3 +137,35 @@ def test_incremental_cuts_end_where_they_should_on_any_steps(
     result = chipbreak.rewrite(program.encode(), profile)
     assert len(result.cuts) == 1
     assert verify_filtered(result.data, profile).cuts
+
+
+@pytest.mark.parametrize(
+    ("blocks", "speed", "steps", "sets"),
+    [
+        pytest.param(
+            ["G1 X10. Y0.235 F6.06", "G3 X10.749 Y-0.936 I1.29 J0.", "G1 X10.949 Y-1.956"],
+            "S60 (VIB N2.5)",
+            (80, 250),
+            ["output.feed_mode=inverse"],
+            id="the axes stand at the end before the last block",
+        ),
+        pytest.param(
+            ["G1 X10. Y0.06 F27.8", "G3 X11.5 Y-1.44 I1.5 J0.", "G1 X12.44 Y-1.44"],
+            "S200 (VIB N1.25 Q1.84)",
+            (1280, 1280),
+            ["vibration.alpha=0.4"],
+            id="words say every second step",
+        ),
+    ],
+)
+def test_coarse_steps_pass_their_self_check(
+    blocks: list[str], speed: str, steps: tuple[int, int], sets: list[str]
+) -> None:
+    lines = ["G21 G90 G17 G94", "G0 X10. Y1.", f"M3 {speed}", *blocks, "(VIB OFF)", "G0 X30.", "M2"]
+    sets = [*sets, "vibration.end=dwell", "output.decimals=3", "planner.junction_deviation_mm=0.005"]
+    for axis, count, acceleration in zip("XY", steps, (500, 200), strict=True):
+        sets.append(f"axes.{axis}.max_acceleration_mm_s2={acceleration}")
+        sets.append(f"axes.{axis}.steps_per_mm={count}")
+    program = "\n".join(lines) + "\n"
+    result = chipbreak.rewrite(program.encode(), chipbreak.load("grbl", sets), allow_unbroken=True)
+    assert len(result.cuts) == 1

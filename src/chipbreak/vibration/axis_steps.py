@@ -10,11 +10,35 @@ from chipbreak.model.words import is_diameter
 from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
 
+_SAME = 1e-9
+
 
 def axis_steps_mm(settings: Settings, state: State) -> Floats:
     """The step of each axis [mm of travel], (3,); 0 where nobody said it."""
     by_diameter = is_diameter(state, settings.control)
     return np.array([settings.axis_step_mm(axis, is_diameter=by_diameter and axis == "X") for axis in AXES])
+
+
+def units_per_mm(settings: Settings, state: State) -> Floats:
+    """What a millimetre of X, Y and Z is in the words of the program, (3,)."""
+    signs = settings.axis_words.signs
+    scale = np.array([float(signs[axis]) for axis in AXES]) / state.mm_per_unit
+    if is_diameter(state, settings.control):
+        scale[0] *= 2.0
+    return scale
+
+
+def rounding_mm(settings: Settings, state: State) -> float:
+    """How far apart two places of an axis can be that are meant to be one [mm of travel]."""
+    digit_mm = settings.output.step_mm(is_inch=state.is_inch)
+    steps_mm = axis_steps_mm(settings, state)
+    scale = units_per_mm(settings, state)
+    decimals = settings.output.decimals_of(is_inch=state.is_inch)
+    words_mm = 1.0 / (steps_per_unit(steps_mm, scale, decimals) * np.abs(scale))
+    # Where a word says every second step it is rounded three times: to those, to digits, to the nearest step.
+    is_second = words_mm > 1.5 * steps_mm
+    is_second &= words_mm > (1.0 + _SAME) * 10.0**-decimals / np.abs(scale)
+    return digit_mm + float((np.where(is_second, 3.0, 1.0) * steps_mm).max())
 
 
 def steps_per_unit(steps_mm: Floats, scale: Floats, decimals: int) -> Floats:
@@ -25,8 +49,8 @@ def steps_per_unit(steps_mm: Floats, scale: Floats, decimals: int) -> Floats:
     printed = 10.0**decimals
     step = steps_mm * np.abs(scale)
     with np.errstate(divide="ignore"):
-        coarse = np.where(step * printed > 0.5 + 1e-9, 1.0 / (2.0 * step), printed)
-        return np.where(step * printed > 1.0 - 1e-9, 1.0 / step, coarse)
+        coarse = np.where(step * printed > 0.5 + _SAME, 1.0 / (2.0 * step), printed)
+        return np.where(step * printed > 1.0 - _SAME, 1.0 / step, coarse)
 
 
 def reached(points_mm: Floats, steps_mm: Floats, origin_mm: Floats) -> Floats:

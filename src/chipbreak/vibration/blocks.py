@@ -16,13 +16,12 @@ from chipbreak.editing.edits import MoveTable
 from chipbreak.editing.render import print_moves
 from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.toolpath import split_at
-from chipbreak.model.words import is_diameter
 from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.units import S_PER_MIN, typed_feed
-from chipbreak.vibration.axis_steps import axis_steps_mm, reached, steps_per_unit
+from chipbreak.vibration.axis_steps import axis_steps_mm, reached, steps_per_unit, units_per_mm
 from chipbreak.vibration.block_text import END_DECIMALS, Columns, Words, block_text
 from chipbreak.vibration.dwell import printed_s
 from chipbreak.vibration.forms import WRITTEN_OUT, OutputForm, form_with
@@ -36,6 +35,7 @@ from chipbreak.vibration.tolerances import PLANNED_TIME_SHARE
 
 _LINE_END = b"\n"  # what senders put behind a block
 _SAME_MM = 1e-6
+_SAME_STEP_MM = 1e-9
 _LEAST_STEPS = 4
 _SAME_S = 1e-12
 
@@ -136,6 +136,7 @@ def _ends(cut: CutPlan, form: OutputForm, settings: Settings) -> _Ends:
     # Of knots that round to one point the last stays, so that the time goes to the move towards it and not
     # to the one behind it, which may be the plain end with a feed of its own.
     keep = np.append(np.any(np.diff(words.absolute, axis=0) != 0.0, axis=1), True)
+    keep[-2:-1] &= not _is_at_end(cut, words, settings)
     times = time_s[keep]
     counts = dwells[keep].astype(np.intp)
     if dwells.any():
@@ -160,6 +161,14 @@ def _ends(cut: CutPlan, form: OutputForm, settings: Settings) -> _Ends:
     return _Ends(times, distance_mm[keep], _ending_exactly(kept, cut, settings), counts)
 
 
+def _is_at_end(cut: CutPlan, words: Words, settings: Settings) -> bool:
+    """True when the axes reach the programmed end before the last block, whose words may still differ."""
+    steps_mm = axis_steps_mm(settings, cut.chain.before)
+    origin_mm = np.array(cut.path.legs[0].start) if words.incremental else np.zeros(3)
+    end_mm = reached(cut.path.points(np.array([cut.path.length_mm])), steps_mm, origin_mm)
+    return bool(np.abs(words.points_mm[-2] - end_mm[0]).max() <= _SAME_STEP_MM)
+
+
 def _feed_step_mm_s(cut: CutPlan, settings: Settings) -> float:
     """What the last digit of F is worth; next to nothing in inverse time."""
     if settings.output.feed_mode == "inverse":
@@ -174,7 +183,7 @@ def _raised(cut: CutPlan, crests: Crests, distance_mm: Floats, words: Words, set
     """Crests a little further, in ``words``; the distances along the path then."""
     if not len(crests.knots):
         return distance_mm
-    scale = _units_per_mm(cut, settings)
+    scale = units_per_mm(settings, cut.chain.before)
     per_unit = steps_per_unit(axis_steps_mm(settings, cut.chain.before), scale, words.decimals)
     axes = np.array([AXES.index(axis) for axis in _moving_axes(cut)])
     steps = 1.0 / per_unit[axes]
@@ -190,7 +199,7 @@ def _ending_exactly(words: Words, cut: CutPlan, settings: Settings) -> Words:
         return words
     axes = [AXES.index(axis) for axis in _moving_axes(cut)]
     end_mm = cut.path.points(np.array([cut.path.length_mm]))[0]
-    words.absolute[-1] = np.round((end_mm * _units_per_mm(cut, settings))[axes], END_DECIMALS)
+    words.absolute[-1] = np.round((end_mm * units_per_mm(settings, cut.chain.before))[axes], END_DECIMALS)
     words.points_mm[-1] = end_mm
     return words
 
@@ -262,7 +271,7 @@ def _axis_words(
     points = cut.path.points(distance_mm)
     decimals = settings.output.decimals_of(is_inch=state.is_inch)
     names = settings.axis_words
-    scale = _units_per_mm(cut, settings)
+    scale = units_per_mm(settings, cut.chain.before)
     moving = _moving_axes(cut)
     axes = [AXES.index(axis) for axis in moving]
     letters = [names.letters[axis] for axis in moving]
@@ -288,15 +297,6 @@ def _axis_words(
     if axis_steps_mm(settings, state).any():
         places_mm[:-1] = reached(places_mm[:-1], axis_steps_mm(settings, state), origin / scale)
     return Words(tuple(letters), rounded[:, axes], places_mm, decimals, incremental, distance_letters, loops)
-
-
-def _units_per_mm(cut: CutPlan, settings: Settings) -> Floats:
-    """What a millimetre of X, Y and Z is in the words of the program, (3,)."""
-    signs = settings.axis_words.signs
-    scale = np.array([float(signs[axis]) for axis in AXES]) / cut.chain.before.mm_per_unit
-    if is_diameter(cut.chain.before, settings.control):
-        scale[0] *= 2.0
-    return scale
 
 
 def _distance_letters(

@@ -20,7 +20,7 @@ from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.junctions import Blocks
 from chipbreak.trajectory.law import ControlLaw
 from chipbreak.trajectory.motion import Motion
-from chipbreak.vibration.axis_steps import axis_steps_mm, reached
+from chipbreak.vibration.axis_steps import axis_steps_mm, reached, rounding_mm
 from chipbreak.vibration.blocks import Expansion
 from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.plan import CutPlan
@@ -337,9 +337,7 @@ def _check_speed(result: InterpretedProgram, region: Region, plan: CutPlan) -> N
 def _check_path(settings: Settings, moves: ReadBack, plan: CutPlan, expansion: Expansion) -> Floats:
     """Distance along the path at every knot; never off it, before its start or past its end."""
     state = plan.chain.before
-    step_mm = settings.output.step_mm(is_inch=state.is_inch)
-    # A word is rounded to its digits, and the axis to its steps.
-    step_mm += float(axis_steps_mm(settings, state).max())
+    step_mm = rounding_mm(settings, state)
     along, away = moves.along(plan.path, expansion.distance_mm)
     # Half an increment in each of up to three axes, and in a loop half of what its passes add up to.
     drift = max((loop.drift_steps for loop in expansion.loops or ()), default=0.0)
