@@ -207,3 +207,14 @@ def test_a_quick_start_takes_what_its_ramps_do() -> None:
     law = Junction(segment_s=0.01).along((0.0, 0.0, 1.0), axes)
     (span,) = motion_of(law, [(0.0, 0.0), (0.0, 0.27)], 10.0).spans_s
     assert span == pytest.approx(0.27 / 10.0 + 10.0 / 500.0)
+
+
+@pytest.mark.parametrize("steps", range(60, 92))
+def test_a_first_segment_on_the_edge_of_a_step_goes_by_lost_digits(steps: int) -> None:
+    """10 ms at 100 mm/s² are a step and a quarter; Grbl 1.1h and grblHAL both take just the ramps."""
+    axes = (*AXES[:2], AxisLimits("Z", 50.0, 100.0, step_mm=0.004))
+    law = Junction(segment_s=0.01).along((0.0, 0.0, 1.0), axes)
+    feed_mm_s = 98.0 / 60.0
+    way_mm = steps / 250.0
+    (span,) = motion_of(law, [(0.0, 0.0), (0.0, way_mm)], feed_mm_s).spans_s
+    assert span == pytest.approx(way_mm / feed_mm_s + feed_mm_s / 100.0, abs=1e-5)

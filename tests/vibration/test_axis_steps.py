@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import chipbreak
+from chipbreak.model.modal import State
 from chipbreak.pipeline import verify_filtered
+from chipbreak.vibration.axis_steps import end_reached, off_halves
 from machine_reader import filtered, run_program
 
 CUT = "G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nM30\n"
@@ -169,3 +172,23 @@ def test_coarse_steps_pass_their_self_check(
     program = "\n".join(lines) + "\n"
     result = chipbreak.rewrite(program.encode(), chipbreak.load("grbl", sets), allow_unbroken=True)
     assert len(result.cuts) == 1
+
+
+@pytest.mark.parametrize(
+    ("end", "steps"),
+    [("9.326", 2331), ("9.33", 2333), ("3.002", 750), ("5.038", 1259), ("7.734", 1933), ("1.002", 251)],
+)
+def test_an_end_between_two_steps_goes_by_lost_digits(end: str, steps: int) -> None:
+    """Where Grbl 1.1h and grblHAL stand at 250 steps per mm behind a move to each of these places."""
+    profile = chipbreak.load("grblhal-lathe", ["axes.X.steps_per_mm=250"])
+    state = State(profile.dialect.initial)
+    place = end_reached(np.array([float(end), 0.0, 0.0]), np.zeros(3), profile, state)
+    assert place[0] * 250.0 == pytest.approx(steps)
+
+
+def test_words_between_two_steps_are_not_written() -> None:
+    """Every second step of 0.0008 mm in words of 0.001 mm: 0.002 would be two and a half."""
+    words = np.array([0.002, 0.003, 0.004, 0.006])
+    meant = np.array([0.0016, 0.0032, 0.004, 0.0064])
+    moved = off_halves(words, meant, np.array(0.0008), 3)
+    assert moved == pytest.approx([0.001, 0.003, 0.004, 0.007])

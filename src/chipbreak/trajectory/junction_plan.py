@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 
 from chipbreak.kinematics.floats import Floats
 from chipbreak.text.named_tuple import NamedTuple
+from chipbreak.units import S_PER_MIN
 
 _TURNS_BACK = 0.999999  # the cosine of a joint beyond which the control takes it for a reversal
 _SINGLE_TURNS_BACK = float(np.float32(_TURNS_BACK))
 _FROM_LAST = (2, 1, 0)  # the order in which they go through the axes
 _NO_LIMIT = 1e12  # mm²/s²; what is said of a joint that goes straight on
 _NOTHING = 1e-12
-_STEPS_OF_A_SEGMENT = 1.25
+_FIRST_STEPS = np.float32(1.25)  # that the first segment of a move has at least
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,20 +67,60 @@ def late_in_first_segments(moves: Moves, speeds: Speeds, steps: Floats, segment_
     start, peak, _ = map(np.sqrt, speeds)
     has = moves.accelerations_mm_s2
     ramp_s = (peak - start) / has
-    with np.errstate(divide="ignore"):
-        least_mm = np.minimum(_STEPS_OF_A_SEGMENT / steps, 1.0) * moves.lengths_mm
     late_s = np.zeros(len(moves))
     at = np.flatnonzero(ramp_s > segment_s)
+    if not len(at):
+        return late_s
+    ramps = _FirstSegments.of(moves.lengths_mm[at], steps[at], has[at], start[at], segment_s)
     time_s = segment_s
     while len(at):
-        gone_mm = start[at] * time_s + has[at] * time_s**2 / 2.0
-        at, gone_mm = at[gone_mm < least_mm[at]], gone_mm[gone_mm < least_mm[at]]
+        is_short = ramps.next_segment()
+        at = at[is_short]
         ends = ramp_s[at] <= time_s + segment_s
-        speed = start[at] + has[at] * time_s
-        late_s[at[ends]] = (2.0 * gone_mm / (speed + peak[at]))[ends]
+        gone_mm = start[at] * time_s + has[at] * time_s**2 / 2.0
+        late_s[at[ends]] = (2.0 * gone_mm / (start[at] + has[at] * time_s + peak[at]))[ends]
         at = at[~ends]
+        ramps.keep(is_short, ~ends)
         time_s += segment_s
     return late_s
+
+
+@dataclass(eq=False)
+class _FirstSegments:
+    """First segments of moves, worked out in minutes and single precision as the control does.
+
+    What lies on the edge of a step goes by the digits that are lost.  Rows of ``state``: what is left of each
+    move [mm], where its segment may end, what its speed gains in a segment, its speed [mm/min].
+    """
+
+    segment_min: np.float32
+    state: NDArray[np.float32]
+
+    @classmethod
+    def of(
+        cls, lengths_mm: Floats, steps: Floats, has_mm_s2: Floats, start_mm_s: Floats, segment_s: float
+    ) -> _FirstSegments:
+        """Those of moves, (n,) each."""
+        segment_min = np.float32(segment_s / S_PER_MIN)
+        left = lengths_mm.astype(np.float32)
+        with np.errstate(divide="ignore"):
+            least = np.maximum(left - _FIRST_STEPS / (steps.astype(np.float32) / left), np.float32(0.0))
+        gains = (has_mm_s2 * S_PER_MIN**2).astype(np.float32) * segment_min
+        speed = (start_mm_s * S_PER_MIN).astype(np.float32)
+        return cls(segment_min, np.stack([left, least, gains, speed]))
+
+    def next_segment(self) -> NDArray[np.bool_]:
+        """Lengthen each by a segment; True where it still has no step."""
+        left, least, gains, speed = self.state
+        left -= self.segment_min * (speed + np.float32(0.5) * gains)
+        speed += gains
+        is_short: NDArray[np.bool_] = left > least
+        return is_short
+
+    def keep(self, *masks: NDArray[np.bool_]) -> None:
+        """Only those of the first mask, of these only those of the next one."""
+        for mask in masks:
+            self.state = self.state[:, mask]
 
 
 def cosines(ways: Floats) -> Floats:

@@ -65,6 +65,8 @@ class ControlLaw(ABC):
     """Where feed is per revolution the control goes by another law."""
     keeps_time: ClassVar[bool] = False
     """Blocks take the time that they say: a crest moved by rounding is then no other frequency."""
+    is_single_precision: ClassVar[bool] = False
+    """It keeps seven digits of a number."""
     runs_whole_periods: ClassVar[bool] = False
     """Times are whole servo periods."""
     is_slow_to_try: ClassVar[bool] = False

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from decimal import Decimal
+
 import numpy as np
 
 from chipbreak.kinematics.floats import Floats
@@ -9,8 +11,11 @@ from chipbreak.model.modal import State
 from chipbreak.model.words import is_diameter
 from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
+from chipbreak.vibration.machine import law_of
 
 _SAME = 1e-9
+_NEAR_HALF = 1e-3
+_READ_DIGITS = 8  # behind the point of a word
 
 
 def axis_steps_mm(settings: Settings, state: State) -> Floats:
@@ -60,3 +65,48 @@ def reached(points_mm: Floats, steps_mm: Floats, origin_mm: Floats) -> Floats:
         # Halves away from zero, as controls round them.
         whole = np.copysign(np.floor(np.abs(steps) + 0.5), steps) * steps_mm + origin_mm
     return np.where(steps_mm > 0.0, whole, points_mm)
+
+
+def off_halves(printed: Floats, meant: Floats, step: Floats, decimals: int) -> Floats:
+    """Words that lie halfway between two steps moved by a digit, (n, 3); all in program units.
+
+    To which of the two an axis goes would be a matter of the last bit.
+    """
+    digit = 10.0**-decimals
+    with np.errstate(divide="ignore", invalid="ignore"):
+        steps = printed / step
+        is_half = np.abs(steps - np.floor(steps) - 0.5) < _NEAR_HALF
+    is_half &= (step * 2.0 > digit * (1.0 + _SAME)) & (step < digit * (1.0 - _SAME))
+    return np.where(is_half, printed + np.copysign(digit, meant - printed), printed)
+
+
+def end_reached(end_mm: Floats, origin_mm: Floats, settings: Settings, state: State) -> Floats:
+    """Where the axes stand at the programmed end, (3,), the only place that may be half a step from two.
+
+    Where the control works in single precision, what it loses of the number decides between the two.
+    """
+    steps_mm = axis_steps_mm(settings, state)
+    end = reached(end_mm, steps_mm, origin_mm)
+    if origin_mm.any() or not law_of(settings).is_single_precision:
+        return end
+    scale = units_per_mm(settings, state)
+    for axis in np.flatnonzero(steps_mm > 0.0):
+        read_mm = _single(round(float(end_mm[axis] * scale[axis]), _READ_DIGITS)) * np.float32(
+            1.0 / scale[axis]
+        )
+        steps = float(read_mm * np.float32(1.0 / steps_mm[axis]))
+        end[axis] = np.copysign(np.floor(abs(steps) + 0.5), steps) * steps_mm[axis]
+    return end
+
+
+def _single(word: float) -> np.float32:
+    """A number as such a control reads it: its digits as a whole number, and the point by multiplying."""
+    sign, digits, exponent = Decimal(repr(word)).normalize().as_tuple()
+    value = np.float32(int("".join(map(str, digits))))
+    for _ in range(-int(exponent) // 2):
+        value *= np.float32(0.01)
+    if int(exponent) < 0 and int(exponent) % 2:
+        value *= np.float32(0.1)
+    if int(exponent) > 0:
+        value *= np.float32(10.0 ** int(exponent))
+    return np.float32(-value if sign else value)

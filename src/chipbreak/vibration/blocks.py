@@ -21,7 +21,14 @@ from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.units import S_PER_MIN, typed_feed
-from chipbreak.vibration.axis_steps import axis_steps_mm, reached, steps_per_unit, units_per_mm
+from chipbreak.vibration.axis_steps import (
+    axis_steps_mm,
+    end_reached,
+    off_halves,
+    reached,
+    steps_per_unit,
+    units_per_mm,
+)
 from chipbreak.vibration.block_text import END_DECIMALS, Columns, Words, block_text
 from chipbreak.vibration.dwell import printed_s
 from chipbreak.vibration.forms import WRITTEN_OUT, OutputForm, form_with
@@ -163,10 +170,10 @@ def _ends(cut: CutPlan, form: OutputForm, settings: Settings) -> _Ends:
 
 def _is_at_end(cut: CutPlan, words: Words, settings: Settings) -> bool:
     """True when the axes reach the programmed end before the last block, whose words may still differ."""
-    steps_mm = axis_steps_mm(settings, cut.chain.before)
     origin_mm = np.array(cut.path.legs[0].start) if words.incremental else np.zeros(3)
-    end_mm = reached(cut.path.points(np.array([cut.path.length_mm])), steps_mm, origin_mm)
-    return bool(np.abs(words.points_mm[-2] - end_mm[0]).max() <= _SAME_STEP_MM)
+    end_mm = cut.path.points(np.array([cut.path.length_mm]))[0]
+    end_mm = end_reached(end_mm, origin_mm, settings, cut.chain.before)
+    return bool(np.abs(words.points_mm[-2] - end_mm).max() <= _SAME_STEP_MM)
 
 
 def _feed_step_mm_s(cut: CutPlan, settings: Settings) -> float:
@@ -292,6 +299,8 @@ def _axis_words(
     rounded[-1] = np.rint((points[-1] * scale - origin) * 10.0**decimals) / 10.0**decimals
     if axis_steps_mm(settings, state).any():
         # A step need not end with the digits; what is printed is what adds up, and where the axes go by.
+        step = axis_steps_mm(settings, state) * np.abs(scale)
+        rounded[:-1] = off_halves(np.round(rounded, decimals), rounded, step, decimals)[:-1]
         np.round(rounded, decimals, out=rounded)
     places_mm = (rounded + origin) / scale
     if axis_steps_mm(settings, state).any():

@@ -20,7 +20,7 @@ from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.junctions import Blocks
 from chipbreak.trajectory.law import ControlLaw
 from chipbreak.trajectory.motion import Motion
-from chipbreak.vibration.axis_steps import axis_steps_mm, reached, rounding_mm
+from chipbreak.vibration.axis_steps import axis_steps_mm, end_reached, reached, rounding_mm
 from chipbreak.vibration.blocks import Expansion
 from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.plan import CutPlan
@@ -281,6 +281,7 @@ def _reached(moves: ReadBack, settings: Settings, plan: CutPlan) -> ReadBack:
     is_incremental = all(move.incremental for move in plan.chain.moves)
     origin_mm = np.array(plan.path.legs[0].start) if is_incremental else np.zeros(3)
     points_mm = reached(moves.points_mm, steps_mm, origin_mm)
+    points_mm[-1] = end_reached(moves.points_mm[-1], origin_mm, settings, plan.chain.before)
     if _feed_mode(settings, plan) != "inverse":
         return replace(moves, points_mm=points_mm)
     # Inverse time is that of the way which the axes really go.
