@@ -21,6 +21,7 @@ from pathlib import Path
 
 import click.testing
 import pytest
+from click.shell_completion import get_completion_class
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
@@ -406,3 +407,58 @@ def test_a_profile_that_is_not_there_is_a_settings_error() -> None:
     with pytest.raises(SettingsError) as caught:
         load("generic-lath")
     assert "did you mean generic-lathe?" in caught.value.diagnostic.help
+
+
+# --- the list of commands ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", sorted(cli.commands))
+def test_a_command_is_listed_as_it_speaks_of_itself(name: str) -> None:
+    """The list is printed without importing the commands; each must be what the list says."""
+    context = click.Context(cli)
+    listed, command = cli.commands[name], cli.get_command(context, name)
+    assert command is not None
+    assert (command.name, command.hidden) == (name, listed.hidden)
+    for width in range(20, 160):
+        assert listed.get_short_help_str(width) == command.get_short_help_str(width)
+
+
+@pytest.mark.parametrize("words", ["", "prof", "mach"])
+def test_a_shell_offers_the_commands(words: str) -> None:
+    shell = get_completion_class("fish")
+    assert shell is not None
+    context = click.Context(cli)
+    offered = shell(cli, {}, "chipbreak", "_CHIPBREAK_COMPLETE").get_completions([], words)
+    commands = [(name, cli.get_command(context, name)) for name in cli.list_commands(context)]
+    wanted = [
+        (name, command.get_short_help_str())
+        for name, command in commands
+        if command and name.startswith(words)
+    ]
+    assert wanted
+    assert [(one.value, one.help) for one in offered] == wanted
+
+
+@pytest.mark.parametrize("env", [{}, {"_CHIPBREAK_COMPLETE": "fish_complete", "COMP_CWORD": "fil"}])
+def test_help_and_completion_load_no_command(env: dict[str, str]) -> None:
+    script = (
+        "import atexit, sys; sys.argv[1:] = ['--help'][:not sys.argv[1]]\n"
+        "atexit.register(lambda: print(*(m for m in sys.modules if 'chipbreak' in m or m == 'numpy')))\n"
+        "from chipbreak.cli import cli; cli(prog_name='chipbreak')"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script, env.get("COMP_CWORD", "")],
+        capture_output=True,
+        text=True,
+        env=dict(os.environ) | {"COMP_WORDS": "chipbreak fil", **env},
+        check=True,
+    )
+    assert "filter" in done.stdout
+    loaded = done.stdout.splitlines()[-1].split()
+    assert sorted(loaded) == ["chipbreak", "chipbreak.cli", "chipbreak.text", "chipbreak.text.encoding"]
+
+
+def test_a_misspelt_command_is_told_the_right_one() -> None:
+    refused = run(["filtr"])
+    assert refused.returncode == 2
+    assert "filter" in refused.stderr.decode()

@@ -49,6 +49,7 @@ ONLY_IN = {
         "resume_command",
         "figure_commands",
         "git_commands",
+        "program_commands",
     },
     "matplotlib": {"figures.style"},
     "distributed": {"batch.dask_cluster"},

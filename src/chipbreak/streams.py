@@ -10,13 +10,14 @@ import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from chipbreak.report.schema import SCHEMA
-from chipbreak.text.diagnostics import Diagnostic
 from chipbreak.text.encoding import escaped
+
+if TYPE_CHECKING:
+    from chipbreak.text.diagnostics import Diagnostic
 
 INTERRUPTED = 130  # what a shell says of a command that Ctrl-C has ended
 _LONG_BYTES = 1 << 18
@@ -78,43 +79,18 @@ class Reporter:
             raise click.UsageError(escaped(f"cannot write {log}: {error.strerror}")) from None
 
 
-class Commands(click.Group):
-    """Commands whose complaints show what was typed, and give none of it to a terminal as an order."""
-
-    def make_context(self, *args: Any, **extra: Any) -> click.Context:
-        """Read the options of the group."""
-        with _shown_errors():
-            return super().make_context(*args, **extra)
-
-    def invoke(self, ctx: click.Context) -> Any:
-        """Run the command that is named."""
-        try:
-            with _shown_errors():
-                return super().invoke(ctx)
-        except KeyboardInterrupt:
-            _say_interrupted()
-            sys.exit(INTERRUPTED)
-
-
-def _say_interrupted() -> None:
+def say_interrupted() -> None:
     """Say which files are new; the others are as they were."""
     files = ", ".join(_written)
     said = f"written: {files}; nothing else was" if files else "nothing was written"
     complain(escaped(f"Interrupted; {said}"))
 
 
-@contextmanager
-def _shown_errors() -> Iterator[None]:
-    try:
-        yield
-    except click.ClickException as error:
-        vars(error).update(message="\n".join(map(escaped, error.message.split("\n"))))
-        raise
-
-
 def write_json(value: Any, *, indent: int | None = None, err: bool = False, versioned: bool = True) -> None:
     """A value as JSON to stdout, or to stderr; an object of ours says the version of its keys."""
     import json  # noqa: PLC0415 (most runs print none)
+
+    from chipbreak.report.schema import SCHEMA  # noqa: PLC0415
 
     if versioned and isinstance(value, dict):
         value = {"schema": SCHEMA, **value}

@@ -10,7 +10,6 @@ from __future__ import annotations
 import errno
 import os
 import re
-import secrets
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -160,7 +159,7 @@ def _new_part(folder: Path, mode: int) -> tuple[Path, BinaryIO]:
     """A new file, locked.  Never one that is there, or behind a link that somebody put there."""
     flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0)
     while True:
-        part = folder / f".chipbreak-{os.getpid()}-{secrets.token_hex(4)}.part"
+        part = folder / f".chipbreak-{os.getpid()}-{os.urandom(4).hex()}.part"
         try:
             descriptor = os.open(part, flags, mode)
         except PermissionError as error:
