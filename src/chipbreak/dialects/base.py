@@ -65,11 +65,13 @@ class MCode(NamedTuple):
     ``modes``            ``keep`` what is in force, ``give-back`` what was kept
     ``other_spindle``    turned or stopped by it: ``cw``, ``ccw``, ``stop``
     ``before_move``      True where it acts before its block moves
+    ``coolant``          ``flood`` where it switches coolant on besides
     """
 
     group: str
     value: str
     before_move: bool = False
+    coolant: str = ""
 
 
 PROGRAM_MARKS = FrozenTable({"PROGRAM-NAME": PROGRAM, "PROGRAM-NUMBER": PROGRAM})

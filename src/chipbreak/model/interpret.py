@@ -24,6 +24,7 @@ from chipbreak.model.paths import (
     CALLERS_STATE,
     begins_program,
     behind_choice,
+    behind_unknown_start,
     behind_wait,
     entered,
     spindle_choice,
@@ -253,6 +254,7 @@ class Interpreter:
         """What is left of the spindle where another path, or a choice of spindle, comes between."""
         if block.controls or block.has("M"):
             after = behind_wait(after, block, self.dialect, self._user_line(block))
+            after = behind_unknown_start(after, block, self.dialect, self._user_line(block))
         choice = spindle_choice(block, codes, self.dialect)
         return behind_choice(after, before, choice, self._user_line(block)) if choice else after
 

@@ -15,7 +15,8 @@ _PLACING: frozenset[Group] = frozenset({"work_offset", "length_offset", "diamete
 def m_code(state: State, code: MCode) -> State:
     """The state behind an M code."""
     change = _CHANGES.get(code.group)
-    return change(state, code.value) if change else state
+    after = change(state, code.value) if change else state
+    return _coolant(after, code.coolant) if code.coolant else after
 
 
 def _spindle(state: State, value: str) -> State:

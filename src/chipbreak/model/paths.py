@@ -17,6 +17,8 @@ from chipbreak.model.modal import State
 from chipbreak.syntax.nodes import Block, Control
 
 CALLERS_STATE = "a subprogram, or another program, begins in line {line}: the caller's state is not followed"
+# Of an M code that may turn the spindle.
+UNNAMED = "and neither spindle.cw_codes nor spindle.ccw_codes names it"
 _FIRST_SPINDLE = "$0"
 _LEAST_WAITING_CODE = 100
 # Two paths or more, each once, in order: P12, P123, P13.
@@ -103,7 +105,8 @@ def behind_choice(state: State, before: State, choice: str, line: int) -> State:
 
     ``line`` is that of the block in the user's file.
     """
-    why = f"line {line} chooses a spindle ({choice}), which is not followed"
+    reason = UNNAMED if choice.upper().startswith("M") else "which is not followed"
+    why = f"line {line} chooses a spindle ({choice}), {reason}"
     spindle, limit = before.spindle, before.speed_limit
     return state._replace(speed=None, spindle=spindle, speed_limit=limit, spindle_why=why)
 
@@ -133,3 +136,20 @@ def _chosen_by_letter(block: Block, codes: BlockCodes, dialect: Dialect, said: S
     calls = any(function.group == "subprogram" for function in said)
     starts = any(function[:2] in _STARTS for function in said)
     return block.text_of(named) if not calls and (starts or block.has("S")) else ""
+
+
+def behind_unknown_start(state: State, block: Block, dialect: Dialect, line: int) -> State:
+    """The state behind a block that gives a spindle that stands an S, and an M code nobody knows.
+
+    Builders have codes of their own that start the spindle (``S600 M13``).  ``line`` is that of the block in
+    the user's file.
+    """
+    if state.turns or state.spindle_why or not block.has("S"):
+        return state
+    unknown = next(
+        (w for w in block.words_of("M") if w.number is not None and w.number not in dialect.m_codes), None
+    )
+    if unknown is None:
+        return state
+    code = block.text_of(unknown)
+    return state._replace(spindle_why=f"line {line} may start it by {code}, {UNNAMED}")

@@ -28,6 +28,7 @@ from chipbreak.settings.plug_ins import check_plug_ins
 from chipbreak.settings.profile_files import profile_names, profile_text
 from chipbreak.settings.ranges import check_filters, check_only, check_override, check_ranges, check_steps
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS, Axis, Control, Planner, Settings
+from chipbreak.settings.spindle_codes import with_spindle_codes
 from chipbreak.settings.tool_rules import check_macros, check_sisters
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.text.frozen_table import FrozenTable
@@ -66,7 +67,7 @@ def _build(
     sections = {name: cls(**_frozen(values[name])) for name, cls in SECTIONS.items()}
     axes = {axis: sections.pop(f"axes.{axis}") for axis in AXES}
     control = sections["control"]
-    dialect = _dialect(layer, control)
+    dialect = with_spindle_codes(layer, _dialect(layer, control), sections["spindle"])
     mode = sections["output"].feed_mode
     if not dialect.can("feed_mode", mode) and dialect.initial.feed_mode != mode:
         message = f"output.feed_mode {mode!r}: {dialect.title} has no code for it"

@@ -202,6 +202,8 @@ class Spindle(ValueRecord):
     """What the spindle can do, and how far from the programmed speed the machine may choose.
 
     ``speed_tolerance`` and ``surface_tolerance`` are shares of the programmed S, in rpm and under G96.
+    ``cw_codes``, ``ccw_codes`` and ``stop_codes`` are M codes of this spindle beside M3, M4 and M5;
+    ``cw_flood_codes`` and ``ccw_flood_codes`` switch coolant on as well.
     """
 
     min_rpm: float = _at_least(0.0)
@@ -210,6 +212,11 @@ class Spindle(ValueRecord):
     surface_tolerance: float = field(default=0.2, metadata={"above": 0.0, "below": 1.0})
     resolution_rpm: float = field(default=1.0, metadata={"at_least": 0.001, "below": 1000.0})
     settle_s: float = field(default=0.0, metadata={"at_least": 0.0, "below": 600.0})
+    cw_codes: tuple[int, ...] = field(default=(), metadata={"at_least": 1, "below": 10_000})
+    ccw_codes: tuple[int, ...] = field(default=(), metadata={"at_least": 1, "below": 10_000})
+    stop_codes: tuple[int, ...] = field(default=(), metadata={"at_least": 1, "below": 10_000})
+    cw_flood_codes: tuple[int, ...] = field(default=(), metadata={"at_least": 1, "below": 10_000})
+    ccw_flood_codes: tuple[int, ...] = field(default=(), metadata={"at_least": 1, "below": 10_000})
 
 
 class Checks(ValueRecord):

@@ -14,6 +14,7 @@ from chipbreak.model.block_effect import BlockEffect, Move
 from chipbreak.model.findings import COMPENSATED
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import NOWHERE, State
+from chipbreak.model.paths import UNNAMED
 from chipbreak.model.words import JUMPED, length_mm
 from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.syntax.nodes import Block, Word
@@ -41,6 +42,7 @@ _AT_REST: dict[Group, tuple[str, str, str, str]] = {
 SPEED_MODES = (96.0, 97.0)  # G codes
 _MOTION_CODES = (0.0, 1.0, 2.0, 3.0)
 _START_HERE = "give S and M3 or M4 (without a choice of spindle) between there and the cut"
+_NAME_IT = "where that code turns this spindle, name it: --set spindle.cw_codes=13 for M13"
 _WRITE_THE_POINT = 'write the point, or set control.decimal_point to "calculator" or "increment"'
 
 
@@ -208,7 +210,8 @@ def _spindle_refusal(
     state = request.effect.after
     if state.spindle_why:
         message = f"whether the spindle turns is not known: {state.spindle_why}"
-        return RefusalError("VIB069", message, f"{_START_HERE}, or {_without(request)}"), at
+        named = f"{_NAME_IT}; else " if UNNAMED in state.spindle_why else ""
+        return RefusalError("VIB069", message, f"{named}{_START_HERE}, or {_without(request)}"), at
     if not state.turns:
         message = "the spindle is not turning (no M3 or M4 before this block)"
         return RefusalError(NO_SPINDLE, message, "start the spindle before the cut"), at
