@@ -36,4 +36,4 @@ def with_spindle_codes(layer: Layer, dialect: Dialect, spindle: Spindle) -> Dial
                 hint = "name codes that the builder of the machine has given to the spindle, each once"
                 raise layer.fail(IMPOSSIBLE, f"spindle.{key}", message, hint)
             codes[number] = code
-    return dialect._replace(m_codes=dialect.m_codes | FrozenTable(codes)) if codes else dialect
+    return dialect._replace(m_codes=FrozenTable({**dialect.m_codes, **codes})) if codes else dialect
