@@ -223,6 +223,8 @@ def _but_what_is_left(promise: Promise, was: State, now: State) -> State:
     """The state behind an edit, as if what its promise leaves to the program were given back."""
     if promise.leaves_spindle:
         now = now._replace(spindle=was.spindle)
+    if promise.leaves_feed:
+        now = now._replace(feed=was.feed)
     return now._replace(coolant=was.coolant) if promise.leaves_coolant else now
 
 

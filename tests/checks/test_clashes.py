@@ -123,7 +123,7 @@ def test_a_program_that_calls_another_maker_s_programs_gets_no_call_of_ours(call
 @pytest.mark.parametrize(
     ("call", "what"),
     [
-        ("G65 P9842", "P9842, a number of probe makers (Renishaw, Blum, Haas)"),
+        ("G65 P9843", "P9843, a number of probe makers (Renishaw, Blum, Haas)"),
         ("G65 P9853 T1 B0. H0.1", "P9853, a number of probe makers"),
     ],
 )
@@ -138,7 +138,7 @@ def test_a_maker_s_program_is_on_the_control_instead_of_ours_where_the_numbers_a
 
 def test_a_number_of_ours_is_named_before_one_beside_ours() -> None:
     program = BODY.format(line="G0 Z50.", cut="X4.")
-    program = program.replace("T1 M6", "G65 P9842\nG65 P9810 Z10.\nT1 M6", 1)
+    program = program.replace("T1 M6", "G65 P9843\nG65 P9810 Z10.\nT1 M6", 1)
     (found,) = numbers_told(program, "fanuc-mill", "macros.first_program=9810")
     assert found.place is not None and found.place.line == 2
 

@@ -101,7 +101,7 @@ def test_every_third_workpiece() -> None:
     assert found[:4] == [
         "G65 P8900 K3.",
         "G65 P8901 T1. S2200. K3. U0.",
-        "G65 P8902 T1. Z20. K3.",
+        "G65 P8902 T1. Z20. K3. U0. W0.05 D1.",
         "G65 P8903 T1. W0.02 D1. K3. U0.",
     ]
     assert all(" K3" in call for call in found)
@@ -122,6 +122,7 @@ def test_a_sister_is_named_in_the_calls_of_its_tool() -> None:
     _, out, _ = filtered("-p", "fanuc-mill", *OPTIONS, "--set", "checks.sister.2=12", str(SAMPLE))
     assert [call for call in calls(out) if " U" in call] == [
         "G65 P8901 T2. S5300. K1. U12.",
+        "G65 P8902 T2. Z20. K1. U12. W0.05 D1.",
         "G65 P8903 T2. W0.02 D1. K1. U12.",
         "G65 P8903 T2. W0.05 D1. K1. U12.",
     ]

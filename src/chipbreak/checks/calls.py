@@ -15,7 +15,9 @@ from typing import Final
 
 from chipbreak.checks.left_behind import left_behind
 from chipbreak.checks.tool_values import DATA_FIELDS, data_texts
+from chipbreak.checks.touch_plate import NO_PLATE, PLATE_FIELDS, TouchPlate, touch_plate_of
 from chipbreak.dialects import BUILT_IN, DIALECTS, CallTemplates
+from chipbreak.dialects.check_programs import SETTER
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.syntax.parse import read_block
@@ -32,6 +34,7 @@ UNREADABLE_BLOCK: Final = "SET033"
 LONG_BLOCK: Final = "SET034"
 NOT_HANDED_OVER: Final = "SET035"
 LEFT_BEHIND: Final = "SET036"
+PLATE_ABOVE: Final = "SET037"
 # How much of an edge a CHIP CHECK looks at; its calls count these from 0.  Where a value that is left out
 # reads as 0, the shortest one is -1.
 DEPTHS: Final = ("breakage", "limit-line", "full")
@@ -58,7 +61,7 @@ class CallValues(NamedTuple):
     """The values of the fields of a call; None where a check has no such value.
 
     ``every`` is 1 where each workpiece is checked, ``sister`` 0 where no tool may take this one's place,
-    ``depth`` the place of ``checks.depth`` in DEPTHS.
+    ``depth`` the place of ``checks.depth`` in DEPTHS, ``work_offset`` the code of the one in force.
     """
 
     tool: int | None = None
@@ -70,6 +73,8 @@ class CallValues(NamedTuple):
     every: int = 1
     sister: int = 0
     depth: int = DEPTHS.index("limit-line")
+    plate: TouchPlate = NO_PLATE
+    work_offset: str = ""
 
     def fields(self, *, is_inch: bool) -> dict[str, str]:
         """The texts of all fields that have a value; lengths without ``_mm`` are in program units."""
@@ -87,7 +92,7 @@ class CallValues(NamedTuple):
             texts["speed_rpm"] = print_number(self.speed_rpm, 0, point=False)
         if self.operation is not None:
             texts["operation"] = self.operation
-        return texts
+        return texts | self.plate.texts(is_inch=is_inch) | {"work_offset": self.work_offset}
 
 
 # The point angle is where another tool has its radius, and needs no more room.
@@ -102,7 +107,19 @@ _LONGEST_DATA = ToolData(
     point_deg=118.99,
     holder_mm=1999.9999,
 )
-_LONGEST = CallValues(99999999, 99999.999, 20.123457, 20.123457, "SEMI-FINISH", _LONGEST_DATA, 9999, 99999999)
+_LONGEST_PLATE = TouchPlate(-1999.9999, -1999.9999, -1999.9999, 1999.9999, 99.9999, 99999.9999, 9999.9999)
+_LONGEST = CallValues(
+    99999999,
+    99999.999,
+    20.123457,
+    20.123457,
+    "SEMI-FINISH",
+    _LONGEST_DATA,
+    9999,
+    99999999,
+    plate=_LONGEST_PLATE,
+    work_offset="G54",
+)
 _DEPTH = ("depth", "depth_signed")
 _HEIGHT = ("height", "height_mm")
 _LIMIT = ("limit", "limit_mm", "operation")
@@ -121,6 +138,8 @@ class CallSet(NamedTuple):
     blocks: Mapping[CheckKind, tuple[str, ...]]
     tails: Mapping[CheckKind, str]
     ends_offset: bool
+    in_line: bool = False
+    keeps: str = ""
 
     def has(self, kind: CheckKind) -> bool:
         """True when this set has a call for a check."""
@@ -170,9 +189,11 @@ def calls_of(settings: Settings) -> CallSet:
 
     Raises RefusalError: SET030 unknown set, SET031 unknown check, SET032 unknown field, SET033 a block that
     cannot be read, SET034 a block that may become too long, SET035 a set that does not tell the control what
-    the profile asks for, SET036 a block that leaves something behind.
+    the profile asks for, SET036 a block that leaves something behind, SET037 a plate that is not below the
+    safe height.
     """
     found = _read(settings.checks.calls, settings)
+    _check_plate(found, settings)
     asked = {"every": settings.checks.every > 1, "sister": bool(settings.checks.sister)}
     for field, is_asked in asked.items():
         if is_asked and not found.hands_over(field):
@@ -203,10 +224,11 @@ def _read(name: str, settings: Settings) -> CallSet:
         kind = CheckKind(key)
         tail = shipped.tails.get(key, "")
         for template in templates:
-            _check(where, template + (tail if template == templates[-1] else ""), kind, limit, settings)
+            whole = template + (tail if template == templates[-1] else "")
+            _check(where, whole, kind, limit, settings, is_in_line=shipped.in_line)
         blocks[kind] = tuple(templates)
     tails = {CheckKind(key): tail for key, tail in shipped.tails.items()}
-    return CallSet(name, blocks, tails, shipped.ends_offset)
+    return CallSet(name, blocks, tails, shipped.ends_offset, shipped.in_line, shipped.keeps)
 
 
 def _shipped(name: str, settings: Settings) -> CallTemplates:
@@ -223,9 +245,20 @@ def _shipped(name: str, settings: Settings) -> CallTemplates:
         raise RefusalError(UNKNOWN_SET, message, _nearest(name, known))
     message = f'checks.calls: the set "{name}" is for the dialect {others[name]}, not for {dialect.name}'
     if name == BUILT_IN:
-        why = "the macros measure tools that turn"
-        message = f"there are no built-in calls for the dialect {dialect.name}: {why}"
-    raise RefusalError(UNKNOWN_SET, message, "describe your own in [calls.NAME], and set checks.calls")
+        message = f"there are no built-in calls for the dialect {dialect.name}: {dialect.no_macros}"
+    way_out = "describe your own in [calls.NAME], and set checks.calls"
+    if SETTER in dialect.call_sets:
+        way_out = f"set checks.calls={SETTER} where a touch plate finds broken tools; or {way_out}"
+    raise RefusalError(UNKNOWN_SET, message, way_out)
+
+
+def _check_plate(calls: CallSet, settings: Settings) -> None:
+    plate = touch_plate_of(settings)
+    if calls.in_line and plate is not NO_PLATE and not plate.depth_mm > 0.0:
+        places = f"macros.safe_z_mm ({plate.safe_z_mm:z.6g}) is not above macros.setter_z_mm"
+        message = f"{places} ({plate.safe_z_mm - plate.depth_mm:z.6g})"
+        help_text = "setter_z_mm is the lowest Z of the spindle nose at which a tool must have met the plate"
+        raise RefusalError(PLATE_ABOVE, message, help_text)
 
 
 def _moved(templates: CallTemplates, settings: Settings) -> CallTemplates:
@@ -240,9 +273,14 @@ def _moved(templates: CallTemplates, settings: Settings) -> CallTemplates:
     return templates._replace(blocks=blocks)
 
 
-def _check(where: str, template: str, kind: CheckKind, limit: int, settings: Settings) -> None:
-    """Refuse a template that could write something the control does not read."""
-    known = _FIELDS_OF[kind]
+def _check(
+    where: str, template: str, kind: CheckKind, limit: int, settings: Settings, *, is_in_line: bool
+) -> None:
+    """Refuse a template that could write something the control does not read.
+
+    One that is written out in the program may set F: that is given back.
+    """
+    known = (*_FIELDS_OF[kind], *((*PLATE_FIELDS, "work_offset") if is_in_line else ()))
     try:
         fields = _fields(template)
     except ValueError as error:
@@ -256,6 +294,8 @@ def _check(where: str, template: str, kind: CheckKind, limit: int, settings: Set
             message = f'{where}: "{template}": S of a lathe turns the workpiece, not the tool'
             raise RefusalError(UNKNOWN_FIELD, message, "write the speed of a driven tool as a number")
     _check_block(where, template, limit, settings)
+    if not is_in_line:
+        _check_left_behind(where, template, settings)
 
 
 def _check_block(where: str, template: str, limit: int, settings: Settings) -> None:
@@ -271,7 +311,12 @@ def _check_block(where: str, template: str, limit: int, settings: Settings) -> N
     if len(text) > limit:
         message = f'{where}: "{template}" can become {len(text)} characters long, the limit is {limit}'
         raise RefusalError(LONG_BLOCK, message, "split it into two blocks")
-    lasting = left_behind(block, settings)
+
+
+def _check_left_behind(where: str, template: str, settings: Settings) -> None:
+    """Refuse what nobody gives back."""
+    text = template.format_map(_LONGEST.fields(is_inch=False))
+    lasting = left_behind(read_block(0, text, settings.dialect), settings)
     if lasting:
         message = f'{where}: "{template}" {lasting}, and nothing gives back what was before it'
         raise RefusalError(LEFT_BEHIND, message, "do that in the macro that is called, which gives it back")

@@ -17,7 +17,7 @@ from chipbreak.insertion.place_words import place_word
 from chipbreak.insertion.retract import retract_blocks
 from chipbreak.insertion.safe_points import SafePoint
 from chipbreak.model.flow import Flow
-from chipbreak.model.giving_back import speed_text
+from chipbreak.model.giving_back import feed_text, is_same, speed_text
 from chipbreak.model.interpret import Interpreter
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.main_program import MainProgram
@@ -60,6 +60,7 @@ def _edit(checks: Sequence[PlannedCheck], settings: Settings) -> Edit:
     promise = SpindleRestarted(
         leaves_spindle=point.state.turns and not point.restarts,
         leaves_coolant=point.coolant != point.state.coolant,
+        leaves_feed=not is_same(blocks.before.feed, blocks.now.feed),
     )
     known = [check.duration_s for check in checks if check.duration_s is not None]
     edit = Edit(point.line, point.line, tuple(blocks.texts), title, reason, promise)
@@ -103,6 +104,9 @@ class _Blocks:
             # A block that gives one group back may give another back with it.
             if value != UNSAID and self.now.modes.value(group) != value:
                 self.write(self.dialect.code(group, value))
+        feed = feed_text(self.before)
+        if feed and not is_same(self.before.feed, self.now.feed):  # a call has set another one
+            self.write(f"F{feed}")
 
     def _put_back_spindle(self) -> None:
         if not self.point.restarts and self.now.turns:  # a call has started it

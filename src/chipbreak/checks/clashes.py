@@ -11,15 +11,17 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator
 
-from chipbreak.checks.findings import SHARED_NUMBER, SHARED_VARIABLE
+from chipbreak.checks.findings import SHARED_NUMBER, SHARED_OFFSET, SHARED_VARIABLE
 from chipbreak.checks.ways_out import (
     OR_MOVE_THE_STORE,
     OTHER_CALLS,
     RENAME_THE_PROGRAM,
+    USE_OTHER_OFFSETS,
     USE_OTHER_VARIABLES,
 )
 from chipbreak.dialects import BUILT_IN, PROBE_MAKERS, MacroSet
 from chipbreak.dialects.check_programs import SETTER
+from chipbreak.dialects.modes import UNSAID
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of
@@ -88,6 +90,9 @@ def clash_of(interpreted: InterpretedProgram) -> Clash | None:
     if settings.checks.calls in settings.call_sets:
         return None
     macros = settings.dialect.macros
+    keeps = settings.dialect.call_sets[settings.checks.calls].keeps
+    if keeps:
+        return _shared_offset(interpreted, keeps)
     if settings.checks.calls not in (BUILT_IN, SETTER) or macros is None:
         return _defined_number(interpreted, _numbers_of(settings), "")
     macros = _moved(macros, settings)
@@ -96,6 +101,28 @@ def clash_of(interpreted: InterpretedProgram) -> Clash | None:
         or _called_number(interpreted, macros)
         or _shared_variable(interpreted, macros)
     )
+
+
+def _shared_offset(interpreted: InterpretedProgram, keeps: str) -> Clash | None:
+    """Something by which the length that the checks keep in a work offset would mean another one."""
+    for effect in interpreted.effects:
+        used = _moves_offset(effect, keeps)
+        if used:
+            said = f"this program uses {used}, and the checks keep the tool's length in {keeps}"
+            return Clash(SHARED_OFFSET, effect.block.line, f"left out: all checks; {said}", USE_OTHER_OFFSETS)
+    return None
+
+
+def _moves_offset(effect: BlockEffect, keeps: str) -> str:
+    modes = effect.after.modes
+    found = {
+        keeps: modes.work_offset == keeps,
+        "G92": "set-position" in effect.non_modal,
+        "G10": "data-setting" in effect.non_modal,
+        "G43.1": modes.length_offset not in ("off", UNSAID),
+        "G93": modes.feed_mode == "inverse",
+    }
+    return next((name for name, is_used in found.items() if is_used), "")
 
 
 def _moved(macros: MacroSet, settings: Settings) -> MacroSet:

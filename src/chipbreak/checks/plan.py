@@ -20,6 +20,7 @@ from chipbreak.checks.findings import NO_BEAM, NO_SAFE_POINT, NO_SHAPE, Findings
 from chipbreak.checks.limits import Uses, limit_before
 from chipbreak.checks.not_checked import WholeProgram, say_what_is_not_checked
 from chipbreak.checks.tool_data_coverage import ToolDataCoverage
+from chipbreak.checks.touch_plate import touch_plate_of
 from chipbreak.checks.ways_out import NAME_THE_BEAM, SEE_ITS_TRACE
 from chipbreak.insertion.obstacles import Obstacles
 from chipbreak.insertion.safe_points import NoSafePoint, Range, SafePoint, SafePointFinder
@@ -124,7 +125,13 @@ class _Planner:
         self.calls: CallSet = calls_of(settings)
         obstacles = Obstacles(interpreted, self.main)
         self.tool_changes = obstacles.tool_changes
-        self.finder = SafePointFinder(interpreted, obstacles, calls_end_offset=self.calls.ends_offset)
+        self.finder = SafePointFinder(
+            interpreted,
+            obstacles,
+            calls_end_offset=self.calls.ends_offset,
+            calls_in_line=self.calls.in_line,
+        )
+        self.plate = touch_plate_of(settings)
         # How many workpieces a check is for; the control counts them where the beam is measured.
         self.every = self.checks.every
         self.uses = Uses(operations, interpreted)
@@ -186,7 +193,8 @@ class _Planner:
     def _check_tool(self, call: int, operation: Operation, tool: int) -> None:
         """TOOL CHECK and TRACE, after the tool call and before its first cut."""
         assert operation.first_cut is not None
-        where = Range(call + 1, call + 1, operation.first_cut)
+        first = self._behind_stop(call, operation.first_cut) if self.calls.in_line else call + 1
+        where = Range(first, first, operation.first_cut)
         data = self.tools.get(tool)
         limit = limit_before(operation, self.settings, "")
         values = CallValues(
@@ -246,12 +254,22 @@ class _Planner:
         where = Range(operation.last_cut + 1, min(operation.last_line, last), last)
         self._place(where, _Wish(CheckKind.CHIP_CHECK, values, limit.reason))
 
+    def _behind_stop(self, call: int, first_cut: int) -> int:
+        """Where the new tool is in the spindle: somebody changes it at the last M0 behind its call."""
+        stops = [e.block.line for e in self.interpreted.effects_of(call, first_cut) if e.does("stop")]
+        return max([call, *stops]) + 1
+
     def _last_place_after(self, last_cut: int, operation: Operation) -> int:
         """The line of the next tool change, also of one after which nothing is cut, or of the next cut."""
         cuts = (later.first_cut for later in self.operations[operation.index + 1 :])
         next_cut = next((line for line in cuts if line is not None), self.main.last)
         changes = (line for line in self.tool_changes if last_cut < line < next_cut and self.main.has(line))
-        return next(changes, next_cut)
+        last = next(changes, next_cut)
+        if not self.calls.in_line:
+            return last
+        # At a stop somebody may change the tool, before or behind the T that says its number.
+        stops = (e.block.line for e in self.interpreted.effects_of(last_cut, last) if e.does("stop"))
+        return next(stops, last)
 
     def _place(self, where: Range, *wishes: _Wish) -> bool:
         """Plan checks at the first safe point of a range, or say why there is none."""
@@ -262,7 +280,9 @@ class _Planner:
             self.findings.say(found.line, NO_SAFE_POINT, message, found.help)
             return False
         for wish in wishes:
-            blocks = self.calls.text(wish.kind, wish.values, is_inch=found.state.is_inch)
+            offset = str(found.state.modes.value("work_offset"))
+            values = wish.values._replace(plate=self.plate, work_offset=offset)
+            blocks = self.calls.text(wish.kind, values, is_inch=found.state.is_inch)
             self.planned.append(
                 PlannedCheck(
                     wish.kind,

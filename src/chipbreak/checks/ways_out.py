@@ -20,6 +20,9 @@ OTHER_CALLS: Final = (
 RENAME_THE_PROGRAM: Final = (
     "give that program another number or name, or choose other calls with checks.calls or [calls.NAME]"
 )
+USE_OTHER_OFFSETS: Final = (
+    "use G54 to G58 and G94, without G92, G43.1 and G10, or no checks (checks.enabled=false)"
+)
 SEE_ITS_TRACE: Final = "see why its TRACE was left out"
 NAME_THE_BEAM: Final = (
     "give them under [macros] in the profile; or choose the cycles of a maker with checks.calls (haas,"

@@ -227,6 +227,7 @@ class Dialect(NamedTuple):
     ``line_needs_feed`` a G1 without F is refused, and G94 and G95 end the F before
     ``macros``        the programs that check tools on this control; None where there are none
     ``call_sets``     sets of calls of such programs by name, ``builtin`` those of ``macros``
+    ``no_macros``     why there are no built-in calls, where there are none
     ``converts_feed`` over G20 and G21, F and the P of G64 keep their value and not their number
     ``feed_before_units`` F, and S under G96, are read before the G20 or G21 of their block
     ``own_words``     code -> the letters that it takes for itself; F, S, T and M of its block that are not
@@ -279,6 +280,7 @@ class Dialect(NamedTuple):
     converts_feed: bool = False
     macros: MacroSet | None = None
     call_sets: Mapping[str, CallTemplates] = FrozenTable({})
+    no_macros: str = "the macros measure tools that turn"
     feed_before_units: bool = False
     own_words: Mapping[Code, str] = FrozenTable({})
     returning_cycles: frozenset[str] = frozenset()

@@ -24,11 +24,15 @@ class CallTemplates(NamedTuple):
 
     ``tails``          behind the last block where a tool has a sister, or not every workpiece is checked
     ``ends_offset``    the calls may end the length offset, as some makers' cycles are known to
+    ``in_line``        the blocks are the check itself, for a control without macros: they set F, and keep a
+                       length in the work offset ``keeps``, which a program may not use beside them
     """
 
     blocks: Mapping[str, Sequence[str]]
     tails: Mapping[str, str] = FrozenTable({})
     ends_offset: bool = False
+    in_line: bool = False
+    keeps: str = ""
 
 
 class MacroSet(NamedTuple):
@@ -228,4 +232,43 @@ _O_WORD_SETTER = CallTemplates(
 )
 O_WORD_SETS: Final[Mapping[str, CallTemplates]] = FrozenTable(
     {BUILT_IN: _O_WORD_CALLS, SETTER: _O_WORD_SETTER}
+)
+
+# Grbl stops with alarm 5 where G38.2 meets nothing, and with alarm 4 where a probe move begins on the plate.
+# So the tool is judged by the control itself.  It must not have met the plate at W above the stored height: a
+# G38.3 that stops before leaves the next move to begin on the plate.  At W below it must have met it.  The
+# stored height is Z0 of the work offset G59: G10 L20 P6 gives it to where the tool is.
+PLAIN_SETS: Final[Mapping[str, CallTemplates]] = FrozenTable(
+    {
+        SETTER: CallTemplates(
+            FrozenTable(
+                {
+                    "tool_check": (
+                        "G53 G0 Z{safe_z}",
+                        "G53 G0 X{setter_x} Y{setter_y}",
+                        "G59",
+                        "G10 L20 P6 Z0",
+                        "G38.2 Z-{setter_depth} F{fast_feed}",
+                        "G10 L20 P6 Z0",
+                        "G0 Z{clear}",
+                        "G38.2 Z-{clear} F{slow_feed}",
+                        "G10 L20 P6 Z0",
+                        "G53 G0 Z{safe_z}",
+                        "{work_offset}",
+                    ),
+                    "chip_check": (
+                        "G53 G0 Z{safe_z}",
+                        "G53 G0 X{setter_x} Y{setter_y}",
+                        "G59",
+                        "G38.3 Z{limit} F{fast_feed}",
+                        "G38.2 Z-{limit} F{slow_feed}",
+                        "G53 G0 Z{safe_z}",
+                        "{work_offset}",
+                    ),
+                }
+            ),
+            in_line=True,
+            keeps="G59",
+        )
+    }
 )

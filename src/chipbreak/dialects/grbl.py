@@ -6,6 +6,7 @@ Both stop at a code that they do not know, so what is not in these tables is ref
 from __future__ import annotations
 
 from chipbreak.dialects.base import LOGIC_LAST, NON_MODAL, Code, Dialect, Stops, m_table, table
+from chipbreak.dialects.check_programs import PLAIN_SETS
 from chipbreak.dialects.modes import Modes
 from chipbreak.text.frozen_table import FrozenTable
 
@@ -72,6 +73,8 @@ GRBL = Dialect(
     machine_retract=("G53 G0 Z0",),
     retract_is_absolute=True,
     own_words=_OWN_WORDS,
+    call_sets=PLAIN_SETS,
+    no_macros="it has no variables, so runout, diameter and edges cannot be measured",
     place_variables=frozenset(),
     place_settings=frozenset({20.0}),
     settings=_SETTINGS,
@@ -115,6 +118,8 @@ GRBLHAL_LATHE = GRBL._replace(
         output={"M62 M63 M64 M65 M67 M68": "set"},
         input={"M66": "wait"},
     ),
+    call_sets=FrozenTable({}),
+    no_macros="the macros measure tools that turn",
     tool_change="M6",
     offset_digits=2,
     machine_retract=("G53 G0 X0", "G53 G0 Z0"),

@@ -38,5 +38,8 @@ KLIPPER = Dialect(
     own_words=FrozenTable({Code(NON_MODAL, "dwell"): "P"}),
     place_variables=frozenset(),
     repeats_codes=True,
+    no_macros=(
+        "it has no G38, probing (PROBE) is a macro of its configuration, and a program cannot compare"
+    ),
     stops_at=Stops(letters="EFGIJKMNPRSTXYZ", one_command=True, has_own_commands=True),
 )

@@ -79,13 +79,14 @@ class Promise(Record, kw_only=True):
     ``leaves_motion``: behind the edit another of G0 to G3 may be in force, for the next move says its own.
     ``leaves_speed``: the edit may leave another spindle speed behind.
     ``leaves_spindle``, ``leaves_coolant``: the spindle may stand, or coolant not flow, for the program says
-    that itself before anything counts on it.
+    that itself before anything counts on it; ``leaves_feed``: another F may be in force, for the same reason.
     """
 
     leaves_motion: bool = False
     leaves_speed: bool = False
     leaves_spindle: bool = False
     leaves_coolant: bool = False
+    leaves_feed: bool = False
 
     def check(self, written: Written) -> object | None:
         """Look at what was promised beyond that; what is worth a report is returned, several as a tuple.
@@ -132,6 +133,9 @@ class SpindleRestarted(Promise, kw_only=True):
     def check(self, written: Written) -> None:
         """Speed, spindle and coolant are back behind the edit, or the program commands them itself."""
         self._check_speed(written)
+        if self.leaves_feed and not _feed_is_said(written):
+            at = written.edit.first + 1
+            raise SelfCheckError(f"behind the insertion at line {at} a cut begins with another F")
         for group, is_left in (("spindle", self.leaves_spindle), ("coolant", self.leaves_coolant)):
             if is_left and not _is_commanded(written, group):
                 at = written.edit.first + 1
@@ -146,6 +150,16 @@ class SpindleRestarted(Promise, kw_only=True):
             if effect.move is not None and effect.move.kind != "rapid":
                 at = written.edit.first + 1
                 raise SelfCheckError(f"behind the insertion at line {at} a cut begins at another speed")
+
+
+def _feed_is_said(written: Written) -> bool:
+    """True where the first block behind that feeds says F itself."""
+    for effect in written.blocks_behind():
+        if effect.block.has("F"):
+            return not effect.block.skip
+        if effect.move is not None and effect.move.kind != "rapid":
+            return False
+    return True
 
 
 def _is_commanded(written: Written, group: str) -> bool:

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cached_property
 
+from chipbreak.dialects.modes import Group
 from chipbreak.insertion.candidates import Candidate
 from chipbreak.insertion.clearance import Clearance
 from chipbreak.insertion.length_offset import offset_words
 from chipbreak.insertion.looking_back import effects_before
 from chipbreak.insertion.obstacles import Obstacles
-from chipbreak.insertion.overwritten import coolant_is_overwritten, spindle_is_overwritten
+from chipbreak.insertion.overwritten import coolant_is_overwritten, feed_is_said, spindle_is_overwritten
 from chipbreak.insertion.position_dependencies import (
     PositionDependencies,
     position_dependencies,
     relies_on_speed,
 )
 from chipbreak.insertion.retract import Retract
-from chipbreak.insertion.ways_out import MOVE_WITH_G40, Obstacle
+from chipbreak.insertion.ways_out import MOVE_WITH_G40, SAY_THE_FEED, SAY_THE_MODES, Obstacle
+from chipbreak.model.giving_back import feed_text
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of
 from chipbreak.text.named_tuple import NamedTuple
@@ -29,6 +31,7 @@ class Surroundings(NamedTuple):
 
     ``clearance``  None for mills: their way home is up
     ``calls_end_offset``  the calls may end the length offset, as some makers' cycles do
+    ``calls_in_line``  the blocks are the check itself, and set F, modes and the work offset
     """
 
     interpreted: InterpretedProgram
@@ -36,6 +39,7 @@ class Surroundings(NamedTuple):
     retract: Retract
     clearance: Clearance | None
     calls_end_offset: bool
+    calls_in_line: bool = False
 
 
 class Case:
@@ -214,6 +218,36 @@ def _speed_is_not_known(case: Case) -> Obstacle | None:
     return None
 
 
+def _mode_cannot_be_given_back(case: Case) -> Obstacle | None:
+    """What a check does that is written out in the program, and what no code of the program undoes."""
+    if not case.surroundings.calls_in_line:
+        return None
+    said = {
+        group
+        for effect in effects_before(case.interpreted, case.line)
+        for group in _NEEDED.values()
+        if codes_of(effect.block, group, case.dialect) and not effect.block.skip
+    }
+    unsaid = [name for name, group in _NEEDED.items() if group not in said]
+    if unsaid:
+        why = f"the check counts on the {unsaid[0]}, and the program has not said it yet"
+        return Obstacle(why, SAY_THE_MODES)
+    if case.state.modes.feed_mode != "minute":
+        return Obstacle("F is not per minute here, as that of the check is")
+    return None
+
+
+def _feed_cannot_be_given_back(case: Case) -> Obstacle | None:
+    if not case.surroundings.calls_in_line or feed_text(case.state):
+        return None
+    if feed_is_said(case.interpreted, case.line):
+        return None
+    return Obstacle("the F of the check would stay in force, for the next cut says none", SAY_THE_FEED)
+
+
+# How a program says each of these: G54, G90, G21.
+_NEEDED: Mapping[str, Group] = {"work offset": "work_offset", "distance mode": "distance", "units": "units"}
+
 # In the order in which a user would look; the first that says something is the reason.
 RULES: tuple[Callable[[Case], Obstacle | None], ...] = (
     _obstacle,
@@ -231,4 +265,6 @@ RULES: tuple[Callable[[Case], Obstacle | None], ...] = (
     _height_is_shifted,
     _offset_is_not_known,
     _speed_is_not_known,
+    _mode_cannot_be_given_back,
+    _feed_cannot_be_given_back,
 )

@@ -26,6 +26,21 @@ def coolant_is_overwritten(interpreted: InterpretedProgram, line: int) -> bool:
     return _says_first(interpreted, line, "coolant", ("off",))
 
 
+def feed_is_said(interpreted: InterpretedProgram, line: int) -> bool:
+    """True where the next block that feeds says F, or the program ends before one."""
+    for effect in interpreted.effects_of(line, interpreted.program.source.body.stop):
+        block = effect.block
+        if effect.after.ended:
+            return True
+        if block.opaque or block.controls:
+            return False
+        if block.has("F"):
+            return not block.skip and not block.has_macro
+        if effect.move is not None and effect.move.kind != "rapid":
+            return False
+    return True
+
+
 def _says_first(interpreted: InterpretedProgram, line: int, group: str, values: tuple[str, ...]) -> bool:
     for effect in _ahead(interpreted, line):
         says = effect.does(group, *values) or effect.does("program", "end")

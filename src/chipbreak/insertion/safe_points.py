@@ -59,16 +59,24 @@ class Range(NamedTuple):
 class SafePointFinder:
     """Looks for safe points in one program.
 
-    ``calls_end_offset`` is True for calls that may end the length offset, as some makers' cycles do.
+    ``calls_end_offset`` is True for calls that may end the length offset, as some makers' cycles do,
+    ``calls_in_line`` for blocks that are the check itself: they set F, modes and the work offset.
     """
 
     def __init__(
-        self, interpreted: InterpretedProgram, obstacles: Obstacles, *, calls_end_offset: bool = False
+        self,
+        interpreted: InterpretedProgram,
+        obstacles: Obstacles,
+        *,
+        calls_end_offset: bool = False,
+        calls_in_line: bool = False,
     ) -> None:
         is_lathe = interpreted.settings.dialect.is_lathe
         clearance = Clearance(interpreted, obstacles.main) if is_lathe else None
         retract = Retract(interpreted.settings)
-        self._surroundings = Surroundings(interpreted, obstacles, retract, clearance, calls_end_offset)
+        self._surroundings = Surroundings(
+            interpreted, obstacles, retract, clearance, calls_end_offset, calls_in_line
+        )
         self._main = obstacles.main
 
     def find(self, where: Range) -> SafePoint | NoSafePoint:

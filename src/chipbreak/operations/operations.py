@@ -276,6 +276,8 @@ def calls_tool(effect: BlockEffect, dialect: Dialect) -> bool:
     word = next(iter(effect.block.words_of("T")), None)
     if word is None or word.number is None:
         return word is not None
+    if not dialect.offset_digits:
+        return word.number > 0.0
     offsets = 10.0**dialect.offset_digits
     return 0.0 < word.number < offsets or word.number % offsets != 0.0
 

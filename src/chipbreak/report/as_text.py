@@ -143,10 +143,10 @@ def _together(report: Report) -> str:
         return ""
     whole = sum(known)
     said = f", about {whole:z.0f} s together"
-    if not report.feed_s:
+    if report.time is None:
         return said
-    share = whole / (whole + report.feed_s)
-    return f"{said}, {100.0 * share:z.0f} % of checks and feed ({report.feed_s:z.0f} s)"
+    share = whole / report.time.after_s
+    return f"{said}, {100.0 * share:z.0f} % of the filtered program ({report.time.after_s:z.0f} s)"
 
 
 def _cut(cut: ExplainedCut) -> Iterator[str]:
