@@ -78,11 +78,11 @@ def available() -> bool:
     """True where a simulated machine can be started: LinuxCNC installed, root, namespaces allowed."""
     if os.geteuid() != 0 or any(shutil.which(name) is None for name in PROGRAMS_NEEDED):
         return False
-    tried = subprocess.run([*_NAMESPACES, "true"], capture_output=True, check=False)
+    tried = subprocess.run([*NAMESPACES, "true"], capture_output=True, check=False)
     return tried.returncode == 0
 
 
-_NAMESPACES = ("unshare", "--ipc", "--net", "--pid", "--fork", "--kill-child", "--mount-proc", "--mount")
+NAMESPACES = ("unshare", "--ipc", "--net", "--pid", "--fork", "--kill-child", "--mount-proc", "--mount")
 
 
 def run(
@@ -158,7 +158,7 @@ def _start(folder: Path, speed_up: float, limit_s: float) -> list[dict[str, list
     said = folder / "said.txt"
     with said.open("wb") as out:
         process = subprocess.Popen(
-            [*_NAMESPACES, "bash", "-c", inside],
+            [*NAMESPACES, "bash", "-c", inside],
             cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=out, stderr=out,
         )  # fmt: skip
         report, end = folder / "report.json", time.monotonic() + limit_s
