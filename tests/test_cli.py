@@ -26,6 +26,7 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
+import chipbreak
 from chipbreak.cli import cli
 from chipbreak.settings import SettingsError, load, profile_names
 from chipbreak.settings.sections import SECTIONS
@@ -386,6 +387,29 @@ def test_any_words_in_a_row(pieces: list[str]) -> None:
 
 
 # --- profiles ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the user's folder is elsewhere there")
+def test_the_nearest_profile_counts(tmp_path: Path) -> None:
+    """Beside the program, then in the folders above, then in the user's own; the last line says which."""
+    part = tmp_path / "shop" / "part 7" / "in.nc"
+    home = tmp_path / "home" / "chipbreak"
+    for folder in (part.parent, home):
+        folder.mkdir(parents=True)
+    part.write_bytes(WORKED)
+    env = {"XDG_CONFIG_HOME": str(home.parent), "HOME": str(home.parent)}
+    places = [(home, "found as "), (tmp_path / "shop", "found as "), (part.parent, "found beside it")]
+    for number, (folder, said) in enumerate(places):
+        (folder / "chipbreak.toml").write_text(
+            f'base = "generic-lathe"\n[vibration]\nmargin = 1.{number + 1}\n'
+        )
+        done = run(["filter", "in.nc", "-o", "out.nc"], cwd=part.parent, env=env)
+        assert done.returncode == 0, done.stderr
+        wanted = chipbreak.rewrite(WORKED, load("generic-lathe", [f"vibration.margin=1.{number + 1}"])).data
+        assert (part.parent / "out.nc").read_bytes() == wanted
+        end = done.stderr.decode().rstrip()
+        assert said in end
+        assert said.endswith("it") or str(folder / "chipbreak.toml") in end
 
 
 @pytest.mark.parametrize("name", profile_names())

@@ -34,8 +34,8 @@ def git_diff(asked: Asked, arguments: tuple[str, ...]) -> None:
     """Compare two versions of a program as git's external diff driver.
 
     git gives seven arguments, two more for a file that was renamed, and one for a file that is in conflict.
-    With -p, CHIPBREAK_PROFILE or a chipbreak.toml beside the program, numbers are read as its control reads
-    them.
+    With -p, CHIPBREAK_PROFILE or a chipbreak.toml beside the program or above it, numbers are read as its
+    control reads them.
     """
     if len(arguments) < 7:
         click.echo(f"{' '.join(arguments[:1])}: in conflict, not compared")

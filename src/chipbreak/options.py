@@ -156,7 +156,7 @@ def settings_of(asked: Asked, source: str) -> Settings:
 
 
 def settings_for(asked: Asked, source: str) -> Settings:
-    """The profile by option, environment, or ``chipbreak.toml`` beside the input.
+    """The profile by option, environment, or the ``chipbreak.toml`` that :func:`found_profile` finds.
 
     The files of ``--tools`` come before those of the profile.  Raises SettingsError, and click.UsageError
     where nothing names a machine.
@@ -203,24 +203,55 @@ def _profiles_called(name: str, source: str) -> Iterator[str]:
     """Profiles whose name in capitals is that of a stamp: beside the program, and shipped."""
     from chipbreak.settings import profile_names
 
-    folder = Path() if source == "-" else Path(source).parent
+    folder = _folder_of(source)
     yield from sorted(str(one) for one in folder.glob("*.toml") if one.stem.upper() == name.upper())
+    found = found_profile(source)
+    if found is not None and found.stem.upper() == name.upper():
+        yield str(found)
     yield from (one for one in profile_names() if one.upper() == name.upper())
 
 
 def _profile_for(asked: Asked, source: str) -> str:
     if asked.profile is not None:
         return asked.profile
-    beside = (Path() if source == "-" else Path(source).parent) / "chipbreak.toml"
-    if beside.is_file():
-        return str(beside)
+    found = found_profile(source)
+    if found is not None:
+        return str(found)
     from chipbreak.settings import profile_names
 
     names = ", ".join(profile_names())
     raise click.UsageError(
-        "which machine? give -p PROFILE, set CHIPBREAK_PROFILE,"
-        f" or put a chipbreak.toml beside the program (shipped: {names})"
+        "which machine? give -p PROFILE, set CHIPBREAK_PROFILE, or put a chipbreak.toml beside the program"
+        f" or in a folder above it: chipbreak profile init chipbreak.toml makes one (shipped: {names})"
     )
+
+
+def user_folder() -> Path:
+    """Where a user keeps the profile that holds for all of their programs."""
+    return Path(click.get_app_dir("chipbreak"))
+
+
+def found_profile(source: str) -> Path | None:
+    """The ``chipbreak.toml`` nearest to a program: beside it, in a folder above, in the user's folder."""
+    folder = _folder_of(source)
+    above = folder.absolute().parents
+    for one in (folder, *above, user_folder()):
+        file = one / "chipbreak.toml"
+        if file.is_file():
+            return file
+    return None
+
+
+def _folder_of(source: str) -> Path:
+    return Path() if source == "-" else Path(source).parent
+
+
+def where_found(source: str) -> str:
+    """Where the profile of a program was found, in words."""
+    found = found_profile(source)
+    if found is None or found.parent == _folder_of(source):
+        return "found beside it"
+    return f"found as {found}"
 
 
 def _check_rules(settings: Settings) -> None:

@@ -16,6 +16,7 @@ from chipbreak.text.encoding import escaped
 
 if TYPE_CHECKING:
     from chipbreak.machine_files.found import Found, Machine
+    from chipbreak.machine_files.questions import Question
 
 
 @click.group()
@@ -114,7 +115,7 @@ def _machine(asked: Asked, from_ini: str | None, from_parameters: str | None) ->
 
 def _asked_for(machine: Machine, *, ask_base: bool) -> Machine:
     """What a person answers; an empty answer leaves a value as the base has it."""
-    from chipbreak.machine_files.questions import QUESTIONS, answer
+    from chipbreak.machine_files.questions import QUESTIONS
     from chipbreak.settings import load, profile_names
 
     base = machine.base
@@ -125,19 +126,29 @@ def _asked_for(machine: Machine, *, ask_base: bool) -> Machine:
         )
     settings = load(base)
     found: list[Found] = []
+    missing: list[str] = []
+    click.echo("Enter alone leaves out what nobody knows yet.", err=True)
     for question in QUESTIONS:
         if not question.concerns(settings):
             continue
-        while True:
-            text = click.prompt(question.text, default="", show_default=False, err=True)
-            if not text:
-                break
-            one = answer(question, text)
-            if one is not None:
-                found.append(one)
-                break
-            click.echo(f"  {question.expected}", err=True)
-    return machine._replace(base=base, found=tuple(found))
+        one = _answered(question)
+        if one is not None:
+            found.append(one)
+        elif question.key.startswith("axes."):
+            missing.append(f"{question.key}: {question.text}")
+    return machine._replace(base=base, found=tuple(found), missing=tuple(missing))
+
+
+def _answered(question: Question) -> Found | None:
+    """What a person answers to a question, asked again until it can be; None for nothing."""
+    from chipbreak.machine_files.questions import answer
+
+    while True:
+        text = click.prompt(question.text, default="", show_default=False, err=True)
+        one = answer(question, text) if text else None
+        if one is not None or not text:
+            return one
+        click.echo(f"  {question.expected}", err=True)
 
 
 def _write(asked: Asked, target: Path, machine: Machine, origin: str | None) -> None:

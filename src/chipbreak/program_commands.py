@@ -30,6 +30,7 @@ from chipbreak.options import (
     settings_of,
     settings_of_filtered,
     verify_program,
+    where_found,
 )
 from chipbreak.program_files import ProgramFile, read_program, replace_program, write_program
 from chipbreak.streams import (
@@ -215,9 +216,14 @@ def _print_summary(result: Result, settings: Settings, asked: Asked) -> None:
         return
     from chipbreak.report.build import report_of
 
-    beside = f"; profile {settings.name}, found beside it" if asked.profile is None else ""
-    summary = report_of(result, settings).summary()
-    asked.reporter.tell(escaped(f"{result.source.name}: {summary}{beside}"))
+    source = result.source.name
+    beside = f"; profile {settings.name}, {where_found(source)}" if asked.profile is None else ""
+    report = report_of(result, settings)
+    how = "" if result.changed or report.cuts or report.left or report.checks else _HOW_TO_ASK
+    asked.reporter.tell(escaped(f"{source}: {report.summary()}{how}{beside}"))
+
+
+_HOW_TO_ASK = " (N1.5 in a cutting block would, or (VIB N1.5) before the cuts)"
 
 
 def _print_report(result: Result, settings: Settings, asked: Asked) -> None:

@@ -1,7 +1,7 @@
 """AXIS, LinuxCNC's own screen, opens a program through the filter, on a display that nobody sees.
 
-From the INI file of the machine come the profile and, with the lines that ``hooks write`` gives, the filter.  What
-AXIS opened is asked of LinuxCNC, and what it says of a program that is refused is read from its window.
+From the INI file of the machine come the profile and, with the lines that ``hooks write`` gives, the filter.
+What AXIS opened is asked of LinuxCNC; that a program was refused is seen by AXIS's window.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ REFUSED = PROGRAM.replace(b"N1.5", b"N2")
 NEEDED = ("Xvfb", "xdotool", "axis", "axis-remote")
 MISSING = [name for name in NEEDED if shutil.which(name) is None]
 
-# A /tmp of its own, in which a checkout can lie.  AXIS answers before it can open; the refused program is opened in the background, because its window waits.
+# A /tmp of its own, in which a checkout can lie.  AXIS answers before it can open; the refused program is
+# opened in the background, because its window waits.
 SESSION = """
 ip link set lo up
 mkdir seen && mount -o bind,ro "$CHECKOUT" seen
@@ -38,7 +39,8 @@ linuxcnc machine.ini >said.txt 2>&1 &
 try() { for _ in $(seq 200); do "$@" && return; sleep 0.5; done; return 1; }
 ask() { /usr/bin/python3 -c 'import linuxcnc; s = linuxcnc.stat(); s.poll(); print(s.file)'; }
 window() { xdotool search --name "$1" >/dev/null 2>&1; }
-opened() { timeout 10 axis-remote part.ngc; sleep 1; cp "$(ask)" opened.ngc 2>/dev/null && grep -q X22 opened.ngc; }
+copy() { cp "$(ask)" opened.ngc 2>/dev/null && grep -q X22 opened.ngc; }
+opened() { timeout 10 axis-remote part.ngc; sleep 1; copy; }
 try axis-remote --ping
 try opened || exit 1
 try window part.ngc || exit 2

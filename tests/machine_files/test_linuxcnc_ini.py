@@ -53,6 +53,7 @@ def ini(tmp_path: Path, text: str) -> Path:
 
 def test_the_numbers_of_a_lathe(tmp_path: Path) -> None:
     path = ini(tmp_path, LATHE)
+    (tmp_path / "tool.tbl").touch()
     machine = machine_of_ini(path)
     assert machine.base == "linuxcnc-lathe"
     assert values(path) == {
@@ -67,6 +68,12 @@ def test_the_numbers_of_a_lathe(tmp_path: Path) -> None:
         "tools.table_unit": "inch",
     }
     assert machine.missing == ()
+
+
+def test_a_tool_table_that_is_not_there_is_said_and_not_named_in_the_profile(tmp_path: Path) -> None:
+    machine = machine_of_ini(ini(tmp_path, LATHE))
+    assert "tools.files" not in {one.key for one in machine.found}
+    assert machine.missing == (f"tools.files: {tmp_path}/tool.tbl, the TOOL_TABLE of [EMCIO], is not there",)
 
 
 def test_the_profile_can_be_loaded_and_says_where_numbers_are_from(tmp_path: Path) -> None:

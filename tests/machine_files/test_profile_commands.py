@@ -93,6 +93,11 @@ def test_questions_on_a_terminal(tmp_path: Path) -> None:
         "spindle": {"max_rpm": 4000},
         "command": {"base_period_ms": 8},
     }
+    assert "Enter alone leaves out what nobody knows yet." in done.stderr
+    assert done.stderr.endswith(
+        "a.toml: 6 values over fanuc-lathe\n"
+        "  still to be said: axes.Z.max_acceleration_mm_s2: acceleration of Z [mm/s2]\n"
+    )
 
 
 def test_every_question_is_about_a_key() -> None:

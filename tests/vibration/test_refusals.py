@@ -112,6 +112,37 @@ def test_vibration_on_a_finishing_operation_is_warned_of() -> None:
 
 
 @pytest.mark.parametrize(
+    ("asks", "cut", "sets", "asks_no_more", "cut_then"),
+    [
+        ("", "N1.5", [], "", ""),
+        ("(VIB N1.5)\n", "", [], "(VIB N1.5)\n(VIB OFF)\n", ""),
+        ("", "", ["vibration.n=1.5", "vibration.only=['finish', 'rough']"], "(VIB OFF)\n", ""),
+    ],
+    ids=["word", "directive", "profile"],
+)
+def test_the_ways_out_of_vibration_on_a_finishing_operation(
+    *, asks: str, cut: str, sets: list[str], asks_no_more: str, cut_then: str
+) -> None:
+    settings = chipbreak.load("generic-lathe", sets)
+    program = f"(FINISH TURN)\nT0101\n{HEAD}{{}}G1 Z-30. F{{}} {{}}\nM30\n"
+    result = chipbreak.rewrite(program.format(asks, "0.1", cut).encode(), settings)
+    (warning,) = beside_unproven(result.diagnostics)
+    without = chipbreak.rewrite(program.format(asks_no_more, "0.1", cut_then).encode(), settings)
+    assert not without.cuts
+    assert "VIB061" not in {d.code for d in without.diagnostics}
+    if sets:
+        assert '"finish"' in warning.help
+        only = chipbreak.load("generic-lathe", ["vibration.n=1.5", "vibration.only=['rough']"])
+        assert not chipbreak.rewrite(program.format("", "0.1", "").encode(), only).cuts
+    share = float(warning.help.split("with ")[1].split("%")[0]) / 100.0
+    (cut_before,) = result.cuts
+    slower = chipbreak.rewrite(program.format(asks, f"{0.1 * share:.3f}", cut).encode(), settings)
+    (cut_after,) = slower.cuts
+    assert cut_after.verdict.roughness_factor * share**2 == pytest.approx(1.0, rel=0.03)
+    assert cut_before.verdict.breaks
+
+
+@pytest.mark.parametrize(
     ("words", "sets", "codes"),
     [
         ("G5.1 Q1", [], ["VIB063"]),

@@ -112,7 +112,13 @@ def machine_of_ini(path: str | Path) -> Machine:
         for axis in AXES
         if axis in ini.axes and f"axes.{axis}.max_acceleration_mm_s2" not in there
     ]
-    return Machine(base, found, tuple(missing))
+    return Machine(base, found, (*missing, *_missing_table(ini)))
+
+
+def _missing_table(ini: _Ini) -> Iterator[str]:
+    table = _table_of(ini)
+    if table is not None and not table.is_file():
+        yield plain(f"tools.files: {table}, the TOOL_TABLE of [EMCIO], is not there")
 
 
 def _is_lathe(ini: _Ini) -> bool:
@@ -194,11 +200,18 @@ def _spindle(ini: _Ini) -> Iterator[Found]:
             yield Found(key, entry.number, entry.source)
 
 
-def _tool_table(ini: _Ini) -> Iterator[Found]:
+def _table_of(ini: _Ini) -> Path | None:
     entry = ini.get("EMCIO", "TOOL_TABLE")
-    if entry is not None and entry.text:
+    return (ini.folder / entry.text).absolute() if entry is not None and entry.text else None
+
+
+def _tool_table(ini: _Ini) -> Iterator[Found]:
+    """The tool table, where there is one: a profile that names a file that is not there cannot be used."""
+    entry = ini.get("EMCIO", "TOOL_TABLE")
+    table = _table_of(ini)
+    if entry is not None and table is not None and table.is_file():
         unit = "inch" if abs(ini.mm_per_unit - MM_PER_INCH) < 1e-9 else "mm"
-        yield Found("tools.files", [str((ini.folder / entry.text).absolute())], entry.source)
+        yield Found("tools.files", [str(table)], entry.source)
         yield Found("tools.table_unit", unit, "[TRAJ] LINEAR_UNITS")
 
 

@@ -17,6 +17,7 @@ from chipbreak.vibration.little_to_spare import little_to_spare
 from chipbreak.vibration.measure import CutReport
 from chipbreak.vibration.tolerances import TIME_SHARE
 from chipbreak.vibration.unproven import unproven
+from chipbreak.vibration.wish import AskedBy
 
 UNBROKEN = "VIB060"
 FINISHING = "VIB061"
@@ -175,8 +176,17 @@ def _finishing(judged: Judged) -> Diagnostic | None:
         f"vibration on a finishing operation: peak chip {peak:z.2f} times the feed,"
         f" theoretical roughness {verdict.roughness_factor:z.1f} times as high"
     )
-    help_text = "write (VIB OFF) before the finishing cut, or lower its feed"
+    asked_by = judged.report.plan.chain.requests[0].asked_by
+    share = 100.0 / math.sqrt(verdict.roughness_factor)  # theoretical roughness goes with the feed squared
+    help_text = f"{_WITHOUT[asked_by]}; with {share:z.0f}% of the feed it is as smooth as without vibration"
     return judged.diagnose(FINISHING, message, help_text, Severity.WARNING)
+
+
+_WITHOUT: dict[AskedBy, str] = {
+    "word": "take the words that ask for it out of this block",
+    "directive": "write (VIB OFF) before this cut",
+    "profile": 'write (VIB OFF) before this cut, or leave "finish" and "semi-finish" out of vibration.only',
+}
 
 
 def _overloaded(judged: Judged) -> Diagnostic | None:

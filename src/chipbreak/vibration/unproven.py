@@ -26,8 +26,10 @@ def unproven(interpreted: InterpretedProgram, reports: Sequence[CutReport]) -> l
     filters = " and ".join(f"axes.{axis}.acc_dec_ms, position_gain_1_s" for axis in axes)
     has = " and ".join(f"axes.{axis}.max_acceleration_mm_s2" for axis in axes)
     help_text = (
-        f'Fanuc and alike: planner.model = "after-interpolation" with {filters}; a control that stops at'
-        f' reversals: "trapezoid" with {has}{numbers_at(interpreted.settings)}; others: docs/control-laws.md'
+        "chipbreak profile init --from-parameters reads a Fanuc print-out, chipbreak machine-test measures a"
+        f' machine; by hand for Fanuc and alike: planner.model = "after-interpolation" with {filters}; a'
+        f' control that stops at reversals: "trapezoid" with {has}{numbers_at(interpreted.settings)};'
+        " others: docs/control-laws.md"
     )
     severity = Severity.ERROR if interpreted.settings.checks.strict else Severity.WARNING
     line = cuts[0].plan.chain.first
