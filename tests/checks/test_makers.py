@@ -101,7 +101,7 @@ def test_every_third_workpiece() -> None:
     assert found[:4] == [
         "G65 P8900 K3.",
         "G65 P8901 T1. S2200. K3. U0.",
-        "G65 P8902 T1. Z20. K3. U0. W0.05 D1.",
+        "G65 P8902 T1. Z20. K3. U0. W0.02 D1.",
         "G65 P8903 T1. W0.02 D1. K3. U0.",
     ]
     assert all(" K3" in call for call in found)
