@@ -91,7 +91,7 @@ def verify_unrolled(
     _check_lengths(source, found, ordered, interpreted)
     kept = _kept(interpreted, source, ordered, found)
     source = source._replace(user_lines=_user_lines(original, ordered, found, kept, sources))
-    result = interpret(parse_changed(source, interpreted.program, kept), interpreted.settings)
+    result = interpret(parse_changed(source, interpreted.program, kept), interpreted.settings, interpreted)
     for edit, region in zip(ordered, found, strict=True):
         _report(Written(edit, region, interpreted, result, original.body.stop))
     return result
@@ -143,7 +143,7 @@ def _written(
     source, found = unrolled(source, found, interpreted.settings.dialect.loop)
     # What stands between the changes has just been found equal, so it need not be classified twice.
     kept = _kept(interpreted, source, edits, found)
-    result = interpret(parse_changed(source, interpreted.program, kept), interpreted.settings)
+    result = interpret(parse_changed(source, interpreted.program, kept), interpreted.settings, interpreted)
     stops = [edit.first for edit in edits[1:]] + [interpreted.program.source.body.stop]
     for edit, region, stop in zip(edits, found, stops, strict=True):
         yield Written(edit, region, interpreted, result, stop)

@@ -1,6 +1,5 @@
-(EXPECT VIB069 7:16 -p fanuc-lathe)
+(EXPECT VIB069 6:16 -p fanuc-lathe)
 G97 S3000 M3
-M98 P200
 M30
 O0200
 G0 X20. Z2.

@@ -36,6 +36,7 @@ from chipbreak.settings.axis_words import AXES, CENTRES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.source import Source
 
 Words = tuple[Word, ...]
@@ -51,6 +52,7 @@ _ARCS: tuple[Motion, ...] = ("cw", "ccw")
 _PLAIN_MOTIONS: tuple[Motion, ...] = ("rapid", "line", "cw", "ccw")
 _CENTRE_LETTERS = frozenset(CENTRES)
 _ARC_LETTERS = _CENTRE_LETTERS | {"R"}
+_NO_ENTRIES: Mapping[int, State] = FrozenTable({})
 
 
 def initial_state(settings: Settings) -> State:
@@ -63,12 +65,22 @@ def initial_state(settings: Settings) -> State:
 
 
 class Interpreter:
-    """Reads blocks under one profile.  Holds no state of its own."""
+    """Reads blocks under one profile.  Holds no state of its own.
 
-    def __init__(self, settings: Settings, flow: Flow, source: Source | None = None) -> None:
+    ``entries`` are the states in which programs behind the first one of a file begin, by line.
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        flow: Flow,
+        source: Source | None = None,
+        entries: Mapping[int, State] = _NO_ENTRIES,
+    ) -> None:
         self.settings = settings
         self.flow = flow
         self.source = source
+        self.entries = entries
         self.dialect = settings.dialect
         self.number_rule = settings.number_rule
         self.axis_letters = frozenset(settings.axis_words.axes)
@@ -98,7 +110,9 @@ class Interpreter:
         """The state at a block with which another program or another path may begin."""
         if block.is_empty:
             return state
-        if state.ended or begins_program(block, self.dialect):
+        if block.line in self.entries:
+            state = self.entries[block.line]
+        elif state.ended or begins_program(block, self.dialect):
             initial = initial_state(self.settings)
             if state != initial:
                 why = CALLERS_STATE.format(line=self._user_line(block))

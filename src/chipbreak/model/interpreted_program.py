@@ -8,7 +8,7 @@ between two of them is skipped over: its end needs only the last word of each ax
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from chipbreak.dialects.modes import Motion
 from chipbreak.kinematics.floats import Floats
 from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.callers import entry_states, programs_of
 from chipbreak.model.flow import Flow, read_flow
 from chipbreak.model.interpret import Interpreter, initial_state
 from chipbreak.model.modal import Position, State
@@ -28,6 +29,7 @@ from chipbreak.text.named_tuple import NamedTuple
 
 _MOTION: tuple[Motion, ...] = ("rapid", "line", "cw", "ccw")
 _SHORT_RUN = 8
+_MOST_ROUNDS = 8
 
 
 class InterpretedProgram(NamedTuple):
@@ -184,10 +186,53 @@ def _last_of(bits: NDArray[np.uint16], wanted: int) -> int:
         window *= 4
 
 
-def interpret(program: Program, settings: Settings) -> InterpretedProgram:
-    """Interpret a program from its first to its last line."""
+def interpret(
+    program: Program, settings: Settings, like: InterpretedProgram | None = None
+) -> InterpretedProgram:
+    """Interpret a program from its first to its last line.
+
+    Further programs of the file begin as their callers leave the control: what those leave is known once they
+    are interpreted themselves, so such a file is gone through again.  In one that was made of ``like`` they
+    begin as they did there.
+    """
     flow = read_flow(program, settings.dialect)
-    interpreter = Interpreter(settings, flow, program.source)
+    first = _interpreted(program, settings, flow, {})
+    if like is not None:
+        entries = _entries_like(first, like)
+        return _interpreted(program, settings, flow, entries) if entries else first
+    programs = programs_of(first.effects, settings, program.source.body.stop)
+    if len(programs) < 2:  # as nearly every file
+        return first
+    interpreted = first
+    not_followed: set[int] = set()
+    for _ in range(_MOST_ROUNDS):
+        before = interpreted.interpreter.entries
+        entries = entry_states(interpreted.effects, programs, initial_state(settings), program.block)
+        # What a program does from there on may show that it does not begin there.
+        not_followed |= before.keys() - entries.keys()
+        entries = {line: state for line, state in entries.items() if line not in not_followed}
+        if entries == before:
+            return interpreted
+        interpreted = _interpreted(program, settings, flow, entries)
+    return first
+
+
+def _entries_like(interpreted: InterpretedProgram, like: InterpretedProgram) -> dict[int, State]:
+    """The states of another program's entries, by the lines in which its programs begin here."""
+    known = like.interpreter.entries
+    if not known:
+        return {}
+    here, there = (
+        programs_of(one.effects, one.settings, one.program.source.body.stop) for one in (interpreted, like)
+    )
+    pairs = zip(here, there, strict=True) if len(here) == len(there) else ()
+    return {mine.first: known[its.first] for mine, its in pairs if its.first in known}
+
+
+def _interpreted(
+    program: Program, settings: Settings, flow: Flow, entries: Mapping[int, State]
+) -> InterpretedProgram:
+    interpreter = Interpreter(settings, flow, program.source, entries)
     interpreted = InterpretedProgram(program, settings, flow, interpreter, [], [], [])
     state = initial_state(settings)
     line = program.source.body.start

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from chipbreak.dialects.modes import Group
 from chipbreak.insertion.subprograms import Subprograms, called_by
 from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.callers import programs_of
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of
 from chipbreak.text.diagnostics import Diagnostic, Severity
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from chipbreak.vibration.chain import Chain
 
 NOT_FOLLOWED = "VIB095"
+IN_A_CALLED_PROGRAM = "VIB096"
 # By these the numbers of a cut, its feed and its speed are read.
 _READ_BY: tuple[Group, ...] = ("units", "distance", "feed_mode", "speed_mode", "plane", "diameter")
 
@@ -99,3 +101,26 @@ def not_followed(interpreted: InterpretedProgram, chains: Sequence[Chain]) -> li
                     severity=Severity.WARNING,
                 )
     return list(found.values())
+
+
+def in_called_programs(interpreted: InterpretedProgram, chains: Sequence[Chain]) -> list[Diagnostic]:
+    """Programs that return whose cuts vibrate as their calls in this file find them: others may call them."""
+    entries = interpreted.interpreter.entries
+    if not entries:
+        return []
+    stop = interpreted.program.source.body.stop
+    programs = programs_of(interpreted.effects, interpreted.settings, stop)
+    found = []
+    for one in programs:
+        chain = next((c for c in chains if one.first <= c.first < one.last), None)
+        if one.returns and one.first in entries and chain is not None:
+            message = (
+                f"O{one.number:04d} vibrates with S, F and the start that its calls in this file give it"
+            )
+            help_text = "call it in the same way wherever else it is called, or give it a number of its own"
+            found.append(
+                interpreted.program.diagnose(
+                    chain.first, IN_A_CALLED_PROGRAM, message, help_text, severity=Severity.WARNING
+                )
+            )
+    return found

@@ -20,7 +20,7 @@ from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.vibration.advice import with_advice
 from chipbreak.vibration.blocks import Expansion, moves_of
-from chipbreak.vibration.called import not_followed
+from chipbreak.vibration.called import in_called_programs, not_followed
 from chipbreak.vibration.chain import Chain, chains_of, legs_of
 from chipbreak.vibration.choice import Chooser, is_open
 from chipbreak.vibration.cut_edit import Step, cut_edit, overrides_of, settling
@@ -121,7 +121,8 @@ def _tried(
     warnings = [*made.warnings, *_smoothed(interpreted, [plan.chain for plan in plans])]
     warnings += [*shared_spindle(interpreted, plans), *needs_encoder(interpreted, plans)]
     warnings += without_look_ahead(interpreted, plans)
-    warnings += not_followed(interpreted, [plan.chain for plan in plans])
+    chains = [plan.chain for plan in plans]
+    warnings += [*not_followed(interpreted, chains), *in_called_programs(interpreted, chains)]
     return Cuts(edits, warnings, left)
 
 

@@ -1,0 +1,197 @@
+"""Where the programs behind the first one of a file begin: what their callers leave, or the power-on state.
+
+::
+
+    O0010                         O0101
+    G96 S180 M3                   G71 U2. R.5
+    G0 X60. Z2.                   G71 P1 Q2 U.4 W.1 F.3
+    M98 P0101                     ...
+    M30                           M99
+
+A program that ends itself (M30) is one that is started, as the first one.  One that returns (M99) begins as
+its calls in this file leave the control, where these are once each, plain, and agree.  Nothing else is known
+of it: another file may call it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+from chipbreak.dialects.modes import Group
+from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.modal import NOWHERE, UNKNOWN, Position, Setting, State
+from chipbreak.model.paths import begins_program
+from chipbreak.settings.sections import Settings
+from chipbreak.syntax.nodes import Block
+from chipbreak.text.named_tuple import NamedTuple
+
+_ONE_PROGRAM = 10_000  # P51234 calls O1234 five times
+_LONGEST = 5_000  # lines of a program that are looked through at each call
+_PLAIN_CALL = frozenset("NMPL")
+_ANY = -1  # the number of a call that may be of any program
+# What a subprogram leaves in these is seen by the block behind its call; it is not followed there.
+_FOLLOWED_BEHIND: frozenset[Group] = frozenset({"motion"})
+
+
+class Program(NamedTuple):
+    """A program of a file: its number, the lines ``first`` to ``last`` (exclusive), how it ends."""
+
+    number: int
+    first: int
+    last: int
+    returns: bool
+    ends: bool
+
+
+class Call(NamedTuple):
+    """A call of a program in this file, and the state that it hands over; None where that is not known."""
+
+    number: int
+    state: State | None
+
+
+def programs_of(effects: Sequence[BlockEffect], settings: Settings, stop: int) -> list[Program]:
+    """The programs that begin with an O word, in order, up to line ``stop``."""
+    begins = [e for e in effects if _names(e.block) and begins_program(e.block, settings.dialect)]
+    bounds = [*(effect.block.line for effect in begins[1:]), stop] if begins else []
+    return [_program(effect, last, effects) for effect, last in zip(begins, bounds, strict=True)]
+
+
+def _names(block: Block) -> bool:
+    return bool(block.words) and block.words[0].address == "O" and block.words[0].number is not None
+
+
+def _program(begin: BlockEffect, last: int, effects: Sequence[BlockEffect]) -> Program:
+    inside = (e for e in effects if begin.block.line <= e.block.line < last)
+    how = next((e for e in inside if e.does("program", "end") or e.does("subprogram", "return")), None)
+    returns = how is not None and how.does("subprogram", "return")
+    number = int(begin.block.number("O") or 0)
+    return Program(number, begin.block.line, last, returns, how is not None and not returns)
+
+
+def entry_states(
+    effects: Sequence[BlockEffect],
+    programs: Sequence[Program],
+    initial: State,
+    block_at: Callable[[int], Block],
+) -> dict[int, State]:
+    """The state in which programs behind the first one begin, by the line of their O, where it is known.
+
+    ``effects`` are those of blocks that are more than plain motion; ``block_at`` gives any block by its line.
+    """
+    found = {one.first: initial for one in programs[1:] if one.ends}
+    by_number = {one.number: one for one in reversed(programs)}
+    calls = list(_calls(effects, by_number, block_at))
+    for number, one in by_number.items():
+        states = [call.state for call in calls if call.number in (number, _ANY)]
+        agreed = _agreed(states) if one.returns and one.first != programs[0].first else None
+        if agreed is not None:
+            found[one.first] = agreed
+    return found
+
+
+def _calls(
+    effects: Sequence[BlockEffect], programs: Mapping[int, Program], block_at: Callable[[int], Block]
+) -> Iterator[Call]:
+    """The calls of these programs in the order of the file."""
+    since = _Since()
+    for effect in effects:
+        may_call = effect.does("subprogram", "call") or "macro-call" in effect.non_modal
+        if not may_call and effect.after.modes.modal_macro != "on":
+            continue
+        number = effect.block.number("P")
+        if number is None:
+            yield Call(_ANY, None)
+            continue
+        called = programs.get(int(number)) or programs.get(int(number) % _ONE_PROGRAM)
+        if called is not None:
+            yield Call(called.number, since.handed_over(_state_of_call(effect, int(number))))
+        body = range(0) if called is None else range(called.first, called.last)
+        inside = [one for one in effects if one.block.line in body]
+        said = {letter for letter in "FS" if len(body) > _LONGEST or _says(body, letter, block_at)}
+        since.has_called(effect.block.line, inside, said)
+
+
+def _says(body: range, letter: str, block_at: Callable[[int], Block]) -> bool:
+    return any(block_at(line).has(letter) for line in body)
+
+
+def _state_of_call(effect: BlockEffect, number: int) -> State | None:
+    """The state that a plain call of one pass hands over, None for any other."""
+    block = effect.block
+    is_plain = {word.address for word in block.words} <= _PLAIN_CALL and not (block.skip or block.has_macro)
+    is_once = number < 2 * _ONE_PROGRAM and block.number("L") in (None, 1.0)
+    does_nothing_else = len(block.numbers("M")) == 1 and effect.does("subprogram", "call")
+    return effect.before if is_plain and is_once and does_nothing_else else None
+
+
+class _Since:
+    """What calls before a block may have left otherwise than the blocks around them say."""
+
+    def __init__(self) -> None:
+        self.is_known = True
+        self.said = {"F": -1, "S": -1}
+
+    def has_called(self, line: int, inside: Sequence[BlockEffect], said: set[str]) -> None:
+        """A call in a line has run these blocks; of a program in another file nothing is known.
+
+        That it leaves all as it was is taken for granted here as behind it.
+        """
+        if inside and _leaves_another_state(inside):
+            self.is_known = False
+        self.said |= dict.fromkeys(said, line)
+
+    def handed_over(self, state: State | None) -> State | None:
+        """The state of a later call, without what may be another one."""
+        if state is None or not self.is_known:
+            return None
+        feed = None if state.feed is None or state.feed.line < self.said["F"] else state.feed
+        speed = None if state.speed is None or state.speed.line < self.said["S"] else state.speed
+        return state._replace(feed=feed, speed=speed)
+
+
+def _leaves_another_state(inside: Sequence[BlockEffect]) -> bool:
+    """True where a program leaves otherwise what the blocks behind its call take for granted."""
+    before = inside[0].before
+    after = inside[-1].after
+    changed = set(before.modes.changed(after.modes)) - _FOLLOWED_BEHIND
+    calls_tool = any(effect.block.has("T") for effect in inside)
+    return bool(changed) or calls_tool or before.spindle != after.spindle or before.coolant != after.coolant
+
+
+def _agreed(states: Sequence[State | None]) -> State | None:
+    """What all calls have in common; None where one is not known, or modes or spindle differ."""
+    known = [state for state in states if state is not None]
+    if not known or len(known) < len(states):
+        return None
+    first = _with_one_unknown(known[0])
+    for other in map(_with_one_unknown, known[1:]):
+        if _but_values(first) != _but_values(other) or not _same(first.speed_limit, other.speed_limit):
+            return None
+        places = (a if a == b else UNKNOWN for a, b in zip(first.position, other.position, strict=True))
+        first = first._replace(
+            position=Position(*places),
+            unknown_why="its calls come from different places",
+            feed=first.feed if _same(first.feed, other.feed) else None,
+            speed=first.speed if _same(first.speed, other.speed) else None,
+        )
+    return first
+
+
+def _with_one_unknown(state: State) -> State:
+    """The state with one object for all places that are not known, so that it equals itself."""
+    return state._replace(position=Position(*(UNKNOWN if math.isnan(at) else at for at in state.position)))
+
+
+def _but_values(state: State) -> State:
+    return state._replace(
+        position=NOWHERE, unknown_why="", feed=None, speed=None, speed_limit=None, tool=None, next_tool=None
+    )
+
+
+def _same(one: Setting | None, other: Setting | None) -> bool:
+    """True for settings of one value, wherever they were made."""
+    if one is None or other is None:
+        return one is other
+    return (one.value, one.text, one.units) == (other.value, other.text, other.units)
