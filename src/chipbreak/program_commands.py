@@ -267,7 +267,7 @@ def verify(asked: Asked, source: str) -> None:
     type=click.FloatRange(min=0.0),
     default=0.0,
     metavar="LENGTH",
-    help="Lengths and feeds that differ by no more are the same.",
+    help="Lengths and angles that differ by no more are the same; feeds and times always count.",
 )
 @click.option("-y", "--side-by-side", is_flag=True, help="Both programs beside each other.")
 @click.option("--html", "as_html", is_flag=True, help="One HTML page that needs nothing else.")
@@ -278,9 +278,10 @@ def diff(
     """Compare two programs by what their blocks say.
 
     Block numbers, spacing and number format do not count; a number that names a block (GOTO, M97 P, M98 P,
-    M99 P, P and Q of a cycle) counts by the block it names; a part that chipbreak wrote is one line.  With a
-    profile, numbers are read as its control reads them; without one, X50 and X50. are different.  Exit 0: the
-    same, 1: different, 2: trouble.
+    M99 P, P and Q of a cycle) counts by the block it names, and where a program works such a number out
+    (GOTO #1), all block numbers count; a part that chipbreak wrote is one line.  With a profile, numbers are
+    read as its control reads them; without one, X50 and X50. are different.  Exit 0: the same, 1: different,
+    2: trouble.
     """
     import shutil
 

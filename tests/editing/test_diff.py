@@ -177,7 +177,8 @@ def test_macro_statements_that_differ(a: bytes, b: bytes) -> None:
     [
         ("", (), b"G0 X50\n", b"G0 X50.\n", False),
         ("", (), b"G0 X0\n", b"G0 X0.\n", True),
-        ("", (), b"G4 P500 S12 T3 M3\n", b"G04 P500. S12. T3. M03\n", True),
+        ("", (), b"G65 P500 S12 T3 M3\n", b"G65 P500. S12. T3. M03\n", True),
+        ("", (), b"G4 P500\n", b"G04 P500.\n", False),
         ("fanuc-lathe", ('control.decimal_point="calculator"',), b"G0 X50\n", b"G0 X50.\n", True),
         ("fanuc-lathe", ('control.decimal_point="increment"',), b"G0 X50\n", b"G0 X50.\n", False),
         ("fanuc-lathe", ('control.decimal_point="increment"',), b"G0 X50000\n", b"G0 X50.\n", True),

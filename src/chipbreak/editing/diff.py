@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import Literal
 
-from chipbreak.editing.diff_items import DIMENSIONS, Item, items_of
+from chipbreak.editing.diff_items import LENGTHS, Item, items_of
 
 __all__ = ["Hunk", "Item", "compare", "differs", "items_of"]
 Tag = Literal["equal", "change"]
@@ -32,8 +32,16 @@ class Hunk:
 def compare(a: Sequence[Item], b: Sequence[Item], *, tolerance: float = 0.0) -> list[Hunk]:
     """The two programs as alternating equal and changed stretches.
 
-    Numbers of dimension words that differ by at most ``tolerance``, in program units, are the same.
+    Lengths and angles that differ by at most ``tolerance``, in program units, are the same.
     """
+    if any(item.computes for item in (*a, *b)):
+        # Somewhere a program goes to a block whose number it works out: then each number may be meant.
+        a = [item.with_numbers() for item in a]
+        b = [item.with_numbers() for item in b]
+    return _compare(a, b, tolerance)
+
+
+def _compare(a: Sequence[Item], b: Sequence[Item], tolerance: float) -> list[Hunk]:
     stretches = list(_stretches(a, b))
     if tolerance > 0.0:
         stretches = [near for one in stretches for near in _within(a, b, one, tolerance)]
@@ -117,7 +125,7 @@ def _is_near(one: Hashable, other: Hashable, tolerance: float) -> bool:
     """True when two keys of one shape differ in dimensions by no more than the tolerance."""
     if isinstance(one, tuple) and isinstance(other, tuple):
         if len(one) == 2 and isinstance(one[1], float) and isinstance(other[1], float):
-            allowed = tolerance if one[0] in DIMENSIONS else 0.0
+            allowed = tolerance if one[0] in LENGTHS else 0.0
             return abs(one[1] - other[1]) <= allowed * (1.0 + 1e-9)
         return all(_is_near(x, y, tolerance) for x, y in zip(one, other, strict=True))
     return one == other

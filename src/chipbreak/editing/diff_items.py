@@ -3,32 +3,41 @@
 Block numbers, spacing and the way numbers are written do not count; comments count unless told otherwise.  A
 part that chipbreak wrote is one item.  A number that names another block (GOTO, M97 P, M98 P, M99 P, P and Q
 of a cycle) stands for the block it names, so that a right renumbering is no difference and a target that
-moved is one.  In a list of data (G10 L50) block numbers are data.
+moved is one.  In a list of data (G10 L50) block numbers are data, and so they are wherever a program computes
+the number of a block that it goes to.
 """
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
 from math import isnan
 
 from chipbreak.dialects import GENERIC_LATHE, NON_MODAL
 from chipbreak.editing.beside import with_brackets
+from chipbreak.editing.diff_targets import Labels, Named, as_written, bare, computes_a_target, named_blocks
 from chipbreak.editing.restore import Region, regions
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Assignment, Block, Control, Word
 from chipbreak.syntax.parse import Program, parse
+from chipbreak.text.lazy_pattern import LazyPattern
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.utf_16 import refuse_utf_16
 from chipbreak.units import mm_per_unit
 
 # Letters whose number is a length, an angle, a feed or a time: there a control may read 5 and 5. differently.
-DIMENSIONS = frozenset("XYZUVWABCIJKRQEFHD")
+DIMENSIONS = frozenset((*"XYZUVWABCIJKRQEFHD", ",A", ",C", ",R"))
+# Of these a tolerance holds: lengths and angles, but no feeds, times, leads and numbers of offsets.
+LENGTHS = DIMENSIONS - frozenset("EFHD")
 _NAMED = "->"  # in a key, instead of a number that names a block
 _LISTS_OF_DATA = (50.0, 51.0, 52.0)
 _CONTOUR_CODES = (70.0, 71.0, 72.0, 73.0)
 _CONTOUR_VALUES = ("rough-cycle", "finish-cycle")
+_DWELL = 4.0
+# Comments that do something count always: wishes to the filter, and files that LinuxCNC writes.
+_ACTS = LazyPattern(r"\s*(?:VIB|OP|LOG\w*|PROBE\w*)(?![A-Z])", re.IGNORECASE)
 
 
 class Reference(NamedTuple):
@@ -43,7 +52,8 @@ class Item:
     """A block, or a whole part that chipbreak wrote: its key, its text, its line (from 1).
 
     ``references`` are the numbers of the block that name other blocks, in their order.  ``note`` says what
-    cannot be seen in the text: where a number leads.
+    cannot be seen in the text: where a number leads.  ``numbers`` are the block numbers by which it is found;
+    ``computes`` is True where it goes to one that the control works out.
     """
 
     key: Hashable
@@ -51,6 +61,12 @@ class Item:
     line: int
     references: tuple[Reference, ...] = ()
     note: str = ""
+    numbers: tuple[int, ...] = ()
+    computes: bool = False
+
+    def with_numbers(self) -> Item:
+        """The same, its block numbers being part of what it says."""
+        return replace(self, key=(self.numbers, self.key))
 
     def with_note(self, items: Sequence[Item]) -> Item:
         """The same, saying where its numbers lead among ``items``."""
@@ -88,7 +104,7 @@ class Reading:
     def value(self, word: Word) -> Hashable:
         """What a word is worth; two words of one worth are the same to the control."""
         if word.number is None:
-            return word.expression
+            return _meaning(word.expression)
         if word.address not in DIMENSIONS or word.has_point or word.number == 0.0:
             return word.number
         if self.settings is None:
@@ -98,6 +114,13 @@ class Reading:
             return word.number
         length_mm = rule.length_mm(word.number, self.settings.control.increment_mm, self.is_inch)
         return ("no point", word.number) if isnan(length_mm) else _in_units(length_mm, self.is_inch)
+
+    def time(self, word: Word) -> Hashable:
+        """What a word of a dwell is worth: P5 may be 5 ms where P5. is 5 s; no tolerance holds for it."""
+        reads_whole = self.settings is not None and self.settings.number_rule.reads_whole
+        if word.address == "P" and word.number and not word.has_point and not reads_whole:
+            return ("no point", word.number)
+        return ("time", self.value(word))
 
     def calls_a_contour(self, block: Block) -> bool:
         """True for a cycle whose P and Q name the blocks of its shape."""
@@ -143,14 +166,6 @@ def items_of(
     return reader.done()
 
 
-class _Named(NamedTuple):
-    """A number of a block that names another one: how it is looked up, the number, the word as written."""
-
-    look_up: Callable[[_Labels, int, int], int | None]
-    number: int
-    text: str
-
-
 class _Reader:
     """Collects items, and where every block number stands."""
 
@@ -163,8 +178,9 @@ class _Reader:
             self.reading = Reading(settings, initial.units == "inch", initial.feed_mode == "rev")
         self.in_data = False
         self.items: list[Item] = []
-        self.named: list[tuple[int, tuple[_Named, ...]]] = []
-        self.labels = _Labels()
+        self.named: list[tuple[int, tuple[Named, ...]]] = []
+        self.labels = Labels()
+        self.numbers: list[int] = []  # by which the next item is found
 
     def part(self, region: Region) -> None:
         """A part that chipbreak wrote."""
@@ -174,20 +190,26 @@ class _Reader:
         for line in range(region.first, region.last):
             self._label(self.program.block(line))
         content = bytes(source.data[source.starts[region.body] : source.starts[region.last]])
-        self.items.append(Item(("part", content), text, region.first + 1))
+        self._add(Item(("part", content), text, region.first + 1))
 
     def blocks(self, first: int, last: int) -> None:
         """The blocks of some lines."""
         for line in range(first, last):
             block = self.program.block(line)
             self._label(block)
-            named = tuple(_named(block, self.reading))
-            key = self._key(block, {one.text for one in named})
             self.reading = self.reading.behind(block)
+            calls_a_contour = self.reading.calls_a_contour(block)
+            named = tuple(named_blocks(block, calls_a_contour=calls_a_contour))
+            key = self._key(block, {one.text for one in named})
             if key:
                 if named:
                     self.named.append((len(self.items), named))
-                self.items.append(Item(key, self.program.source.meant(block.text), line + 1))
+                computes = computes_a_target(block, calls_a_contour=calls_a_contour)
+                self._add(Item(key, self.program.source.meant(block.text), line + 1, computes=computes))
+
+    def _add(self, item: Item) -> None:
+        self.items.append(replace(item, numbers=tuple(self.numbers)) if self.numbers else item)
+        self.numbers.clear()
 
     def done(self) -> list[Item]:
         """The items, with the blocks that their numbers name."""
@@ -220,6 +242,7 @@ class _Reader:
     def _label(self, block: Block) -> None:
         if block.sequence is not None and block.sequence.number is not None and not self.in_data:
             self.labels.add_number(int(block.sequence.number), block.line)
+            self.numbers.append(int(block.sequence.number))
         program = block.number("O")
         if program is not None:
             self.labels.add_program(int(program), block.line)
@@ -233,22 +256,33 @@ class _Reader:
             return ("text", " ".join(block.text.split()))
         if _ends_data(block):
             self.in_data = False
-        said = tuple(self._said(part, named) for part in _in_order(block))
+        worth = self.reading.time if block.has("G", _DWELL) else self.reading.value
+        said = tuple(_said(part, named, worth) for part in _in_order(block))
         number = block.sequence.number if self.in_data and block.sequence else None
         if _begins_data(block):
             self.in_data = True
-        comments = () if self.ignore_comments else tuple(c.text.strip() for c in block.comments)
+        comments = tuple(
+            c.text.strip() for c in block.comments if not self.ignore_comments or _ACTS.match(c.text)
+        )
         return (block.skip, number, said, comments) if said or any(comments) else ()
 
-    def _said(self, part: Word | Assignment | Control, named: set[str]) -> Hashable:
-        if isinstance(part, Assignment):
-            return ("=", part.target, part.value)
-        if isinstance(part, Control):
-            label = _NAMED if f"N{_bare(part.label)}" in named else _plain_label(part.label)
-            return (part.keyword, label, part.arguments)
-        letter = part.address if part.letter != "f" else "f"
-        is_named = part.number is not None and _as_written(part) in named
-        return (letter, _NAMED if is_named else self.reading.value(part))
+
+def _said(part: Word | Assignment | Control, named: set[str], worth: Callable[[Word], Hashable]) -> Hashable:
+    if isinstance(part, Assignment):
+        return ("=", _meaning(part.target), _meaning(part.value))
+    if isinstance(part, Control):
+        label = _NAMED if f"N{bare(part.label)}" in named else _plain_label(part.label)
+        return (part.keyword, label, tuple(map(_meaning, part.arguments)))
+    letter = part.address if part.letter != "f" else "f"
+    is_named = part.number is not None and as_written(part) in named
+    return (letter, _NAMED if is_named else worth(part))
+
+
+def _meaning(expression: object) -> Hashable:
+    """An expression with the kind of each of its parts, without which #5 and 5 are one number."""
+    if isinstance(expression, tuple):
+        return (type(expression).__name__, *map(_meaning, expression))
+    return expression if isinstance(expression, Hashable) else repr(expression)
 
 
 def _in_units(length_mm: float, is_inch: bool) -> float:
@@ -268,90 +302,5 @@ def _ends_data(block: Block) -> bool:
     return block.has("G", 11)
 
 
-def _bare(label: str) -> str:
-    return label.strip("Nn \t").lstrip("0") or "0"
-
-
 def _plain_label(label: str) -> str:
     return "".join(label.split()).lower()
-
-
-def _as_written(word: Word) -> str:
-    return f"{word.address}{int(word.number or 0)}"
-
-
-def _jumps(block: Block, reading: Reading) -> Iterator[_Named]:
-    """``GOTO 100``."""
-    for control in block.controls:
-        if control.keyword == "GOTO" and _bare(control.label).isdigit():
-            yield _Named(_Labels.jump, int(_bare(control.label)), f"N{_bare(control.label)}")
-
-
-def _calls(block: Block, reading: Reading) -> Iterator[_Named]:
-    """``M97 P100``, ``M98 P1000``, ``M99 P100``."""
-    word = block.word("P")
-    if word is None or word.number is None:
-        return
-    for function, look_up in _FUNCTIONS.items():
-        if block.has("M", function):
-            yield _Named(look_up, int(word.number), _as_written(word))
-
-
-def _contours(block: Block, reading: Reading) -> Iterator[_Named]:
-    """``G71 P40 Q70``."""
-    words = [block.word(letter) for letter in "PQ"] if reading.calls_a_contour(block) else []
-    for word in words:
-        if word is not None and word.number is not None:
-            yield _Named(_Labels.contour, int(word.number), _as_written(word))
-
-
-_RULES = (_jumps, _calls, _contours)
-
-
-def _named(block: Block, reading: Reading) -> Iterator[_Named]:
-    """Every number of a block that names another block."""
-    for rule in _RULES:
-        yield from rule(block, reading)
-
-
-class _Labels:
-    """Where block numbers and program numbers stand, and which of several a control takes."""
-
-    def __init__(self) -> None:
-        self.numbers: dict[int, list[int]] = {}
-        self.programs: dict[int, int] = {}
-        self.program_lines: list[int] = []
-
-    def add_number(self, number: int, line: int) -> None:
-        """A block number."""
-        self.numbers.setdefault(number, []).append(line)
-
-    def add_program(self, number: int, line: int) -> None:
-        """A program number."""
-        self.programs.setdefault(number, line)
-        self.program_lines.append(line)
-
-    def jump(self, number: int, line: int) -> int | None:
-        """The block that GOTO finds: from here to the end of this program, then from its top.
-
-        The return to a number of the caller (M99 P) finds it in another program of the file.
-        """
-        lines = self.numbers.get(number, [])
-        at = bisect_right(self.program_lines, line)
-        first = self.program_lines[at - 1] if at else 0
-        stop = self.program_lines[at] if at < len(self.program_lines) else 1 << 62
-        own = [one for one in lines if first <= one < stop]
-        return next((one for one in own if one > line), next(iter(own or lines), None))
-
-    def contour(self, number: int, line: int) -> int | None:
-        """The block that a cycle finds: the next such number behind it, then from the top."""
-        lines = self.numbers.get(number, [])
-        return next((one for one in lines if one > line), next(iter(lines), None))
-
-    def program(self, number: int, line: int) -> int | None:
-        """The program of this file that a call names."""
-        return self.programs.get(number)
-
-
-# The call of a block and of a program, and the return to a block of the caller.
-_FUNCTIONS = {97.0: _Labels.jump, 98.0: _Labels.program, 99.0: _Labels.jump}
