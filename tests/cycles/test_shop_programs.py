@@ -23,7 +23,7 @@ MACHINE = (
 AGAIN = frozenset({"O1234.nc", "O0207.nc", "O00100.nc", "O0106.nc", "O0777.nc"})
 STAYS = {
     "O0008.nc": "line 7 chooses a spindle (M203)",
-    "O0103.nc": "a number without a decimal point",
+    "O0103.nc": "has no decimal point",
     "O0105.nc": "the control works out",
 }
 

@@ -19,6 +19,7 @@ from chipbreak.model.findings import NUMBER_THE_SHAPE
 from chipbreak.model.flow import ContourCall
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
+from chipbreak.model.points import WRITE_THE_POINT
 from chipbreak.model.words import is_diameter, length_mm
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
@@ -192,12 +193,8 @@ def _first_block(call: Call, interpreted: InterpretedProgram) -> Block | None:
 
 
 def _checked(call: Call) -> Call:
-    """Depth and retract can be, and no value is worked out on the control."""
+    """Depth and retract can be."""
     depth_mm = 1.0 if call.kind == "pattern" else call.depth_mm
-    lengths = (depth_mm, call.retract_mm, call.x_allowance_mm, call.z_allowance_mm)
-    if any(math.isnan(value) for value in (*lengths, call.x_first_mm, call.z_first_mm)):
-        message = "a length of this cycle is a variable, or a number without a decimal point"
-        raise RefusalError(UNREAD_FORM, message, "write the number with its point")
     if depth_mm <= 0.0 or call.retract_mm < 0.0:
         message = f"a depth of {call.depth_mm:g} mm and a retract of {call.retract_mm:g} mm cannot be"
         raise RefusalError(BAD_DEPTH, message, "give the depth of a pass as a number above zero")
@@ -207,17 +204,22 @@ def _checked(call: Call) -> Call:
 def _depth_of_one_line(block: Block, state: State, settings: Settings) -> float:
     """D of a block that says the whole cycle: increments where it has no point, or a length as others."""
     word = block.word("D")
-    assert word is not None
-    if word.number is None:
-        return math.nan
+    assert word is not None and word.number is not None
     if word.has_point or settings.cycles.depth_unit == "program":
         return word.number * state.mm_per_unit
     return word.number * settings.control.increment_mm * (2.54 if state.is_inch else 1.0)
 
 
 def _length(block: Block, letter: str, state: State, settings: Settings) -> float:
+    """A length in mm, 0 where it is not said.  Errors: CYC007 for one that is not known."""
     word = block.word(letter)
-    return 0.0 if word is None else length_mm(word, state, settings)
+    if word is None:
+        return 0.0
+    length = length_mm(word, state, settings)
+    if math.isnan(length):
+        message = f"{_shown(word)} of this cycle has no decimal point"
+        raise RefusalError(UNREAD_FORM, message, WRITE_THE_POINT)
+    return length
 
 
 def _text(block: Block, letter: str) -> str:

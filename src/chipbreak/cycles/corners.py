@@ -13,6 +13,7 @@ from collections.abc import Sequence
 
 from chipbreak.cycles.contour import Point, Segment
 from chipbreak.model.block_effect import BlockEffect, Move
+from chipbreak.model.points import WRITE_THE_POINT
 from chipbreak.model.words import length_mm, plain_value
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
@@ -54,7 +55,7 @@ def corner_of(effect: BlockEffect, settings: Settings) -> Corner | None:
         raise _refused(effect.block, "says two corners", "a block has one of C and R")
     size_mm = abs(length_mm(words[0], effect.after, settings))
     if math.isnan(size_mm):
-        raise _refused(effect.block, "has a corner of unknown size", "write its size with a decimal point")
+        raise _refused(effect.block, "has a corner of unknown size", WRITE_THE_POINT)
     return Corner(words[0].address in _RADII, size_mm)
 
 

@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from chipbreak.cycles.call import BAD_DEPTH, UNREAD_FORM, Call, kind_of, read_call, refuse_modes
+from chipbreak.cycles.call import BAD_DEPTH, UNREAD_FORM, Call, kind_of, read_call
 from chipbreak.cycles.contour import Frame
 from chipbreak.cycles.corners import BAD_CONTOUR, words_of_corner
 from chipbreak.cycles.pattern import Pattern, offsets_of, pattern_passes
@@ -27,6 +27,7 @@ from chipbreak.cycles.reading import (
 )
 from chipbreak.cycles.roughing import Motion, Roughing, roughing_passes
 from chipbreak.cycles.single_passes import first_lines, single_passes
+from chipbreak.cycles.starts import refuse_contour_before, refuse_start
 from chipbreak.cycles.subroutine_cycles import cycles_in, subroutine_edit
 from chipbreak.cycles.writing import (
     BlockWriter,
@@ -305,36 +306,13 @@ def _contour_edit(interpreted: InterpretedProgram, group: Sequence[ContourCall])
 
 def _edit_of_call(interpreted: InterpretedProgram, contour: ContourCall, state: State) -> UnrolledEdit:
     call = read_call(interpreted, contour)
-    _refuse_contour_before(interpreted, call)
-    _refuse_state(call, state)
+    refuse_contour_before(interpreted, call)
+    refuse_start(interpreted, call, state)
     _refuse_noses(interpreted, call, state)
     if call.kind == "finish":
         return UnrolledEdit(_finish_edit(interpreted, call, state), Kind.FINISH)
     edit_of = _pattern_edit if call.kind == "pattern" else _rough_edit
     return UnrolledEdit(edit_of(interpreted, call, state), Kind.ROUGH)
-
-
-def _refuse_contour_before(interpreted: InterpretedProgram, call: Call) -> None:
-    """A contour to which the control comes before any of its cycles is cut there, and must stay."""
-    if not interpreted.flow.in_contour(call.contour_first):
-        place = interpreted.program.source.place(call.contour_first).line
-        message = f"the contour in line {place} stands before its cycle, and the control cuts along it there"
-        raise RefusalError(BAD_CONTOUR, message, "write the contour behind the cycle")
-
-
-def _refuse_state(call: Call, state: State) -> None:
-    """The blocks are written for absolute numbers, without compensation, from a known place."""
-    modes = state.modes
-    refuse_modes(modes)
-    why = ""
-    if math.isnan(state.position.x + state.position.z):
-        why = f"where this cycle starts is not known: {state.unknown_why}"
-    elif modes.motion not in ("rapid", "line"):
-        why = "an arc or a cycle is in force at this cycle"
-    if why:
-        raise RefusalError(
-            UNREAD_FORM, why, "move to its start with G0 X Z in plain absolute numbers before it"
-        )
 
 
 def _refuse_noses(interpreted: InterpretedProgram, call: Call, state: State) -> None:

@@ -13,6 +13,7 @@ from chipbreak.model.flow import Flow
 from chipbreak.model.interpret import Interpreter
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
+from chipbreak.model.points import WRITE_THE_POINT, first_without_point
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
@@ -158,12 +159,23 @@ def steps_of(effects: Sequence[BlockEffect], settings: Settings) -> list[Step]:
             BAD_CONTOUR, "the contour of this cycle has fewer than two moves", "give it its shape"
         )
     if any(math.isnan(value) for step in steps for value in (step.move.end.x, step.move.end.z)):
-        message = "a point of the contour cannot be known"
-        raise RefusalError(BAD_CONTOUR, message, "write its numbers with their decimal points")
+        raise _unknown_point(effects, settings)
     if steps[0].move.kind not in ("rapid", "line") or steps[0].corner is not None:
         message = "the first block of the contour is an arc, or says a corner"
         raise RefusalError(BAD_CONTOUR, message, "begin the contour with G0 or G1")
     return steps
+
+
+def _unknown_point(effects: Sequence[BlockEffect], settings: Settings) -> RefusalError:
+    """Why a point of the contour is not known."""
+    words = ((word, effect) for effect in effects for word in effect.block.words_of(settings.axis_words.axes))
+    pointless = (first_without_point([word], effect.before, settings) for word, effect in words)
+    shown = next((one for one in pointless if one), "")
+    if shown:
+        message = f"{shown} in the contour has no decimal point"
+        return RefusalError(BAD_CONTOUR, message, WRITE_THE_POINT)
+    message = "a point of the contour cannot be known"
+    return RefusalError(BAD_CONTOUR, message, "write it with plain numbers")
 
 
 def segments_of(steps: Sequence[Step], frame: Frame) -> tuple[Segment, ...]:

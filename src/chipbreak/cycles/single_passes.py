@@ -16,11 +16,13 @@ from collections.abc import Sequence
 
 from chipbreak.cycles.call import UNREAD_FORM, refuse_modes
 from chipbreak.cycles.promise import SinglePasses
+from chipbreak.cycles.starts import MOVE_THERE, refuse_unknown_start
 from chipbreak.cycles.writing import BlockWriter
 from chipbreak.editing.edits import Edit
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
+from chipbreak.model.points import WRITE_THE_POINT, first_without_point
 from chipbreak.model.words import is_diameter, length_mm
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block
@@ -59,7 +61,7 @@ def single_passes(interpreted: InterpretedProgram, first: int) -> Edit:
     """
     effects = _run(interpreted, first)
     start = effects[0].before
-    _refuse_state(start)
+    _refuse_state(interpreted, first, start)
     settings = interpreted.settings
     writer = BlockWriter(start, settings)
     target = _Target()
@@ -109,18 +111,11 @@ def _refuse_block(effect: BlockEffect, interpreted: InterpretedProgram) -> None:
         raise RefusalError(UNREAD_FORM, message, "write its passes with X, Z, U, W, R and F as plain numbers")
 
 
-def _refuse_state(state: State) -> None:
-    modes = state.modes
-    refuse_modes(modes)
-    why = ""
-    if math.isnan(state.position.x + state.position.z):
-        why = f"where this cycle starts is not known: {state.unknown_why}"
-    elif modes.compensation != "off":
-        why = "nose compensation is in force at this cycle"
-    if why:
-        raise RefusalError(
-            UNREAD_FORM, why, "move to its start with G0 X Z in plain absolute numbers before it"
-        )
+def _refuse_state(interpreted: InterpretedProgram, line: int, state: State) -> None:
+    refuse_modes(state.modes)
+    refuse_unknown_start(interpreted, line, state)
+    if state.modes.compensation != "off":
+        raise RefusalError(UNREAD_FORM, "nose compensation is in force at this cycle", MOVE_THERE)
 
 
 def _goes_along_z(block: Block, settings: Settings, *, along_z: bool) -> bool:
@@ -149,8 +144,11 @@ def _target(effect: BlockEffect, target: _Target, settings: Settings) -> _Target
         elif word.address == "R":
             taper_mm = value_mm
     if math.isnan(said["X"] + said["Z"] + taper_mm):
-        message = "X, Z or R of this cycle is missing, or a number without a decimal point"
-        raise RefusalError(UNREAD_FORM, message, "give X and Z of the pass with their points")
+        shown = first_without_point(effect.block.words_of({*words.axes, "R"}), state, settings)
+        if shown:
+            raise RefusalError(UNREAD_FORM, f"{shown} of this cycle has no decimal point", WRITE_THE_POINT)
+        message = "X, Z or R of this cycle is missing, or worked out on the control"
+        raise RefusalError(UNREAD_FORM, message, "give X and Z of the pass as plain numbers")
     return _Target(said["X"], said["Z"], taper_mm)
 
 

@@ -96,10 +96,7 @@ def _calls(
 ) -> Iterator[Call]:
     """The calls of these programs in the order of the file."""
     since = _Since()
-    for effect in effects:
-        may_call = effect.does("subprogram", "call") or "macro-call" in effect.non_modal
-        if not may_call and effect.after.modes.modal_macro != "on":
-            continue
+    for effect in filter(_may_call, effects):
         number = effect.block.number("P")
         if number is None:
             yield Call(_ANY, None)
@@ -107,10 +104,12 @@ def _calls(
         called = programs.get(int(number)) or programs.get(int(number) % _ONE_PROGRAM)
         if called is not None:
             yield Call(called.number, since.handed_over(_state_of_call(effect, int(number))))
-        body = range(0) if called is None else range(called.first, called.last)
-        inside = [one for one in effects if one.block.line in body]
-        said = {letter for letter in "FS" if len(body) > _LONGEST or _says(body, letter, block_at)}
-        since.has_called(effect.block.line, inside, said)
+            since.has_called(effect.block.line, called, effects, block_at)
+
+
+def _may_call(effect: BlockEffect) -> bool:
+    is_macro = "macro-call" in effect.non_modal or effect.after.modes.modal_macro == "on"
+    return is_macro or effect.does("subprogram", "call")
 
 
 def _says(body: range, letter: str, block_at: Callable[[int], Block]) -> bool:
@@ -133,14 +132,23 @@ class _Since:
         self.is_known = True
         self.said = {"F": -1, "S": -1}
 
-    def has_called(self, line: int, inside: Sequence[BlockEffect], said: set[str]) -> None:
-        """A call in a line has run these blocks; of a program in another file nothing is known.
+    def has_called(
+        self,
+        line: int,
+        called: Program,
+        effects: Sequence[BlockEffect],
+        block_at: Callable[[int], Block],
+    ) -> None:
+        """A call in a line has run a program of this file.
 
-        That it leaves all as it was is taken for granted here as behind it.
+        That one of another file leaves all as it was is taken for granted here as behind its call.
         """
-        if inside and _leaves_another_state(inside):
+        body = range(called.first, called.last)
+        if _leaves_another_state([effect for effect in effects if effect.block.line in body]):
             self.is_known = False
-        self.said |= dict.fromkeys(said, line)
+        for letter in self.said:
+            if len(body) > _LONGEST or _says(body, letter, block_at):
+                self.said[letter] = line
 
     def handed_over(self, state: State | None) -> State | None:
         """The state of a later call, without what may be another one."""

@@ -15,6 +15,7 @@ from chipbreak.model.findings import COMPENSATED
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import NOWHERE, State
 from chipbreak.model.paths import UNNAMED
+from chipbreak.model.points import WRITE_THE_POINT, moved_without_point
 from chipbreak.model.words import JUMPED, length_mm
 from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.syntax.nodes import Block, Word
@@ -43,7 +44,6 @@ SPEED_MODES = (96.0, 97.0)  # G codes
 _MOTION_CODES = (0.0, 1.0, 2.0, 3.0)
 _START_HERE = "give S and M3 or M4 (without a choice of spindle) between there and the cut"
 _NAME_IT = "where that code turns this spindle, name it: --set spindle.cw_codes=13 for M13"
-_WRITE_THE_POINT = 'write the point, or set control.decimal_point to "calculator" or "increment"'
 
 
 @dataclass(frozen=True, eq=False)
@@ -333,18 +333,18 @@ def _position_refusal(
     for axis in sorted(wanted):
         at = AXES.index(axis)
         if math.isnan(move.start[at]):
-            pointless = _without_point(interpreted, effect, axis)
+            pointless = moved_without_point(interpreted, effect.block.line, effect.before.unknown_why, axis)
             why = f"{pointless} has no decimal point" if pointless else effect.before.unknown_why
             message = f"where {axis} stands before this cut cannot be known: {why}"
             help_text = f"move {axis} to an absolute position with G0 before the cut"
             if effect.before.unknown_why == JUMPED:
                 help_text += ", and let the jump arrive there"
             elif pointless:
-                help_text = _WRITE_THE_POINT
+                help_text = WRITE_THE_POINT
             return RefusalError("VIB051", message, help_text), None
         if math.isnan(move.end[at]):
             message = f"where {axis} ends cannot be known: its number has no decimal point"
-            return RefusalError("VIB052", message, _WRITE_THE_POINT), None
+            return RefusalError("VIB052", message, WRITE_THE_POINT), None
     return _arc_refusal(interpreted, effect, move)
 
 
@@ -358,22 +358,8 @@ def _arc_refusal(
         length = length_mm(word, effect.after, interpreted.settings)
         if length is not None and math.isnan(length):
             message = f"how this arc runs cannot be known: {effect.block.text_of(word)} has no decimal point"
-            return RefusalError("VIB052", message, _WRITE_THE_POINT), None
+            return RefusalError("VIB052", message, WRITE_THE_POINT), None
     return None
-
-
-def _without_point(interpreted: InterpretedProgram, effect: BlockEffect, axis: str) -> str:
-    """The word, with its line, that took an axis to an unknown place for want of a point; or nothing."""
-    letter = interpreted.settings.axis_words.letters[axis]
-    for line in range(effect.block.line - 1, -1, -1):
-        word = interpreted.program.block(line).word(letter)
-        if word is not None:
-            is_last = interpreted.before(line).unknown_why == effect.before.unknown_why
-            is_unknown = math.isnan(length_mm(word, interpreted.before(line), interpreted.settings))
-            was = is_last and is_unknown and word.number is not None
-            said = interpreted.program.source.place(line).line
-            return f"{letter}{word.value_text} in line {said}" if was else ""
-    return ""
 
 
 def legs_of(chain: Chain) -> list[Leg]:
