@@ -208,3 +208,28 @@ def test_the_way_out_works(stem: str, way: Way) -> None:
 def test_every_refused_program_has_a_way_out() -> None:
     without = [file.stem for file in FILES if not ways_of(file.stem)]
     assert not without, "say what their help tells to do"
+
+
+def written_instead(text: str, said: chipbreak.Diagnostic, other: str) -> bytes:
+    """The program with another text where a diagnostic points."""
+    assert said.place is not None
+    lines = text.split("\n")
+    line = lines[said.place.line - 1]
+    lines[said.place.line - 1] = line[: said.place.column - 1] + other + line[said.place.end_column - 1 :]
+    return "\n".join(lines).encode("latin-1")
+
+
+def test_what_an_editor_may_write_instead_works() -> None:
+    """Every text that a diagnostic offers, in every bad program: with it, the program is taken."""
+    tried = set()
+    for file in FILES:
+        text = file.read_text("latin-1")
+        _, _, _, profile, sets = expectation(text)
+        settings = chipbreak.load(profile, sets)
+        for said in chipbreak.check(text.encode("latin-1"), settings, file.name):
+            for other in said.instead:
+                found = chipbreak.check(written_instead(text, said, other), settings, file.name)
+                errors = [one for one in found if one.severity is chipbreak.Severity.ERROR]
+                assert not errors, (file.stem, other, errors)
+                tried.add(said.code)
+    assert {"SYN003", "VIB004", "VIB005", "VIB006", "VIB030", "VIB031", "VIB032"} <= tried

@@ -44,6 +44,7 @@ ONLY_IN = {
         "batch_command",
         "completion_command",
         "hook_commands",
+        "language_server_command",
         "profile_commands",
         "program_files",
         "resume_command",
@@ -52,6 +53,8 @@ ONLY_IN = {
         "program_commands",
     },
     "matplotlib": {"figures.style"},
+    "pygls": {"editor.server"},
+    "lsprotocol": {"editor.server"},
     "distributed": {"batch.dask_cluster"},
 }
 

@@ -51,11 +51,11 @@ _T = TypeVar("_T")
 def batch(asked: Asked, sources: tuple[str, ...], output: str, jobs: int | None, dask: str | None) -> None:
     """Filter many programs and folders of programs into a folder.
 
-    Below DIR stands what stood below a folder.  Each program is what a run of its own would give; one that is
+    Below DIR stands what stood below a folder; DIR itself may be in there, and is no input then.  Each program is what a run of its own would give; one that is
     rejected leaves no program but a file NAME.rejected that says why.  Exit with the worst of all exit codes.
     """
     with asked.reporter.logging("batch", sources):
-        inputs = inputs_of(sources)
+        inputs = inputs_of(sources, Path(output))
         if not inputs:
             raise click.UsageError(
                 "no programs in there: name files, or folders with files such as .nc or O1234"

@@ -48,6 +48,10 @@ _HOMES = {
         "Files by which LinuxCNC, CAM systems, git and editors call this program.",
     ),
     "inspect": ("tool_commands.inspect", "Compare traced edges BEFORE and AFTER cutting, tooth by tooth."),
+    "language-server": (
+        "language_server_command.language_server",
+        "Check programs in an editor as one types them: the server side of the Language Server Protocol.",
+    ),
     "machine-test": (
         "machine_test_command.machine_test",
         "Measure a machine: a short air cut, and what its times or a trace of it say.",

@@ -42,6 +42,11 @@ def read_program(source: str, beside: str | None = None) -> ProgramFile:
     return ProgramFile(data, None if place is None else _read_beside(Path(place)))
 
 
+def read_beside(program: str) -> bytes | None:
+    """The file beside a program, None where there is none.  Raises click.UsageError (exit 2)."""
+    return _read_beside(_place(Path(program)))
+
+
 def _place(program: Path) -> Path:
     """Where the file beside a program is: it belongs to the file, not to a link that leads there."""
     from chipbreak.editing.beside import SUFFIX

@@ -162,6 +162,19 @@ def shop(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.parametrize("output", ["in/out", "in/deep/../out", "out-by-link"])
+def test_results_inside_the_folder_are_no_input_of_the_next_run(output: str, shop: Path) -> None:
+    (shop / "in" / "out").mkdir()
+    (shop / "out-by-link").symlink_to("in/out")
+    for _ in range(2):
+        chipbreak_run("batch", "-p", "generic-lathe", "-j", "1", "in", "-o", output, cwd=shop)
+        there = {str(path.relative_to(shop / "in/out")) for path in (shop / "in/out").rglob("*.*")}
+        assert there == {"deep/plain.NC", "deep/wrong.nc.rejected"}
+    done = chipbreak_run("batch", "-p", "generic-lathe", "in/out", "-o", output, cwd=shop)
+    assert done.returncode == 2
+    assert "would replace itself" in done.stderr
+
+
 def test_a_folder_becomes_a_folder(shop: Path) -> None:
     done = chipbreak_run("batch", "-p", "generic-lathe", "-j", "2", "in", "other.dat", "-o", "out", cwd=shop)
     assert done.returncode == 3

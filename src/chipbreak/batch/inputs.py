@@ -25,20 +25,26 @@ class Input(NamedTuple):
     name: Path
 
 
-def inputs_of(sources: Iterable[str]) -> list[Input]:
-    """Files as they are named and the programs in folders, in the order of names; each file once."""
+def inputs_of(sources: Iterable[str], results: Path | None = None) -> list[Input]:
+    """Files as they are named and the programs in folders, in the order of names; each file once.
+
+    ``results`` is the folder into which they are filtered: what is found there in a folder around it is the
+    result of an earlier run.
+    """
     found: dict[Path, Input] = {}
     for source in sources:
         path = Path(source)
-        inputs = _programs_in(path) if path.is_dir() else [Input(path, Path(path.name))]
+        inputs = _programs_in(path, results) if path.is_dir() else [Input(path, Path(path.name))]
         for one in inputs:
             found.setdefault(Path(os.path.realpath(one.path)), one)
     return list(found.values())
 
 
-def _programs_in(folder: Path) -> Iterator[Input]:
+def _programs_in(folder: Path, results: Path | None) -> Iterator[Input]:
+    left_out = None if results is None else os.path.realpath(results)
     for place, folders, files in os.walk(folder):
-        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        others = (name for name in folders if os.path.realpath(Path(place, name)) != left_out)
+        folders[:] = sorted(name for name in others if not name.startswith("."))
         for name in sorted(files):
             if is_program(name):
                 path = Path(place, name)

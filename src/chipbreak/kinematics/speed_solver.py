@@ -236,7 +236,9 @@ def _check_near(frequency: SourcedValue, group: CommandGroup) -> None:
     if not group.contains_near(frequency.value):
         near = ", ".join(shown(period.frequency_hz) for period in group.around(frequency.value))
         way_out = f"the nearest are {near} Hz; a feed is written with an upper-case F"
-        raise RefusalError("VIB004", f"f {frequency} is far from all the control can command", way_out)
+        instead = tuple(f"f{shown(period.frequency_hz)}" for period in group.around(frequency.value))
+        message = f"f {frequency} is far from all the control can command"
+        raise RefusalError("VIB004", message, way_out, instead)
 
 
 def _wanted(
@@ -336,7 +338,9 @@ def _check_breaks(per_rev: float, rules: SolverRules, origin: str, period: Perio
         if period is not None:
             speeds = [shown(math.floor(_ratio(period, count))) for count in counts]
             way_out += f": give S {' or '.join(speeds)}"
-        raise RefusalError(NEVER_BREAKS, f"{what} is a whole number, so no chip ever breaks", way_out)
+        instead = tuple(f"N{count}" for count in good) if period is None else ()
+        message = f"{what} is a whole number, so no chip ever breaks"
+        raise RefusalError(NEVER_BREAKS, message, way_out, instead)
 
 
 def _check_speed(speed_rpm: float, wanted: float, group: CommandGroup, rules: SolverRules) -> None:
@@ -345,7 +349,7 @@ def _check_speed(speed_rpm: float, wanted: float, group: CommandGroup, rules: So
         slower = [p.frequency_hz for p in group.around(most_hz) if p.frequency_hz <= most_hz]
         way_out = f"give f {shown(slower[0])} Hz or a larger N" if slower else "give a larger N"
         clamp = f"S {shown(speed_rpm)} rpm is above the clamp of {shown(rules.max_rpm)} rpm"
-        raise RefusalError("VIB006", clamp, way_out)
+        raise RefusalError("VIB006", clamp, way_out, tuple(f"f{shown(one)}" for one in slower[:1]))
     if speed_rpm < rules.min_rpm - _FUZZ:
         least = f"S {shown(speed_rpm)} rpm is below the least of {shown(rules.min_rpm)} rpm"
         raise RefusalError("VIB007", least, "give a smaller N")

@@ -254,7 +254,10 @@ def directive(text: str) -> Kind | None:
     if near:
         meant = _DIRECTIVES[near].value.upper()
         raise RefusalError(
-            MISSPELT_DIRECTIVE, f'"{text.strip()}" is no kind of operation', f"write (OP {meant})"
+            MISSPELT_DIRECTIVE,
+            f'"{text.strip()}" is no kind of operation',
+            f"write (OP {meant})",
+            (f"(OP {meant})",),
         )
     return None
 

@@ -219,8 +219,9 @@ class _Scan:
             return directive(comment.text)
         except RefusalError as error:
             at = (comment.start, comment.end)
-            program = self.interpreted.program
-            self.wrong.append(program.diagnose(block.line, error.code, error.message, error.help, at=at))
+            said = (error.code, error.message, error.help)
+            diagnose = self.interpreted.program.diagnose
+            self.wrong.append(diagnose(block.line, *said, at=at, instead=error.instead))
             return None
 
     def _start(self, line: int, call: BlockEffect | None) -> None:

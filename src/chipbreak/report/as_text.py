@@ -67,6 +67,21 @@ def _lines_of(report: Report) -> Iterator[str]:
         yield from _time(report.time)
 
 
+def about_line(report: Report, line: int) -> Iterator[str]:
+    """What is said of the cuts and the operation at a line of the program."""
+    said: list[str] = []
+    for cut in report.cuts:
+        if cut.first_line <= line <= cut.last_line:
+            said += _cut(cut)
+    for left in report.left:
+        if left.first_line <= line <= left.last_line:
+            said += _left(left)
+    for operation in report.operations if said else ():
+        if operation.first_line <= line <= operation.last_line:
+            said.append(f"  {_operation(operation)}")
+    return map(escaped, (one.removeprefix("  ") for one in said))
+
+
 def _cycles(report: Report) -> Iterator[str]:
     if report.cycles:
         yield ""

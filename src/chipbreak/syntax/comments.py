@@ -36,9 +36,11 @@ def _open_comments(program: Program, changed_to: int) -> list[Diagnostic]:
             message += "; the comments of a change behind it would close it"
             severity = Severity.ERROR
         at = (column, len(block.text))
+        help_text = "close it with ) on its line"
+        closed = (f"{block.text[column:]})",)
         found.append(
             program.diagnose(
-                block.line, OPEN_COMMENT, message, "close it with ) on its line", at=at, severity=severity
+                block.line, OPEN_COMMENT, message, help_text, at=at, severity=severity, instead=closed
             )
         )
     return found

@@ -77,6 +77,7 @@ class Program(NamedTuple):
         *,
         at: tuple[int, int] | None = None,
         severity: Severity = Severity.ERROR,
+        instead: tuple[str, ...] = (),
     ) -> Diagnostic:
         """A diagnostic at characters ``at`` of a line, or at its first word."""
         source = self.source
@@ -85,7 +86,9 @@ class Program(NamedTuple):
         said = (source.meant(message), source.meant(help))
         place = source.place(line, start, end)
         shown = text if source.user_lines is None else source.shown(line)
-        return Diagnostic(code, severity, *said, place, shown, source.encoding)
+        return Diagnostic(
+            code, severity, *said, place, shown, source.encoding, tuple(map(source.meant, instead))
+        )
 
     def unreadable(self) -> list[Diagnostic]:
         """A warning for every line that could not be read."""

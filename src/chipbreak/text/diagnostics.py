@@ -23,7 +23,8 @@ class Diagnostic(NamedTuple):
     """One finding.
 
     ``line_text`` is the line it points at, without its line end: of a program as latin-1 text, one character
-    a byte, which means what ``encoding`` says.
+    a byte, which means what ``encoding`` says.  ``instead`` are texts that may stand where it points, each a
+    way out of its own; an editor writes them.
     """
 
     code: str
@@ -33,6 +34,7 @@ class Diagnostic(NamedTuple):
     place: Place | None = None
     line_text: str = ""
     encoding: str = LATIN_1
+    instead: tuple[str, ...] = ()
 
     def render(self) -> str:
         """The text for stderr: place, severity, code and message, the line with a caret, and the way out.
@@ -73,6 +75,7 @@ class Diagnostic(NamedTuple):
             "span": span,
             "message": self.message,
             "help": self.help,
+            "instead": list(self.instead),
         }
 
 
@@ -108,14 +111,16 @@ class RefusalError(Exception):
     """A calculation that cannot be done honestly.
 
     Code without a place in a program raises it with a code, the cause and the way out; the caller that
-    knows the block turns it into a :class:`Diagnostic`.
+    knows the block turns it into a :class:`Diagnostic`.  ``instead`` is the way out as words to write:
+    ``N1.5``.
     """
 
-    def __init__(self, code: str, message: str, help: str = "") -> None:
-        super().__init__(code, message, help)
+    def __init__(self, code: str, message: str, help: str = "", instead: tuple[str, ...] = ()) -> None:
+        super().__init__(code, message, help, instead)
         self.code = code
         self.message = message
         self.help = help
+        self.instead = instead
 
     def __str__(self) -> str:
         return self.message

@@ -12,6 +12,7 @@ from chipbreak.kinematics.speed_solver import Period
 from chipbreak.kinematics.waveform import forward_ticks
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError, SelfCheckError
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.law import ControlLaw
 from chipbreak.units import S_PER_MIN
 from chipbreak.vibration.blocks import Expansion, moves_of
@@ -39,12 +40,23 @@ def with_advice(error: RefusalError, cut: CutPlan, settings: Settings) -> Refusa
     if error.code not in LIMITS:
         return error
     message = _with_all_strokes(error, cut, settings)
-    ways = [_first_help(error, cut), *_ways(cut, settings)]
-    return RefusalError(error.code, message, "; ".join(ways))
+    ways = [_first_help(error, cut)]
+    slower = _slower(cut, settings)
+    if slower is not None:
+        ways.append(slower.text)
+    ways += _other_ways(cut, settings)
+    return RefusalError(error.code, message, "; ".join(ways), (slower.word,) if slower else ())
 
 
-def _ways(cut: CutPlan, settings: Settings) -> Iterator[str]:
-    for rule in (_slower, chosen, _standing):
+class _Slower(NamedTuple):
+    """A frequency that works, in a sentence and as a word of the block."""
+
+    text: str
+    word: str
+
+
+def _other_ways(cut: CutPlan, settings: Settings) -> Iterator[str]:
+    for rule in (chosen, _standing):
         way = rule(cut, settings)
         if way:
             yield way
@@ -96,7 +108,7 @@ def _with_acceleration(settings: Settings, axes: str, acceleration_mm_s2: float)
     return replace(settings, axes={**settings.axes, **changed}, planner=planner)
 
 
-def _slower(cut: CutPlan, settings: Settings) -> str:
+def _slower(cut: CutPlan, settings: Settings) -> _Slower | None:
     """The next slower frequency that works with the same N."""
     trials = Trials(settings)
     law = control_along(settings, cut.path, cut.chain.before)
@@ -117,9 +129,10 @@ def _slower(cut: CutPlan, settings: Settings) -> str:
 
     place = _first(works, len(slower))
     if place is None:
-        return ""
+        return None
     frequency = shown(slower[place].frequency_hz)
-    return f"N {shown(per_rev)} with the same feed works at f {frequency} Hz, S {found[place]:z.0f}"
+    text = f"N {shown(per_rev)} with the same feed works at f {frequency} Hz, S {found[place]:z.0f}"
+    return _Slower(text, f"f{frequency}")
 
 
 def _first(holds: Callable[[int], bool], count: int) -> int | None:

@@ -15,6 +15,7 @@ from chipbreak.kinematics.waveform import TOO_SHORT
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of
 from chipbreak.settings.sections import Settings
+from chipbreak.syntax.nodes import Block, Word
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.named_tuple import NamedTuple
@@ -280,8 +281,20 @@ def _by_line(diagnostic: Diagnostic) -> int:
 
 def _at_chain(interpreted: InterpretedProgram, chain: Chain, error: RefusalError) -> Diagnostic:
     effect = chain.requests[_at_fault(chain, error)].effect
-    at = (effect.vibration[0].start, effect.vibration[-1].end) if effect.vibration else None
-    return interpreted.program.diagnose(effect.block.line, error.code, error.message, error.help, at=at)
+    words = effect.vibration
+    at = (words[0].start, words[-1].end) if words else None
+    said = (error.code, error.message, error.help)
+    instead = tuple(_with_word(effect.block, words, one) for one in error.instead) if words else ()
+    return interpreted.program.diagnose(effect.block.line, *said, at=at, instead=instead)
+
+
+def _with_word(block: Block, words: Sequence[Word], word: str) -> str:
+    """The text of some words with another one: in the place of its letter, or behind them."""
+    first, last = words[0].start, words[-1].end
+    old = next((one for one in words if one.letter == word[0]), None)
+    if old is None:
+        return f"{block.text[first:last]} {word}"
+    return f"{block.text[first : old.start]}{word}{block.text[old.end : last]}"
 
 
 def _at_fault(chain: Chain, error: RefusalError) -> int:

@@ -293,8 +293,10 @@ class RequestReader:
         if meant:
             message = "this comment is no wish for vibration, though it looks like one"
             help_text = f"a wish is written {meant}"
+            said = (NEAR_MISS, message, help_text)
+            warning = Severity.WARNING
             self.diagnostics.append(
-                self.program.diagnose(line, NEAR_MISS, message, help_text, at=at, severity=Severity.WARNING)
+                self.program.diagnose(line, *said, at=at, severity=warning, instead=(meant,))
             )
 
     def _complain_of_silence(self) -> None:
