@@ -51,8 +51,9 @@ _T = TypeVar("_T")
 def batch(asked: Asked, sources: tuple[str, ...], output: str, jobs: int | None, dask: str | None) -> None:
     """Filter many programs and folders of programs into a folder.
 
-    Below DIR stands what stood below a folder; DIR itself may be in there, and is no input then.  Each program is what a run of its own would give; one that is
-    rejected leaves no program but a file NAME.rejected that says why.  Exit with the worst of all exit codes.
+    Below DIR stands what stood below a folder; DIR itself may be in there, and is no input then.  Each
+    program is what a run of its own would give; one that is rejected leaves no program but a file
+    NAME.rejected that says why.  Exit with the worst of all exit codes.
     """
     with asked.reporter.logging("batch", sources):
         inputs = inputs_of(sources, Path(output))
