@@ -25,6 +25,8 @@ STAYS = {
     "O0008.nc": "line 7 chooses a spindle (M203)",
     "O0103.nc": "has no decimal point",
     "O0105.nc": "the control works out",
+    "O1112.nc": "has no decimal point",
+    "O1119.nc": "where this cycle starts is not known",
 }
 
 

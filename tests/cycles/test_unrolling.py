@@ -421,3 +421,35 @@ def test_a_contour_before_its_cycle_is_cut_where_it_stands() -> None:
 def test_the_way_out_of_a_contour_before_its_cycle() -> None:
     """``CYCLE`` is the same with the contour behind."""
     assert b"(CHIPBREAK UNROLLED G71 P10 Q20)" in filtered(CYCLE, *ALWAYS)
+
+
+FACED = CYCLE.replace(b"G71 U2.", b"G94 X-1. Z0. F0.2\nG71 U2.", 1)
+
+
+@pytest.mark.parametrize("options", [ALWAYS, ["vibration.n=1.5"]], ids=str)
+def test_a_cycle_behind_a_modal_one_is_written_out(options: list[str]) -> None:
+    """Hand-written programs face with G94 and rough with G71 straight behind it."""
+    output = filtered(FACED, *options)
+    assert b"(CHIPBREAK UNROLLED G71 P10 Q20)" in output
+    assert b"(CHIPBREAK UNROLLED G70 P10 Q20)" in output
+    assert chipbreak.restore(output) == FACED
+    assert filtered(output, *options) == output
+
+
+def test_where_the_next_move_counts_on_the_modal_code_the_cycle_stays_and_the_way_out_works() -> None:
+    program = FACED.replace(b"G0 X100. Z100.", b"X20. Z-1.\nG0 X100. Z100.")
+    result = chipbreak.rewrite(program, load("fanuc-lathe", ALWAYS))
+    assert b"(CHIPBREAK UNROLLED G71" not in result.data
+    assert any("says no motion code of its own" in one.message for one in result.diagnostics)
+    output = filtered(program.replace(b"X20. Z-1.", b"G0 X20. Z-1."), *ALWAYS)
+    assert b"(CHIPBREAK UNROLLED G71 P10 Q20)" in output
+
+
+def test_a_cycle_with_which_a_subprogram_begins_does_not_start_where_the_program_before_it_ended() -> None:
+    """Called by its block number, nobody knows from where: the place behind M30 is not that of the call."""
+    body = "G71 U1.5 R.5\nG71 P1 Q2 U.3 W.1 F.2\nN1 G0 X20. Z1.\nG1 Z-15. F.1\nN2 X48.\nM99\n"
+    main = "T0101\nG97 S800 M3\nG0 X50. Z2.\nM97 P1000\nG0 X100. Z100.\nM30\n"
+    program = f"{main}N1000 {body}".encode()
+    result = chipbreak.rewrite(program, load("fanuc-lathe", ALWAYS))
+    assert result.data == program
+    assert any("where this cycle starts is not known" in one.message for one in result.diagnostics)

@@ -113,7 +113,7 @@ def read_call(interpreted: InterpretedProgram, contour: ContourCall) -> Call:
 
 
 def _with_lengths(call: Call, block: Block, interpreted: InterpretedProgram) -> Call:
-    state = interpreted.before(block.line)
+    state = interpreted.effect(block.line).before
     settings = interpreted.settings
     halved = 2.0 if is_diameter(state, settings.control) else 1.0
     signs = settings.axis_words.signs

@@ -53,7 +53,7 @@ def deep_hole_edit(interpreted: InterpretedProgram, line: int) -> Edit:
     Errors: CYC007 for a form that is not known.
     """
     block = interpreted.program.block(line)
-    state = interpreted.before(line)
+    state = interpreted.effect(line).before
     end = named_place(block, state, "XZUW", interpreted.settings)
     last, ends = _end_of_cycle(interpreted, line)
     _refuse_hole(block, state, (end.z - state.position.z, end.x - state.position.x))
@@ -104,7 +104,7 @@ def peck_edit(interpreted: InterpretedProgram, line: int) -> Edit:
     Errors: CYC004 for a step that cannot be, CYC007 for a form that is not known.
     """
     block = interpreted.program.block(line)
-    state = interpreted.before(line)
+    state = interpreted.effect(line).before
     settings = interpreted.settings
     _refuse(block, state)
     end = named_place(block, state, "XZUW", settings)

@@ -27,7 +27,7 @@ from chipbreak.cycles.reading import (
 )
 from chipbreak.cycles.roughing import Motion, Roughing, roughing_passes
 from chipbreak.cycles.single_passes import first_lines, single_passes
-from chipbreak.cycles.starts import refuse_contour_before, refuse_start
+from chipbreak.cycles.starts import leaves_motion, refuse_contour_before, refuse_start
 from chipbreak.cycles.subroutine_cycles import cycles_in, subroutine_edit
 from chipbreak.cycles.writing import (
     BlockWriter,
@@ -224,7 +224,7 @@ def _start_states(interpreted: InterpretedProgram, calls: Sequence[ContourCall])
     last: ContourCall | None = None
     for one in calls:
         first = _first_line(interpreted, one)
-        state = interpreted.before(first)
+        state = interpreted.effect(first).before  # which a program that begins there has begun
         near = last is not None and first - last.line <= _MOST_LINES_BETWEEN
         if last is not None and near and math.isnan(state.position.x + state.position.z):
             state = _behind_cycle(interpreted, last.line, first, found[last.line])
@@ -259,7 +259,7 @@ def _edits_of_group(
             line = one.line
             edits.append(_edit_of_call(interpreted, one, starts[line]))
         line = group[0].line
-        edits.append(_contour_edit(interpreted, group))
+        edits.append(_contour_edit(interpreted, group, starts[line]))
         _refuse_lines(interpreted, [one.edit for one in edits])
     except RefusalError as error:
         return [], Refused(line, error)
@@ -292,8 +292,13 @@ def _is_called(interpreted: InterpretedProgram, lines: set[int]) -> bool:
     return False
 
 
-def _contour_edit(interpreted: InterpretedProgram, group: Sequence[ContourCall]) -> UnrolledEdit:
-    """The contour is taken out of the way.  Errors: CYC007 where the cycles call different parts of it."""
+def _contour_edit(
+    interpreted: InterpretedProgram, group: Sequence[ContourCall], start: State
+) -> UnrolledEdit:
+    """The contour of cycles, the first of them from ``start``, is taken out of the way.
+
+    Errors: CYC007 where the cycles call different parts of it.
+    """
     _, first, last = group[0]
     if first is None or last is None or any((one.first, one.last) != (first, last) for one in group):
         message = "other cycles call another part of the same contour"
@@ -301,7 +306,8 @@ def _contour_edit(interpreted: InterpretedProgram, group: Sequence[ContourCall])
     numbers = [interpreted.program.block(line).sequence for line in (first, last)]
     names = " to ".join(f"N{number.value_text}" for number in numbers if number is not None)
     reason = "nothing calls this contour any more"
-    return UnrolledEdit(Edit(first, last + 1, (), f"CONTOUR {names}", reason, RemovedContour()), None)
+    promise = RemovedContour(leaves_motion=leaves_motion(start))
+    return UnrolledEdit(Edit(first, last + 1, (), f"CONTOUR {names}", reason, promise), None)
 
 
 def _edit_of_call(interpreted: InterpretedProgram, contour: ContourCall, state: State) -> UnrolledEdit:
@@ -353,7 +359,7 @@ def _rough_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Ed
     blocks = _uncompensated(wished(blocks, call.wish), state, settings)
     content = tuple(text for text in (call.speed, *blocks, *_motion_back(state)) if text)
     reason = f"passes of {call.depth_mm:g} mm along {along} to the contour with its allowances"
-    promise = UnrolledRoughing(cycle=cycle, contour=contour)
+    promise = UnrolledRoughing(cycle=cycle, contour=contour, leaves_motion=leaves_motion(state))
     return Edit(call.first, call.last, content, call.name, reason, promise)
 
 
@@ -420,7 +426,7 @@ def _pattern_edit(interpreted: InterpretedProgram, call: Call, state: State) -> 
     reason = f"{call.times} passes along the contour, the last one at its allowances"
     to_start = () if state.modes.compensation == "off" else (Motion(False, start),)
     motions = (*to_start, *(motion for one in passes for motion in one.moves))
-    promise = PlannedMoves(frame=frame, motions=motions)
+    promise = PlannedMoves(frame=frame, motions=motions, leaves_motion=leaves_motion(state))
     return Edit(call.first, call.last, content, call.name, reason, promise)
 
 
@@ -445,7 +451,7 @@ def _finish_edit(interpreted: InterpretedProgram, call: Call, state: State) -> E
     head = " ".join(text for text in (call.speed, call.feed) if text)
     content = (head, *blocks, back, *_motion_back(state))
     reason = "the contour as the finishing cycle runs it"
-    promise = CopiedContour(ends=tuple(ends))
+    promise = CopiedContour(ends=tuple(ends), leaves_motion=leaves_motion(state))
     return Edit(call.first, call.last, tuple(filter(None, content)), call.name, reason, promise)
 
 
@@ -485,5 +491,5 @@ def _copied(effect: BlockEffect, wish: str, settings: Settings) -> str:
 
 
 def _motion_back(state: State) -> list[str]:
-    """The motion code that was in force, where it was not G0."""
+    """The motion code that was in force, where it was not G0; none is given back of an arc or a cycle."""
     return ["G1"] if state.modes.motion == "line" else []

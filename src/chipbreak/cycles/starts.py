@@ -9,8 +9,10 @@ from chipbreak.cycles.corners import BAD_CONTOUR
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
 from chipbreak.model.points import WRITE_THE_POINT, moved_without_point
+from chipbreak.model.words import codes_of
 from chipbreak.text.diagnostics import RefusalError
 
+_MOST_LINES = 2000
 MOVE_THERE = "move to its start with G0 X Z in plain absolute numbers before it"
 
 
@@ -32,8 +34,29 @@ def refuse_start(interpreted: InterpretedProgram, call: Call, state: State) -> N
     """
     refuse_modes(state.modes)
     refuse_unknown_start(interpreted, call.first, state)
-    if state.modes.motion not in ("rapid", "line"):
-        raise RefusalError(UNREAD_FORM, "an arc or a cycle is in force at this cycle", MOVE_THERE)
+    if leaves_motion(state):
+        refuse_next_move(interpreted, call.last - 1)
+
+
+def leaves_motion(state: State) -> bool:
+    """True where no block gives back the motion code that was in force: that of an arc, or of a G94."""
+    return state.modes.motion not in ("rapid", "line")
+
+
+def refuse_next_move(interpreted: InterpretedProgram, line: int) -> None:
+    """Behind the cycle in a line another motion code is in force, so the next move must say its own.
+
+    Errors: CYC007.
+    """
+    stop = min(interpreted.program.source.body.stop, line + _MOST_LINES)
+    for effect in interpreted.effects_of(line + 1, stop):
+        if effect.in_contour:
+            continue
+        if codes_of(effect.block, "motion", interpreted.settings.dialect) or effect.non_modal:
+            return
+        if effect.move is not None:
+            message = "the next move behind this cycle says no motion code of its own"
+            raise RefusalError(UNREAD_FORM, message, "write G0 or G1 into it")
 
 
 def refuse_unknown_start(interpreted: InterpretedProgram, line: int, state: State) -> None:

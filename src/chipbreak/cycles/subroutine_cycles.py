@@ -40,6 +40,7 @@ from chipbreak.cycles.reading import (
     steps_of,
 )
 from chipbreak.cycles.roughing import Motion, Pass, Roughing, roughing_passes
+from chipbreak.cycles.starts import refuse_next_move
 from chipbreak.cycles.writing import blocks_of_passes
 from chipbreak.dialects.base import ContourCycle
 from chipbreak.editing.edits import Edit
@@ -54,7 +55,6 @@ from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 
 _WORDS = frozenset("GQXZDEIPRUWFS")
-_MOST_LINES = 2000
 _MOST_TIMES = 100
 _NARROW_STEPS = 8
 _MOST_PASSES = 500
@@ -113,7 +113,7 @@ def subroutine_edit(interpreted: InterpretedProgram, line: int) -> Edit:
     state = interpreted.before(line)
     block = interpreted.program.block(line)
     _refuse_state(state, block)
-    _refuse_next_move(interpreted, line)
+    refuse_next_move(interpreted, line)
     call = _read(block, state, interpreted.settings)
     if math.isnan(call.start.x + call.start.z):
         why = f"where this cycle starts is not known: {state.unknown_why}"
@@ -138,17 +138,6 @@ def _refuse_state(state: State, block: Block) -> None:
         why = "nose compensation is in force at this cycle"
     if why:
         raise RefusalError(UNREAD_FORM, why, "write G40 and a move to its start before the cycle")
-
-
-def _refuse_next_move(interpreted: InterpretedProgram, line: int) -> None:
-    """The control leaves the motion code of the subroutine in force, so the next move must say its own."""
-    stop = min(interpreted.program.source.body.stop, line + _MOST_LINES)
-    for effect in interpreted.effects_of(line + 1, stop):
-        if codes_of(effect.block, "motion", interpreted.settings.dialect) or effect.non_modal:
-            return
-        if effect.move is not None:
-            message = "the next move behind this cycle says no motion code of its own"
-            raise RefusalError(UNREAD_FORM, message, "write G0 or G1 into it")
 
 
 def _read(block: Block, state: State, settings: Settings) -> _Call:
