@@ -106,7 +106,7 @@ def diff(
     """Two programs compared by what their blocks say, as alternating equal and changed stretches.
 
     With ``settings`` numbers are read as that control reads them; without, X50 and X50. are different.
-    Lengths and feeds that differ by at most ``tolerance``, in units of the programs, are the same.  Raises
+    Lengths and angles that differ by at most ``tolerance``, in units of the programs, are the same.  Raises
     ProgramRejectedError for a filtered part that somebody has edited.
     """
     sides = [

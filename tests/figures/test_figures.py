@@ -18,7 +18,8 @@ import chipbreak
 from chipbreak.figures.cut_data import DrawnCut
 from chipbreak.figures.of_run import OF_CUT, figure_of_times, figures_of_cut
 from chipbreak.figures.speeds import SpeedChart, SpeedPoint, _breaks, _curves_hz
-from chipbreak.figures.style import KINDS, kind_of
+from chipbreak.figures.style import KINDS, apart, kind_of
+from chipbreak.figures.times import cut_names
 from chipbreak.kinematics.speed_solver import CommandGroup
 from chipbreak.page.of_run import page_of_run
 from chipbreak.settings import load
@@ -62,13 +63,41 @@ def test_a_figure_of_each_kind(name: str, kind: str, turned: chipbreak.Result) -
 
 def test_what_figures_say(turned: chipbreak.Result) -> None:
     texts = {one.name: one.file("svg").decode() for one in figures_of_cut(turned, LATHE, 1)}
-    assert "edge in air: the chip ends" in texts["chips"]
+    assert "edge in air: here a chip ends" in texts["chips"]
+    assert "4th revolution" in texts["chips"]
+    assert "as it runs" in texts["speeds"]
+    assert "in the bands chips break with this stroke" in texts["speeds"]
+    assert "without vibration:" in texts["thickness"]
     assert "62.5 Hz" in texts["speeds"]
     assert "as programmed" in texts["speeds"]
     assert ">1.0<" in texts["thickness"]
     times = figure_of_times(chipbreak.explain(turned, LATHE))
     assert times is not None
     assert "line 4" in times.file("svg").decode()
+    assert " s as written" in times.file("svg").decode()
+
+
+def test_passes_of_one_line_have_names_of_their_own() -> None:
+    program = b"G97 S800 M3\nT0101\nG0 X30. Z2.\n(VIB N1.5)\nG90 X28. Z-20. F0.1\nX26.\nM30\n"
+    settings = chipbreak.load("fanuc-lathe")
+    report = chipbreak.explain(chipbreak.rewrite(program, settings), settings)
+    names = cut_names([*report.cuts, report.cuts[0]])
+    assert len(set(names)) == len(names) > 2
+    assert names[0] == f"line {report.cuts[0].first_line}, pass 1"
+
+
+@pytest.mark.parametrize(
+    ("places", "wanted"),
+    [
+        ([], []),
+        ([1.0, 2.0], [1.0, 2.0]),
+        ([1.0, 1.0], [0.5, 1.5]),
+        ([0.0, 0.1, 0.2, 5.0], [-0.9, 0.1, 1.1, 5.0]),
+        ([0.0, 0.9, 1.8], [-0.1, 0.9, 1.9]),
+    ],
+)
+def test_names_beside_a_diagram_do_not_run_into_each_other(places: list[float], wanted: list[float]) -> None:
+    assert apart(places, 1.0) == pytest.approx(wanted)
 
 
 def test_a_cut_that_is_not_there(turned: chipbreak.Result) -> None:

@@ -7,15 +7,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from chipbreak.figures.cut_data import DrawnCut, turn_samples
-from chipbreak.figures.style import BLUE, GREEN, GREY, ORANGE, SKY, YELLOW, names_beside
+from chipbreak.figures.style import BLUE, GREEN, GREY, ORANGE, SKY, YELLOW, name_at_edge, point_out
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
 _TURNS = 4
 _DASHES = ("-", "--", "-.", ":")
 _COLOURS = (BLUE, ORANGE, GREEN, YELLOW)
+_ORDINALS = ("1st", "2nd", "3rd", "4th")
 _RAMP_TURNS = 8
 
 
@@ -28,27 +30,36 @@ def chip_pattern(figure: Figure, cut: DrawnCut) -> None:
     share = turn_samples()
     begin_s = cut.middle_s()
     base_mm = float(cut.at(np.array([begin_s]))[0])
-    in_air = False
+    before_mm = cut.at(begin_s + (share - 1.0) * cut.turn_s) - base_mm
+    axes.plot(360.0 * share, before_mm, color=GREY, lw=0.8)
+    names = [(float(before_mm[-1]), "the revolution before", GREY)]
+    ends: list[tuple[float, float]] = []
     for turn in range(_TURNS):
         time_s = begin_s + (turn + share) * cut.turn_s
         place_mm = cut.at(time_s) - base_mm
-        name = f"revolution {turn + 1}"
-        axes.plot(360.0 * share, place_mm, _DASHES[turn], color=_COLOURS[turn], label=name)
+        axes.plot(360.0 * share, place_mm, _DASHES[turn], color=_COLOURS[turn])
+        names.append((float(place_mm[-1]), f"{_ORDINALS[turn]} revolution", _COLOURS[turn]))
         air = cut.thickness_mm(time_s) <= 1e-9 * cut.feed_mm
-        if air.any():
-            name = "edge in air: the chip ends" if not in_air else ""
-            wall_mm = np.where(air, cut.at(time_s - cut.pass_s) - base_mm, np.nan)
-            axes.fill_between(
-                360.0 * share, place_mm, wall_mm, where=air, color=SKY, alpha=0.35, lw=0, label=name
-            )
-            axes.plot(360.0 * share, np.where(air, place_mm, np.nan), color="black", lw=3.2, alpha=0.55)
-            in_air = True
+        wall_mm = np.where(air, cut.at(time_s - cut.pass_s) - base_mm, np.nan)
+        axes.fill_between(360.0 * share, place_mm, wall_mm, where=air, color=SKY, alpha=0.35, lw=0)
+        axes.plot(360.0 * share, np.where(air, place_mm, np.nan), color="black", lw=3.2, alpha=0.55)
+        ends += [(360.0 * float(share[at]), float(place_mm[at])) for at in _middles(air)]
     axes.set_title("Path of the edge, revolution after revolution")
     axes.set_xlabel("angle of the spindle [deg]")
     axes.set_ylabel("way along the cut [mm]")
     axes.set_xlim(0.0, 360.0)
     axes.set_xticks(range(0, 361, 60))
-    names_beside(axes)
+    name_at_edge(axes, names, at=360.0)
+    inside = [place for place in ends if 60.0 < place[0] < 300.0]
+    if inside:
+        point_out(axes, "edge in air: here a chip ends", min(inside, key=lambda place: place[1]), (0, -24))
+        axes.margins(y=0.12)
+
+
+def _middles(found: NDArray[np.bool_]) -> list[int]:
+    """The middle of each stretch that is True."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], found.astype(int), [0]))))
+    return [int(first + last - 1) // 2 for first, last in edges.reshape(-1, 2)]
 
 
 def chip_thickness(figure: Figure, cut: DrawnCut) -> None:
@@ -57,16 +68,24 @@ def chip_thickness(figure: Figure, cut: DrawnCut) -> None:
     share = np.linspace(0.0, _TURNS, _TURNS * 360 + 1)
     height = np.maximum(cut.thickness_mm(cut.middle_s() + share * cut.turn_s), 0.0) / cut.feed_mm
     axes.fill_between(share, height, color=SKY, alpha=0.45, lw=0)
-    axes.plot(share, height, color=BLUE, label="with vibration")
-    axes.axhline(1.0, color=GREY, ls="--", lw=1.2, label="without")
+    axes.plot(share, height, color=BLUE)
+    axes.axhline(1.0, color=GREY, ls="--", lw=1.2)
     broken = height <= 1e-6
-    axes.plot(share[broken], height[broken], "|", color=ORANGE, ms=9, label="air: the chip has ended")
+    axes.plot(share[broken], height[broken], "|", color=ORANGE, ms=9)
     axes.set_title("Thickness of the chip")
-    axes.set_xlabel("revolutions")
-    axes.set_ylabel("thickness / feed")
+    axes.set_xlabel("revolutions of the spindle")
+    axes.set_ylabel("thickness\n[x feed per revolution]")
     axes.set_xlim(0.0, _TURNS)
-    axes.set_ylim(0.0, 1.12 * float(height.max(initial=1.0)))
-    names_beside(axes)
+    top = 1.12 * float(height.max(initial=1.0))
+    axes.set_ylim(0.0, top)
+    names = [
+        (float(height[-1]), "with vibration", BLUE),
+        (1.0, "without vibration:\none chip, as long as the cut", GREY),
+    ]
+    name_at_edge(axes, names, at=_TURNS)
+    inside = [at for at in _middles(broken) if 0.5 < share[at] < _TURNS - 0.5]
+    if inside:
+        point_out(axes, "air: a chip has ended", (float(share[inside[0]]), 0.03 * top), (0, 34))
 
 
 def ramp(figure: Figure, cut: DrawnCut) -> None:
@@ -89,5 +108,5 @@ def _swing(axes: Axes, cut: DrawnCut, part_s: tuple[float, float], title: str) -
     axes.plot((time_s[inside] - part_s[0]) / cut.turn_s, swing_mm - rest_mm, color=BLUE, lw=1.1)
     axes.axhline(0.0, color=GREY, lw=0.8)
     axes.set_title(title)
-    axes.set_xlabel("revolutions")
+    axes.set_xlabel("revolutions of the spindle")
     axes.set_xlim(0.0, (part_s[1] - part_s[0]) / cut.turn_s)

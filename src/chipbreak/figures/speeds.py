@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from chipbreak.figures.style import BLUE, GREEN, GREY, ORANGE, names_beside
+from chipbreak.figures.style import BLUE, GREEN, GREY, ORANGE, name_at_edge, point_out
 from chipbreak.kinematics.speed_solver import CommandGroup, never_breaks
 from chipbreak.kinematics.waveform import least_stroke_mm
 from chipbreak.text.named_tuple import NamedTuple
@@ -21,6 +21,7 @@ _APART = 0.35  # of the logarithms of two frequencies that are both drawn
 _SAME = 0.02
 _HIGHEST_PER_REV = 4.0
 _COUNTS = 1601
+_BAND_TEXT = "#00563f"
 
 
 class SpeedPoint(NamedTuple):
@@ -54,20 +55,30 @@ def speed_chart(figure: Figure, chart: SpeedChart) -> None:
     points = [point for point in (chart.chosen, chart.programmed) if point]
     top_rpm = _SPAN * max(point.speed_rpm for point in points)
     top_count = max(_HIGHEST_PER_REV, *(1.25 * point.per_rev for point in points))
+    axes.set_xlim(0.0, top_rpm)
+    axes.set_ylim(0.0, top_count)
     _bands(axes, chart, top_rpm, top_count)
     frequency_hz = chart.chosen.per_rev * chart.chosen.speed_rpm / S_PER_MIN
+    names: list[tuple[float, str, str]] = []
     for curve_hz in _curves_hz(chart.group, frequency_hz):
-        _curve(axes, curve_hz, top_rpm, top_count, is_ours=abs(curve_hz / frequency_hz - 1.0) < _SAME)
-    if chart.programmed:
-        axes.plot(*chart.programmed, "o", mfc="white", mec=ORANGE, mew=1.8, ms=8, label="as programmed")
+        is_ours = abs(curve_hz / frequency_hz - 1.0) < _SAME
+        _curve(axes, curve_hz, top_rpm, is_ours=is_ours)
+        count = S_PER_MIN * curve_hz / top_rpm
+        if count < top_count:
+            names.append((count, f"{curve_hz:.4g} Hz", BLUE if is_ours else GREY))
+    name_at_edge(axes, names, at=top_rpm)
+    if chart.programmed and chart.programmed != chart.chosen:
+        axes.plot(*chart.programmed, "o", mfc="white", mec=ORANGE, mew=1.8, ms=8)
         axes.annotate("", chart.chosen, chart.programmed, arrowprops={"arrowstyle": "->", "color": ORANGE})
-    axes.plot(*chart.chosen, "D", color=ORANGE, ms=7, label="as it runs")
+        is_right = chart.programmed.speed_rpm >= chart.chosen.speed_rpm
+        point_out(axes, "as programmed", chart.programmed, (52 if is_right else -52, 26))
+        point_out(axes, "as it runs", chart.chosen, (-46 if is_right else 46, -26))
+    else:
+        point_out(axes, "as it runs", chart.chosen, (46, 26))
+    axes.plot(*chart.chosen, "D", color=ORANGE, ms=7)
     axes.set_title("Spindle speed and vibrations per revolution")
     axes.set_xlabel("S, spindle speed [rpm]")
     axes.set_ylabel("N, vibrations per revolution")
-    axes.set_xlim(0.0, top_rpm)
-    axes.set_ylim(0.0, top_count)
-    names_beside(axes)
 
 
 def _bands(axes: Axes, chart: SpeedChart, top_rpm: float, top_count: float) -> None:
@@ -75,9 +86,13 @@ def _bands(axes: Axes, chart: SpeedChart, top_rpm: float, top_count: float) -> N
     counts = np.linspace(1e-3, top_count, _COUNTS)
     breaks = np.array([_breaks(chart, float(count)) for count in counts])
     edges = np.flatnonzero(np.diff(np.concatenate(([0], breaks.astype(int), [0]))))
-    for index, (first, last) in enumerate(edges.reshape(-1, 2)):
-        name = "" if index else "chips break with this stroke"
-        axes.axhspan(counts[first], counts[last - 1], color=GREEN, alpha=0.16, lw=0, label=name)
+    bands = [(float(counts[first]), float(counts[last - 1])) for first, last in edges.reshape(-1, 2)]
+    for low, high in bands:
+        axes.axhspan(low, high, color=GREEN, alpha=0.16, lw=0)
+    if bands:
+        middle = sum(bands[-1]) / 2.0
+        said = "in the bands chips break with this stroke"
+        axes.text(0.985 * top_rpm, middle, said, ha="right", va="center", fontsize=8.5, color=_BAND_TEXT)
 
 
 def _breaks(chart: SpeedChart, per_rev: float) -> bool:
@@ -100,20 +115,9 @@ def _curves_hz(group: CommandGroup, frequency_hz: float) -> list[float]:
     return sorted(chosen)
 
 
-def _curve(axes: Axes, frequency_hz: float, top_rpm: float, top_count: float, *, is_ours: bool) -> None:
-    """One frequency, named where it leaves the diagram on the right."""
+def _curve(axes: Axes, frequency_hz: float, top_rpm: float, *, is_ours: bool) -> None:
+    """One frequency."""
     speeds_rpm = np.linspace(top_rpm / 400.0, top_rpm, 800)
     (line,) = axes.plot(speeds_rpm, S_PER_MIN * frequency_hz / speeds_rpm, "--", color=GREY, lw=0.9)
     if is_ours:
         line.set(color=BLUE, linewidth=2.0, linestyle="-")
-    count = S_PER_MIN * frequency_hz / top_rpm
-    if count < top_count:
-        axes.annotate(
-            f"{frequency_hz:.4g} Hz",
-            (top_rpm, count),
-            xytext=(4, 0),
-            textcoords="offset points",
-            va="center",
-            fontsize=8,
-            annotation_clip=False,
-        )

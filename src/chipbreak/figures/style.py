@@ -7,7 +7,7 @@ a colour says is said by a shape, a dash or a word as well, so that a print in g
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -52,6 +52,10 @@ _LOOK: dict[str, Any] = {
     "svg.fonttype": "none",
 }
 
+# Yellow is seen as a line, but not read as a word.
+_READABLE: Final = {YELLOW: "#7a5200"}
+_NAME_HEIGHT = 0.075  # of the diagram, for a name beside it
+
 Draw = Callable[["Figure"], None]
 
 
@@ -85,6 +89,53 @@ def kind_of(path: str | Path) -> str | None:
     return suffix if suffix in KINDS else None
 
 
-def names_beside(axes: Axes, **options: Any) -> None:
-    """The legend to the right of a diagram, where it hides nothing."""
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), **options)
+def name_at_edge(axes: Axes, names: Sequence[tuple[float, str, str]], *, at: float) -> None:
+    """Name lines where they leave the diagram at ``at`` on the right: height, name and colour of each.
+
+    Names that would run into each other move apart.
+    """
+    low, high = axes.get_ylim()
+    line_height = _NAME_HEIGHT * (high - low)
+    ordered = sorted(names)
+    places = apart([height for height, _, _ in ordered], line_height)
+    for (height, name, colour), place in zip(ordered, places, strict=True):
+        axes.annotate(
+            name,
+            (at, height),
+            xytext=(1.03, (place - low) / (high - low)),
+            textcoords="axes fraction",
+            va="center",
+            color=_READABLE.get(colour, colour),
+            fontsize=8.5,
+            annotation_clip=False,
+            arrowprops={"arrowstyle": "-", "color": colour, "lw": 0.6, "shrinkA": 0.0, "shrinkB": 0.0},
+        )
+
+
+def apart(places: Sequence[float], gap: float) -> list[float]:
+    """Places in their order, moved as little as needed to be ``gap`` from each other."""
+    groups: list[tuple[float, int]] = []  # the middle of each run of names, and how many it has
+    for place in places:
+        middle = place
+        count = 1
+        while groups and middle - groups[-1][0] < gap * (count + groups[-1][1]) / 2.0:
+            before, some = groups.pop()
+            middle = (middle * count + before * some) / (count + some)
+            count += some
+        groups.append((middle, count))
+    return [middle + (index - (count - 1) / 2.0) * gap for middle, count in groups for index in range(count)]
+
+
+def point_out(axes: Axes, text: str, place: tuple[float, float], label: tuple[float, float]) -> None:
+    """A word with an arrow to what it names; ``label`` in points from there."""
+    axes.annotate(
+        text,
+        place,
+        xytext=label,
+        textcoords="offset points",
+        fontsize=8.5,
+        ha="center",
+        va="center",
+        bbox={"boxstyle": "round,pad=0.2", "fc": "white", "ec": "none", "alpha": 0.85},
+        arrowprops={"arrowstyle": "->", "color": "#202124", "lw": 0.9},
+    )

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from html import escape
 
 from chipbreak.figures.of_run import CHIPS, RAMP, SPEEDS, THICKNESS, figure_of_times, figures_of_cut
+from chipbreak.figures.times import cut_names
 from chipbreak.page.figure_text import inline
 from chipbreak.page.style import STYLE
 from chipbreak.pipeline import Result
@@ -18,7 +19,15 @@ from chipbreak.units import S_PER_MIN
 
 # So many cuts are drawn; of cuts that are alike the first.
 _MOST_DRAWN = 12
-_FIGURES = (CHIPS, THICKNESS, SPEEDS, RAMP)
+_CAPTIONS = {
+    CHIPS: "The work unrolled: each line is the way of the edge over one turn of the spindle. Where it comes"
+    " back to the line before, it cuts air, and the chip is off.",
+    THICKNESS: "The same over time. At 0 nothing is cut; from one 0 to the next is one chip.",
+    SPEEDS: "Each curve is a frequency that the control can command. In a band, the stroke of this cut is"
+    " large enough to break chips; on whole numbers none is.",
+    RAMP: "The cut starts and ends exactly where it was programmed: the stroke grows from nothing, and the"
+    " last turn is plain feed.",
+}
 
 
 class _Run(NamedTuple):
@@ -78,8 +87,12 @@ def _times(run: _Run) -> Iterator[str]:
 
 
 def _cuts(run: _Run) -> Iterator[str]:
-    rows = [[of(cut) for _, of in _COLUMNS] for cut in run.report.cuts]
-    yield from _table("Vibrated cuts", [name for name, _ in _COLUMNS], rows)
+    names = cut_names(run.report.cuts)
+    rows = [
+        [name.removeprefix("line "), *(of(cut) for _, of in _COLUMNS)]
+        for name, cut in zip(names, run.report.cuts, strict=True)
+    ]
+    yield from _table("Vibrated cuts", ["line", *(name for name, _ in _COLUMNS)], rows)
 
 
 def _drawn_cuts(run: _Run) -> Iterator[str]:
@@ -97,7 +110,9 @@ def _drawn_cuts(run: _Run) -> Iterator[str]:
         if cut.reasons:
             yield "<ul>" + "".join(f"<li>{_text(reason)}</li>" for reason in cut.reasons) + "</ul>"
         figures = {one.name: one for one in figures_of_cut(run.result, run.settings, number)}
-        yield "".join(f"<figure>{inline(figures[name], f'cut{number}-{name}')}</figure>" for name in _FIGURES)
+        for name, caption in _CAPTIONS.items():
+            figure = inline(figures[name], f"cut{number}-{name}")
+            yield f"<figure>{figure}<figcaption>{caption}</figcaption></figure>"
         yield "</section>"
     others = len(run.report.cuts) - min(len(numbers), _MOST_DRAWN)
     if others:
@@ -186,7 +201,6 @@ def _seconds(value: float | None) -> str:
 
 
 _COLUMNS: tuple[tuple[str, Callable[[ExplainedCut], str]], ...] = (
-    ("line", lambda cut: str(cut.first_line)),
     ("S [rpm]", lambda cut: f"{cut.speed_rpm:g}"),
     ("N", lambda cut: f"{cut.verdict.per_rev or cut.per_rev:.4g}"),
     ("f [Hz]", lambda cut: f"{cut.frequency_hz:.4g}"),

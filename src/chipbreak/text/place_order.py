@@ -18,7 +18,7 @@ def in_place_order(
     What is an error anyway need not be warned of as well: a warning with the code ``covers_line`` goes where
     its line has an error, one with ``covers_word`` where its very place has one.
     """
-    found = list(diagnostics)
+    found = list(dict.fromkeys(diagnostics))
     errors = {d.place for d in found if d.place and d.severity is Severity.ERROR}
     lines = {place.line for place in errors}
     said = [
