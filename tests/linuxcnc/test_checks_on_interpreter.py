@@ -62,9 +62,14 @@ def _folder() -> tempfile.TemporaryDirectory[str]:
     return folder
 
 
+def wooden_macros() -> Path:
+    """The folder of the macros that do nothing, and of the data of all tools."""
+    return Path(_folder().name)
+
+
 def compared(program: bytes, *options: str, block_delete: bool = False) -> str:
     """ "checked" for a program with checks that does what it did; else why there is nothing to compare."""
-    folder = Path(_folder().name)
+    folder = wooden_macros()
     profile = chipbreak.load("linuxcnc-mill", [*BEAM, f'tools.files=["{folder / "tools.csv"}"]', *options])
     result = chipbreak.rewrite(program, profile, "program.ngc")
     if not result.edits:
