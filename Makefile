@@ -64,6 +64,7 @@ test: $(VENV)/.dev lint
 check-table: $(VENV)/.dev
 	$(BIN)/python tests/macros/table.py
 	$(BIN)/python tests/macros/table.py --random 1000
+	$(BIN)/python tests/macros/table.py --linuxcnc
 
 fuzz: $(VENV)/.dev
 	$(BIN)/python tests/fuzz.py $(FUZZ_SECONDS)

@@ -3,6 +3,7 @@
     python tests/macros/table.py [--linuxcnc] [--random N] [-o FILE]
 
 Without options: every tool with every fault, each on eight of the combinations of control, unit and speed.
+``--linuxcnc``: every tool with every fault on the simulated LinuxCNC, at its laser and on a touch plate.
 ``--random N``: N good tools that must pass and N with a runout of 0.010 mm that must not, drawn with a seed.
 """
 
@@ -220,14 +221,24 @@ def _whole_table(pool: Executor) -> tuple[list[str], int]:
     return lines, wrong
 
 
+def _asked_table(pool: Executor, asked: argparse.Namespace) -> tuple[list[str], int]:
+    if asked.linuxcnc:
+        import linuxcnc
+        from macros import lc_table
+
+        return lc_table.table(pool) if linuxcnc.available() else (["LinuxCNC is not here: left out"], 0)
+    return _drawn_tools(pool, asked.random) if asked.random else _whole_table(pool)
+
+
 def main() -> int:
     """Write the table, or what the drawn tools came to."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--random", type=int, default=0)
+    parser.add_argument("--linuxcnc", action="store_true")
     parser.add_argument("-o", "--output", type=Path)
     asked = parser.parse_args()
     with ProcessPoolExecutor(2) as pool:
-        lines, wrong = _drawn_tools(pool, asked.random) if asked.random else _whole_table(pool)
+        lines, wrong = _asked_table(pool, asked)
     text = "\n".join(lines) + "\n"
     sys.stdout.write(text if asked.output is None else lines[-1] + "\n")
     if asked.output is not None:
