@@ -178,3 +178,15 @@ def test_a_speed_of_one_turn_a_minute() -> None:
     program = b"G99 G97 S1 M3\nG0 X20. Z2.\n(VIB AUTO)\nG1 Z-30. F0.3\nM30\n"
     (cut,) = chipbreak.rewrite(program, chipbreak.load("fanuc-lathe")).cuts
     assert cut.plan.solution.speed_rpm == 1.0
+
+
+def test_what_worked_for_a_long_cut_is_judged_again_where_a_short_one_is_mostly_ramp() -> None:
+    """Of 1.1 mm the ramps of the choice for 51 mm leave too little; another one has room."""
+    back = "G0 X64.\nZ1.\n"
+    passes = f"G0 X59.\nG1 Z-50. F0.3\n{back}G0 X54.\nG1 Z-0.113\n{back}G0 X50.\nG1 Z-50.\n{back}"
+    program = f"T0101\nG97 S900 M3\nG0 X64. Z1.\n{passes}M30\n"
+    result = filtered(program)
+    assert not [left.said.message for left in result.left if left.said.code != "VIB068"]
+    long, short, again = (cut.plan.solution.per_rev for cut in result.cuts)
+    assert short != long
+    assert again == long, "the short one changes nothing for others"

@@ -44,6 +44,7 @@ _USUAL_MM_S2 = 10_000.0  # of axes whose acceleration the profile does not say, 
 _MOST_COST_OF_A_CHAIN = 300_000  # of all tries together
 _MOST_TRIED = 10  # of what closed forms find, to say that there is something
 _LEAST_HZ = 0.1
+_MANY = 10  # vibrations, of which the ramps are a small part
 _WITH_ROUNDING = 1.05
 _STANDS = (1.25, 1.5, 2.0, 3.0, 5.0)  # revolutions per edge
 _SLOWER = 0.85  # of a frequency that did not work, the next that is tried at most
@@ -99,7 +100,9 @@ class Chooser:
         kind = _kind(cut)
         known = self.worked.get(kind)
         if known is not None and _fits(known, cut, self.settings):
-            return make(_with(cut, known, self.settings))
+            again = self._again(cut, known, make)
+            if again is not None:
+                return again
         try:
             found = self._tried(cut, make)
         except RefusalError as error:
@@ -108,8 +111,18 @@ class Chooser:
                 raise RefusalError(error.code, error.message, ways) from None
             raise
         if kind:
-            self.worked[kind] = found.conditions
+            self.worked.setdefault(kind, found.conditions)
         return found.made
+
+    def _again(self, cut: _Cut, known: Conditions, make: MakeCut) -> tuple[CutPlan, Expansion] | None:
+        """What worked for another cut; None where this one is so short that it does not hold here."""
+        if _vibrations(known, cut, self.settings) >= _MANY:
+            return make(_with(cut, known, self.settings))
+        try:
+            tried = self._try(cut, known, make)
+        except RefusalError:
+            return None
+        return tried.made if tried.margin >= 1.0 else None
 
     def candidates(self, chain: Chain) -> Iterator[Conditions]:
         """What closed forms and the law of the control find for a chain, the best first, untried.
