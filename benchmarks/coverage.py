@@ -6,8 +6,8 @@
 
 The machine is ``fanuc-lathe`` with the trapezoid law and 5 m/s² in X and Z, unless ``--profile`` and
 ``--set`` say otherwise.  A program counts as *out* when the filter gives output.  Length is that of the feed
-moves of G1 to G3, cycles written out; passes on the way back through air, and moves with the spindle stopped,
-are no cuts.
+moves of G1 to G3, G71 to G73 written out, without G70; passes on the way back through air, and moves with the
+spindle stopped, are no cuts.
 
 ``--page`` asks another question of every lathe program at hand (``samples``, the tests, and the folders of
 ``CHIPBREAK_CORPUS`` that have lathe in their name): does every roughing cut vibrate when the profile says
@@ -19,6 +19,7 @@ from __future__ import annotations
 import argparse
 import math
 import os
+import re
 import sys
 import time
 from collections import Counter
@@ -45,6 +46,9 @@ MACHINE = (
 )
 AUTO = 'vibration.n="auto"'
 ROUGH = 'vibration.only=["rough"]'
+# The program's own wishes would answer another question.
+_WISH = re.compile(rb"\(VIB[^)\r\n]*\)")
+_FINISHING = re.compile(rb"\bG70\s*[PQ][^\r\n]*", re.IGNORECASE)
 ROOT = Path(__file__).resolve().parents[1]
 AT_HAND = ("samples", "tests/shop")
 TOO_SHORT = "VIB013"
@@ -55,7 +59,11 @@ Does a lathe program come out with every roughing cut vibrated, when the profile
 `only = ["rough"]`? With `n = 1.5` the profile is `fanuc-lathe` (`linuxcnc-lathe` for `.ngc`) as it is
 shipped; with `n = "auto"` it has the trapezoid law and 5 m/s2 in X and Z besides, for the machine must choose
 by something. A program roughs where a cycle, a comment or the name of a tool says so. A cut in which not even
-two vibrations have room (VIB013) counts as met. This page is printed by
+two vibrations have room (VIB013) counts as met; what a program itself asks for, `(VIB ...)`, is taken out.
+
+The last column is about length: of all cuts of G1 to G3 and G71 to G73 (no threads, no rapids, no ways back
+through air, nothing while the spindle stands), how much vibrates with `n = "auto"` and nothing else. Finishing
+cuts count in it, and vibrate only when they are asked for by name. This page is printed by
 
 ```text
 CHIPBREAK_CORPUS=FOLDER python benchmarks/coverage.py --page > docs/coverage.md
@@ -112,7 +120,8 @@ def measure(path: Path, settings: Settings, plain: Settings) -> Coverage:
         take(found, result)
     found.seconds = time.perf_counter() - began
     try:
-        found.total_mm = total_mm(rewrite(data, plain, str(path)).source.data, settings)
+        roughed = _FINISHING.sub(b"", data)
+        found.total_mm = total_mm(rewrite(roughed, plain, str(path)).source.data, settings)
     except ChipbreakError:
         found.total_mm = total_mm(data, settings)
     return found
@@ -143,10 +152,10 @@ class Answer:
 
 def answer_of(path: Path, asked: Sequence[str]) -> Answer:
     """Run a program with a profile that asks for its roughing cuts."""
-    profile = "linuxcnc-lathe" if path.suffix == ".ngc" else "fanuc-lathe"
+    profile = profile_of(path)
     found = Answer()
     try:
-        result = rewrite(path.read_bytes(), load(profile, [ROUGH, *asked]), path.name)
+        result = rewrite(_WISH.sub(b"", path.read_bytes()), load(profile, [ROUGH, *asked]), path.name)
     except ProgramRejectedError as error:
         worst = next(one for one in error.diagnostics if one.severity is Severity.ERROR)
         found.reasons[f"{worst.code}: {worst.message}"] += 1
@@ -183,6 +192,7 @@ class Asked(NamedTuple):
     path: Path
     one: Answer
     auto: Answer
+    length: Coverage
 
     @property
     def roughs(self) -> bool:
@@ -196,24 +206,34 @@ class Asked(NamedTuple):
 
 
 def asked_of(path: Path) -> Asked:
-    """Ask both questions of a program."""
-    return Asked(path, answer_of(path, ["vibration.n=1.5"]), answer_of(path, [*MACHINE, AUTO]))
+    """Ask all questions of a program."""
+    profile = profile_of(path)
+    settings = load(profile, [*MACHINE, AUTO])
+    plain = load(profile, [*MACHINE, 'cycles.unroll="always"'])
+    one = answer_of(path, ["vibration.n=1.5"])
+    auto = answer_of(path, [*MACHINE, AUTO])
+    return Asked(path, one, auto, measure(path, settings, plain))
+
+
+def profile_of(path: Path) -> str:
+    """The profile of a program that says nothing of its control."""
+    return "linuxcnc-lathe" if path.suffix == ".ngc" else "fanuc-lathe"
 
 
 def print_page() -> None:
     """The page: a table of counts, and each program that is not whole, with its reasons."""
     answers = {name: [asked_of(path) for path in paths] for name, paths in programs_at_hand().items()}
     print(HEAD)
-    print("| programs | at hand | rough | all vibrated, n = 1.5 | all vibrated, n = auto |")
-    print("| --- | --- | --- | --- | --- |")
+    print("| programs | at hand | rough | all vibrated, n = 1.5 | all vibrated, n = auto | of the length |")
+    print("| --- | --- | --- | --- | --- | --- |")
     for name, asked in answers.items():
-        print(f"| {name} | {' | '.join(map(str, counts_of(asked)))} |")
+        print(f"| {name} | {' | '.join(map(str, counts_of(asked)))} | {share_of(asked)} |")
     every = [one for asked in answers.values() for one in asked]
     at_hand, rough, *whole = counts_of(every)
     shares = [f"{count} ({count / max(rough, 1):.0%})" for count in whole]
-    print(f"| together | {at_hand} | {rough} | {' | '.join(shares)} |")
+    print(f"| together | {at_hand} | {rough} | {' | '.join(shares)} | {share_of(every)} |")
     print("\n## The others\n\n| program | n = 1.5 | n = auto |\n| --- | --- | --- |")
-    print("\n".join(row_of(*one) for one in every if one.roughs and not one.is_whole))
+    print("\n".join(row_of(*one[:3]) for one in every if one.roughs and not one.is_whole))
 
 
 def counts_of(asked: Sequence[Asked]) -> list[int]:
@@ -221,6 +241,13 @@ def counts_of(asked: Sequence[Asked]) -> list[int]:
     rough = [one for one in asked if one.roughs]
     whole = [sum(one.one.is_whole for one in rough), sum(one.auto.is_whole for one in rough)]
     return [len(asked), len(rough), *whole]
+
+
+def share_of(asked: Sequence[Asked]) -> str:
+    """How much of the length of all cuts vibrates."""
+    vibrated = sum(one.length.vibrated_mm for one in asked)
+    total = sum(one.length.total_mm for one in asked)
+    return f"{vibrated / total:.0%} of {total / 1000.0:.1f} m" if total else "no cuts"
 
 
 def row_of(path: Path, one: Answer, auto: Answer) -> str:

@@ -159,7 +159,17 @@ def _asked(interpreted: InterpretedProgram, operations: Sequence[Operation]) -> 
         words = {line: by for line, by in wishes.items() if by == "word"}
         return dict[int, AskedBy | None].fromkeys(kinds) | words
     scope = Scope(settings.vibration.only, operations)
-    return {line: by for line, by in wishes.items() if by != "profile" or _is_meant(line, kinds[line], scope)}
+    return {
+        line: by
+        for line, by in wishes.items()
+        if by != "profile" or (_is_meant(line, kinds[line], scope) and _may_cut(interpreted, line))
+    }
+
+
+def _may_cut(interpreted: InterpretedProgram, line: int) -> bool:
+    """False for a cycle that runs while the spindle stands: as its moves, it is no cut."""
+    effect = interpreted.effect(line)
+    return any(state.turns or state.spindle_why for state in (effect.before, effect.after))
 
 
 def _may_wish(interpreted: InterpretedProgram) -> bool:

@@ -28,6 +28,7 @@ STEPPED = "G0 X8\nG1 Z-15\nG1 X12\nG1 X15 Z-22\nG1 Z-30\nG1 X26"
 POCKETS = "G0 X8\nG1 Z-15\nG1 X15\nG1 X13 Z-22\nG1 Z-24\nG1 X15 Z-30\nG1 X18\nG1 X16.5 Z-36\nG1 X26 Z-40"
 ARCS = "G0 X8\nG1 Z-5\nG2 X12 Z-9 I4 K0\nG1 X14\nG3 X17 Z-12 I0 K-3\nG1 Z-20\nG1 X26"
 TAPERS = "G0 X6\nG1 X8 Z-2\nG1 X12 Z-20\nG1 X20 Z-24\nG1 X26"
+CORNERS = "G0 X8\nG1 Z-15 A1\nG1 X12 C1\nG1 X15 Z-22 A2\nG1 Z-30 C1.5\nG1 X26"
 INSIDE = "G0 X26\nG1 Z-15\nG1 X20\nG1 X16 Z-22\nG1 Z-30\nG1 X8"
 BACKWARDS = "G0 X8 Z-40\nG1 Z-25\nG1 X12\nG1 X15 Z-18\nG1 Z-8\nG1 X26"
 FACING = "G0 Z-20\nG1 X20\nG1 Z-12\nG1 X14\nG1 X10 Z-6\nG1 Z2"
@@ -37,6 +38,9 @@ OUTER = "X28 Z2"
 CASES = [
     *[(shape, OUTER, f"G71 Q100 I{depth} R0.5{rest}") for shape in (STEPPED, POCKETS, ARCS, TAPERS)
       for depth, rest in ((2, ""), (1.3, " D0.4"), (0.7, " D0.25"))],
+    (CORNERS, OUTER, "G71 Q100 I2 R0.5"),
+    (CORNERS, OUTER, "G71 Q100 I1.3 R0.5 D0.4"),
+    (CORNERS, OUTER, "G71 Q100 I0.7 R0.5 D0.25"),
     (POCKETS, OUTER, "G71.1 Q100 I1.5 R0.5"),
     (POCKETS, OUTER, "G71.1 Q100 I1.5 R0.5 D0.3"),
     (POCKETS, OUTER, "G71.2 Q100 I1.5 R0.5"),
@@ -51,7 +55,7 @@ CASES = [
 ]  # fmt: skip
 FINISHES = [
     (shape, OUTER, f"G70 Q100{rest}")
-    for shape in (STEPPED, POCKETS, ARCS, TAPERS)
+    for shape in (STEPPED, POCKETS, ARCS, TAPERS, CORNERS)
     for rest in ("", " D0.4", " D0.6 E0.2 P3")
 ]
 

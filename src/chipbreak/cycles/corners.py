@@ -4,6 +4,8 @@ Many controls take C, R and A without a comma too, and I and K of a straight mov
 
 A chamfer begins and ends at its size before and behind the corner, a radius touches both lines.  An angle
 counts from +Z towards +X, and gives the axis that its block does not name.
+
+In a subroutine of LinuxCNC A is a radius, and C the chord of one: a chamfer that ends where it would touch.
 """
 
 from __future__ import annotations
@@ -30,17 +32,26 @@ _NOTHING_MM = 1e-9
 
 
 class Corner(NamedTuple):
-    """How the corner behind a move is taken off: a chamfer, or a radius, of a size [mm]."""
+    """How the corner behind a move is taken off: a chamfer, or a radius, of a size [mm].
+
+    ``touches``: it ends where an arc of this radius would touch both lines.
+    """
 
     is_radius: bool
     size_mm: float
+    touches: bool
 
 
 def words_of_corner(effect: BlockEffect, settings: Settings) -> tuple[Word, ...]:
     """The words of a straight move that say its corner or its angle."""
     if effect.move is None and not effect.block.has_any(ANGLES):
         return ()
-    if effect.after.modes.motion not in ("line", "rapid") or not settings.dialect.contour_cycles:
+    dialect = settings.dialect
+    if effect.after.modes.motion not in ("line", "rapid"):
+        return ()
+    if dialect.subroutine_cycles:
+        return effect.block.words_of(dialect.subroutine_radius + dialect.subroutine_chamfer)
+    if not dialect.contour_cycles:
         return ()
     known = _WITH_COMMA | _PLAIN if settings.cycles.plain_corners else _WITH_COMMA
     return effect.block.words_of(known)
@@ -48,7 +59,9 @@ def words_of_corner(effect: BlockEffect, settings: Settings) -> tuple[Word, ...]
 
 def corner_of(effect: BlockEffect, settings: Settings) -> Corner | None:
     """The corner that a block says; None without one.  Errors: CYC002 for two, or a size that cannot be."""
-    words = [word for word in words_of_corner(effect, settings) if word.address not in ANGLES]
+    dialect = settings.dialect
+    is_called = bool(dialect.subroutine_cycles)
+    words = [w for w in words_of_corner(effect, settings) if is_called or w.address not in ANGLES]
     if not words:
         return None
     if len(words) > 1:
@@ -56,7 +69,9 @@ def corner_of(effect: BlockEffect, settings: Settings) -> Corner | None:
     size_mm = abs(length_mm(words[0], effect.after, settings))
     if math.isnan(size_mm):
         raise _refused(effect.block, "has a corner of unknown size", WRITE_THE_POINT)
-    return Corner(words[0].address in _RADII, size_mm)
+    letter = words[0].address
+    is_radius = letter in (dialect.subroutine_radius if is_called else _RADII)
+    return Corner(is_radius, size_mm, touches=is_radius or is_called)
 
 
 def with_angle(effect: BlockEffect, settings: Settings) -> BlockEffect:
@@ -65,7 +80,7 @@ def with_angle(effect: BlockEffect, settings: Settings) -> BlockEffect:
     Errors: CYC002 for an angle that gives none.
     """
     words = [word for word in words_of_corner(effect, settings) if word.address in ANGLES]
-    if not words:
+    if not words or settings.dialect.subroutine_cycles:
         return effect
     move = effect.move
     if len(words) > 1 or move is None or move.axes not in ("X", "Z"):
@@ -126,7 +141,7 @@ def _taken_off(before: Segment, after: Segment, corner: Corner) -> tuple[list[Se
     out_t, out_h = _direction(after)
     cross = in_t * out_h - in_h * out_t
     cut_mm = corner.size_mm
-    if corner.is_radius:
+    if corner.touches:
         cut_mm *= math.tan(abs(math.atan2(cross, in_t * out_t + in_h * out_h)) / 2.0)
     if cut_mm > min(before.length_mm, after.length_mm) + 1e-6:
         raise _bad(f"a corner of {corner.size_mm:g} mm is larger than the moves beside it")

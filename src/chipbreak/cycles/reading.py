@@ -79,9 +79,9 @@ def _has_foreign_code(effect: BlockEffect, _: Settings) -> bool:
 
 def _has_unread_word(effect: BlockEffect, settings: Settings) -> bool:
     corners = words_of_corner(effect, settings)
-    others = [word for word in effect.unread if word not in corners]
+    others = [word for word in (*effect.unread, *effect.vibration) if word not in corners]
     is_axis = not corners and effect.block.has_any(_CHAMFERS)
-    return bool(others or effect.vibration or is_axis)
+    return bool(others or is_axis)
 
 
 def _moves_otherwise(effect: BlockEffect, _: Settings) -> bool:

@@ -215,6 +215,8 @@ class Dialect(NamedTuple):
     ``loop``          how blocks are repeated; None where the control has no way that is known
     ``contour_cycles`` the codes (times ten) of cycles whose P and Q name their contour, and which each is
     ``subroutine_cycles`` the codes (times ten) of cycles whose Q names a subroutine with their contour
+    ``subroutine_radius``, ``subroutine_chamfer``  letters of a line in such a contour: the radius of an arc that
+        touches both lines, and of one whose chord is cut
     ``turning_cycles`` the codes (times ten) that make one pass with each block, and along which axis
     ``deep_drilling`` the codes (times ten) that drill along Z by pecks
     ``nose``          how it compensates nose radii; None where that is not known
@@ -268,6 +270,8 @@ class Dialect(NamedTuple):
     contour_cycles: Mapping[int, ContourCycle] = FrozenTable({})
     turning_cycles: Mapping[int, ContourCycle] = FrozenTable({})
     subroutine_cycles: Mapping[int, ContourCycle] = FrozenTable({})
+    subroutine_radius: str = ""
+    subroutine_chamfer: str = ""
     nose: NoseRules | None = None
     deep_drilling: frozenset[int] = frozenset()
     place_variables: frozenset[int | str] = frozenset(range(5001, 5061))
