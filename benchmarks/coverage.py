@@ -62,8 +62,8 @@ by something. A program roughs where a cycle, a comment or the name of a tool sa
 two vibrations have room (VIB013) counts as met; what a program itself asks for, `(VIB ...)`, is taken out.
 
 The last column is about length: of all cuts of G1 to G3 and G71 to G73 (no threads, no rapids, no ways back
-through air, nothing while the spindle stands), how much vibrates with `n = "auto"` and nothing else. Finishing
-cuts count in it, and vibrate only when they are asked for by name. This page is printed by
+through air, nothing while the spindle stands), how much vibrates with `n = "auto"` and nothing else. Cuts
+that finish count in it, and vibrate only when they are asked for by name. This page is printed by
 
 ```text
 CHIPBREAK_CORPUS=FOLDER python benchmarks/coverage.py --page > docs/coverage.md

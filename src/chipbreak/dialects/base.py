@@ -215,8 +215,8 @@ class Dialect(NamedTuple):
     ``loop``          how blocks are repeated; None where the control has no way that is known
     ``contour_cycles`` the codes (times ten) of cycles whose P and Q name their contour, and which each is
     ``subroutine_cycles`` the codes (times ten) of cycles whose Q names a subroutine with their contour
-    ``subroutine_radius``, ``subroutine_chamfer``  letters of a line in such a contour: the radius of an arc that
-        touches both lines, and of one whose chord is cut
+    ``subroutine_radius``  the letter of a line in such a contour that rounds the corner behind it
+    ``subroutine_chamfer`` the same for the chord of such an arc
     ``turning_cycles`` the codes (times ten) that make one pass with each block, and along which axis
     ``deep_drilling`` the codes (times ten) that drill along Z by pecks
     ``nose``          how it compensates nose radii; None where that is not known
