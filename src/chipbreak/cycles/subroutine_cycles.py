@@ -204,6 +204,7 @@ def _rough(interpreted: InterpretedProgram, block: Block, call: _Call, steps: li
     contour = _contour(steps, frame, call.distance_mm)
     contour = tuple(one.shifted(-call.w_mm, call.u_mm) for one in contour)
     if call.subcycle == 1:
+        _refuse_open_pocket(contour)
         contour = filled(contour).contour
     begin = frame.inside(call.start.z, call.start.x)
     start = Point(min(begin.t - call.w_mm, contour[0].start.t), begin.h)
@@ -236,6 +237,15 @@ def _rough(interpreted: InterpretedProgram, block: Block, call: _Call, steps: li
     )
     reason = f"passes of {call.depth_mm:g} mm along {along} to the contour in its subroutine"
     return _edit(interpreted, block, _Cut(frame, [Motion(False, start)], passes, reason, promise))
+
+
+def _refuse_open_pocket(contour: tuple[Segment, ...]) -> None:
+    """A cycle that leaves pockets cuts nothing behind the edge of one that no wall ends."""
+    highest_mm = max(max(one.start.h, one.end.h) for one in contour)
+    if contour[-1].end.h < highest_mm - _SAME_MM:
+        message = "the contour ends in a pocket, behind whose edge this cycle cuts nothing"
+        help_text = "end the contour as far out as its outermost point, or clear the pocket too (G71, G72)"
+        raise RefusalError(TURNS_BACK, message, help_text)
 
 
 def _contour(steps: list[Step], frame: Frame, distance_mm: float) -> tuple[Segment, ...]:
