@@ -164,7 +164,9 @@ class Interpreter:
 
     def _behind_finishing(self, state: State, block: Block) -> State:
         """F and S of a shape act in its finishing cycle; whether they hold behind it, no manual says."""
-        said = self.flow.finishes.get(block.line, {})
+        said = self.flow.finishes.get(block.line)
+        if not said:
+            return state
         unknown = {
             letter: Setting(UNKNOWN, text, block.line, state.modes.units) for letter, text in said.items()
         }

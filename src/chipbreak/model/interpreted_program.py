@@ -37,7 +37,8 @@ class InterpretedProgram(NamedTuple):
 
     ``lines`` and ``states`` hold the state before each line that is no plain motion, and before the line
     after it, so that the state anywhere is a short walk away.  ``effects`` are those of blocks that do
-    something.
+    something.  ``reached`` holds by their line the effects of those lines, and the state in which the program
+    reaches them: who walks there in that state need not interpret them again.
     """
 
     program: Program
@@ -47,6 +48,7 @@ class InterpretedProgram(NamedTuple):
     lines: list[int]
     states: list[State]
     effects: list[BlockEffect]
+    reached: dict[int, tuple[State, BlockEffect]]
 
     def before(self, line: int) -> State:
         """The state before a line."""
@@ -57,11 +59,18 @@ class InterpretedProgram(NamedTuple):
         """The effects of lines ``first`` to ``last`` (exclusive), one by one."""
         state = self.before(first)
         for line in range(first, last):
-            effect = self.interpreter.advance(state, self.program.block(line))
+            effect = self._advance(state, line)
             if _says(effect, "O-ENDSUB"):
                 effect = effect._replace(after=self.before(line + 1))
             state = effect.after
             yield effect
+
+    def _advance(self, state: State, line: int) -> BlockEffect:
+        """The effect of a line that is reached in a state."""
+        known = self.reached.get(line)
+        if known is not None and (known[0] is state or known[0] == state):
+            return known[1]
+        return self.interpreter.advance(state, self.program.block(line))
 
     def effect(self, line: int) -> BlockEffect:
         """The effect of one line."""
@@ -76,7 +85,7 @@ class InterpretedProgram(NamedTuple):
         line = first
         # Step until G0 to G3 is in force; from there on the run needs no steps.
         while line < last and (self._must_step(state) or last - line <= _SHORT_RUN):
-            state = self.interpreter.advance(state, self.program.block(line)).after
+            state = self._advance(state, line).after
             line += 1
         if line == last:
             return state
@@ -101,7 +110,7 @@ class InterpretedProgram(NamedTuple):
                 continue
             stop = stop if long else min(stop, line + _SHORT_RUN)
             for at in range(line, stop):
-                state = self.interpreter.advance(state, self.program.block(at)).after
+                state = self._advance(state, at).after
             line = stop
         return state
 
@@ -233,7 +242,7 @@ def _interpreted(
     program: Program, settings: Settings, flow: Flow, entries: Mapping[int, State]
 ) -> InterpretedProgram:
     interpreter = Interpreter(settings, flow, program.source, entries)
-    interpreted = InterpretedProgram(program, settings, flow, interpreter, [], [], [])
+    interpreted = InterpretedProgram(program, settings, flow, interpreter, [], [], [], {})
     state = initial_state(settings)
     line = program.source.body.start
     around: State | None = None  # a subprogram's body: the program goes on behind it as if it was not there
@@ -242,6 +251,7 @@ def _interpreted(
     for event in program.special_lines.tolist():
         state = interpreted.skip(state, line, event)
         effect = interpreter.advance(state, program.block(event))
+        interpreted.reached[event] = (state, effect)
         if around is None and _says(effect, "O-SUB"):
             around = state
         elif around is not None and _says(effect, "O-ENDSUB"):

@@ -134,7 +134,12 @@ class Block(NamedTuple):
     @property
     def has_macro(self) -> bool:
         """True when variables or control words other than marks take part."""
-        return bool(self.assignments or self.statements) or any(w.expression is not None for w in self.words)
+        if self.assignments or (self.controls and self.statements):
+            return True
+        for word in self.words:  # noqa: SIM110
+            if word.expression is not None:
+                return True
+        return False
 
     def word(self, address: str) -> Word | None:
         """The last word with this address (upper case), as controls take it."""
