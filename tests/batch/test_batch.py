@@ -20,6 +20,8 @@ from chipbreak.batch.work import Finished, Task, filtered
 from chipbreak.settings import load
 from chipbreak.text.diagnostics import RefusalError
 
+from .killed_worker import run as run_with_a_killed_worker
+
 HEAD = b"G97 S3000 M3\nG0 X20. Z2.\n"
 VIBRATED = HEAD + b"G1 Z-3. F0.05 N1.5\nM30\n"
 PLAIN = HEAD + b"G1 Z-3. F0.05\nM30\n"
@@ -120,6 +122,19 @@ def test_a_worker_of_a_cluster_that_dies(
     assert {one.data for number, one in results.items() if number != 2 or comes_back} == {alone(VIBRATED)}
     if not comes_back:
         assert results[2].diagnostics[0].code == "BAT001"
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="finds workers in /proc")
+def test_a_worker_that_is_killed_from_outside_changes_no_result(tmp_path: Path) -> None:
+    """As many as a shop has, from a folder of its own: ``python tests/batch/killed_worker.py FOLDER``."""
+    shop = sorted((Path(__file__).parents[1] / "shop").glob("*.nc"))
+    longer = VIBRATED.replace(b"Z-3.", b"Z-90.")
+    programs = [*(path.read_bytes() for path in shop[:10]), WRONG, *[longer] * 9]
+    outcome = run_with_a_killed_worker(programs, tmp_path)
+    assert outcome.wrong == ()
+    assert outcome.killed == 1
+    assert outcome.changed >= 10
+    assert outcome.rejected >= 1
 
 
 def test_no_more_programs_are_read_than_workers_need() -> None:
