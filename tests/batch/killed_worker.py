@@ -1,8 +1,8 @@
 """Many programs through ``batch`` with two workers, one of which is killed on the way.
 
-As a command, ``python tests/batch/killed_worker.py FOLDER --programs 300``, it takes the programs of a folder,
-copies of them under other names until there are enough, and compares what ``batch`` makes of each with a run
-of its own.
+As a command, ``python tests/batch/killed_worker.py FOLDER --programs 300``, it takes the programs of a
+folder, copies of them under other names until there are enough, and compares what ``batch`` makes of each
+with a run of its own.
 """
 
 from __future__ import annotations
