@@ -13,7 +13,7 @@ FUZZ_SECONDS ?= 120
 # Runs on simulated machines wait more than they compute.
 WORKERS := $(shell $(PYTHON) -c 'import os; print(2 * (os.cpu_count() or 1))')
 
-.PHONY: lock machine-test real-control demo test check-table fuzz lint man site test-pythons hooks bench wheel release-dry-run clean
+.PHONY: lock machine-test real-control demo test check-table fuzz lint man site cookbook test-pythons hooks bench wheel release-dry-run clean
 
 $(BIN)/chipbreak: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -108,6 +108,10 @@ man: $(VENV)/.dev
 	mkdir -p build/man
 	$(BIN)/python -c "from click_man.core import write_man_pages as w; import chipbreak; from chipbreak.cli import cli; \
 	    w('chipbreak', cli, version=chipbreak.__version__, target_dir='build/man')"
+
+# The table and the figures of docs/cookbook.md, by the commands that stand in it.
+cookbook: $(VENV)/.dev
+	$(BIN)/python benchmarks/cookbook.py
 
 # The pages as a site in build/site.
 site: $(VENV)/.dev
