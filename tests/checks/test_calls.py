@@ -170,7 +170,7 @@ def test_the_number_of_workpieces_and_the_sister_are_handed_over() -> None:
     assert texts("fanuc-mill", own, "checks.calls=own", "checks.every=4", "checks.sister.9=19")
 
 
-@pytest.mark.parametrize("key", ["checks.every=2", "checks.sister.2=12"])
+@pytest.mark.parametrize("key", ["checks.every=2", "checks.sister.2=12", "checks.depth=full"])
 @pytest.mark.parametrize("name", MAKERS)
 def test_what_the_calls_cannot_say_is_refused(name: str, key: str) -> None:
     with pytest.raises(RefusalError) as caught:

@@ -194,9 +194,15 @@ def calls_of(settings: Settings) -> CallSet:
     """
     found = _read(settings.checks.calls, settings)
     _check_plate(found, settings)
-    asked = {"every": settings.checks.every > 1, "sister": bool(settings.checks.sister)}
-    for field, is_asked in asked.items():
-        if is_asked and not found.hands_over(field):
+    checks = settings.checks
+    # The length is what every set looks at, and "limit-line" is what a profile has that says nothing.
+    unsaid = {
+        "every": checks.every > 1 and not found.hands_over("every"),
+        "sister": bool(checks.sister) and not found.hands_over("sister"),
+        "depth": checks.depth == "full" and not found.hands_over_depth(),
+    }
+    for field, is_unsaid in unsaid.items():
+        if is_unsaid:
             message = f"checks.{field} is set, but no call of the set {found.name} hands {{{field}}} over"
             help_text = f"use calls that take it, or leave checks.{field} out"
             raise RefusalError(NOT_HANDED_OVER, message, help_text)
