@@ -43,6 +43,7 @@ WAYS: dict[str, list[Way]] = {
     "cycle-pattern-of-no-pass": [("R0", "R3")],
     "cycle-without-contour": [("Q30", "Q20")],
     "check-has-no-place": [("(.FINISH.)", r"G0 Z15.\nG40 X1.\n\1\nG0 X1. Y2.\nG1 Z-1. F50.")],
+    "check-shares-its-work-offset": [("G59", "G58")],
     "check-has-no-beam": ["checks.calls=haas", "checks.enabled=false"],
     "chips-do-not-break": [("Q0.5", "Q1.06")],
     "contour-of-a-cycle": [("N1.5", ""), ("G7.*P100.*\n", "")],

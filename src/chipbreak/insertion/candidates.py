@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from bisect import bisect_right
+from typing import Final, Literal
+
+import numpy as np
 
 from chipbreak.insertion.position_dependencies import homed_axes, named_axes
 from chipbreak.insertion.retract import Retract
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
+from chipbreak.model.plain_run import MODES, RAPID, modes_of
 from chipbreak.model.words import codes_of
 from chipbreak.operations.main_program import calls_subprogram
 from chipbreak.operations.operations import calls_tool
 from chipbreak.settings.sections import Settings
+from chipbreak.syntax.shapes import bits_of
 from chipbreak.text.named_tuple import NamedTuple
 
 # "nothing" yet, "rapid", "home" (or the machine's own tool change), "call" of a subprogram or a macro, or
 # "cut" for all else.
 Mover = Literal["nothing", "rapid", "home", "call", "cut"]
 _Deed = Literal["tool change", "home", "call", "rapid", "cut", "nothing"]
+_AXES: Final = frozenset("XYZ")
+_CENTRES = "IJK"
+_CW = MODES.index("cw")
+_LONG_RUN = 16
 _MOVERS: dict[_Deed, Mover] = {
     "tool change": "home",
     "home": "home",
@@ -58,6 +67,61 @@ def candidates(
     for effect in interpreted.effects_of(first, last):
         found.append(_Step(effect, interpreted.settings, retract).after(found[-1]))
     return found
+
+
+class Candidates:
+    """The same lines, each when it is asked for: long runs of plain motion are not stepped through."""
+
+    def __init__(
+        self, interpreted: InterpretedProgram, retract: Retract, first: int, last: int, mover: Mover
+    ) -> None:
+        self._interpreted = interpreted
+        self._retract = retract
+        state = interpreted.before(first)
+        found = Candidate(first, state, mover, is_displaced=_compensates(state))
+        self._known = [found]
+        special = interpreted.program.special_lines
+        for line in special[(special >= first) & (special < last)].tolist():
+            found = self._stepped(self._over_run(found, line), line + 1)
+            self._known.append(found)
+
+    def at(self, line: int) -> Candidate:
+        """The candidate before a line."""
+        at = bisect_right(self._known, line, key=lambda one: one.line) - 1
+        return self._over_run(self._known[at], line)
+
+    def _over_run(self, before: Candidate, line: int) -> Candidate:
+        """The candidate behind a run of plain lines."""
+        modes = before.state.modes
+        is_plain = modes.motion in MODES and not before.state.ended and self._interpreted.flow.is_straight
+        if line - before.line < _LONG_RUN or not is_plain:
+            return self._stepped(before, line)
+        program = self._interpreted.program
+        words = self._interpreted.settings.axis_words
+        bits = program.bits[before.line : line]
+        used = int(np.bitwise_or.reduce(bits))
+        named = frozenset(axis for letter, axis in words.axes.items() if used & bits_of(letter)) & _AXES
+        mode = modes_of(self._interpreted, before.state, before.line, line)
+        letters = bits_of(self._interpreted.interpreter.axis_letters)
+        moves = ((bits & letters) != 0) | ((mode >= _CW) & ((bits & bits_of(_CENTRES)) != 0))
+        moving = np.flatnonzero(moves)
+        if not len(moving):
+            return before._replace(line=line, state=self._interpreted.before(line))
+        return Candidate(
+            line,
+            self._interpreted.before(line),
+            "rapid" if mode[moving[-1]] == RAPID else "cut",
+            before.homed - named,
+            before.z_is_home and "Z" not in named,
+            before.z_is_shifted and "Z" not in named,
+            before.is_displaced and (_compensates(before.state) or not named & {"X", "Y"}),
+            before.spindle_is_unsure,
+        )
+
+    def _stepped(self, before: Candidate, line: int) -> Candidate:
+        for effect in self._interpreted.effects_of(before.line, line):
+            before = _Step(effect, self._interpreted.settings, self._retract).after(before)
+        return before
 
 
 class _Step:

@@ -166,7 +166,7 @@ def _feed_is_not_known(before: Before) -> str:
 
 def _has_lost_its_feed(before: Before) -> bool:
     """A call since the last F may have set another; behind a loop it is not known, but in force."""
-    said = next(reversed([one.block.line for one in _with_letters(before, "F")]), -1)
+    said = next(_lines_with(before, "F"), -1)
     since = [effect for effect in before.effects() if effect.block.line > said]
     if any(_calls(effect) for effect in since):
         return True
@@ -196,7 +196,8 @@ def rotary_places(before: Before) -> dict[str, BlockEffect]:
     linear = before.interpreted.settings.axis_words.axes
     letters = [one for one in _ROTARY if one in before.dialect.axis_letters and one not in linear]
     found: dict[str, BlockEffect] = {}
-    for effect in _with_letters(before, letters):
+    for line in reversed(list(_lines_with(before, letters))):
+        effect = before.interpreted.effect(line)
         taken = {letter for word in effect.block.words_of("GM") for letter in _taken(word.number, before)}
         if effect.non_modal & {"macro-call", "service"} or effect.after.modes.motion.endswith("-cycle"):
             continue
@@ -204,14 +205,14 @@ def rotary_places(before: Before) -> dict[str, BlockEffect]:
     return found
 
 
-def _with_letters(before: Before, letters: Collection[str]) -> Iterator[BlockEffect]:
-    """The blocks of the main program before the line that have one of these letters."""
+def _lines_with(before: Before, letters: Collection[str]) -> Iterator[int]:
+    """The lines of the main program before the line that have one of these letters, the last one first."""
     program = before.interpreted.program
-    plain = set(np.flatnonzero(program.bits[: before.line] & bits_of("".join(letters))).tolist())
+    plain = np.flatnonzero(program.bits[: before.line] & bits_of("".join(letters)))
     special = {one.block.line for one in before.effects() if one.block.has_any(letters)}
-    for line in sorted(plain | special):
+    for line in sorted(special.union(plain.tolist()), reverse=True):
         if before.program.main.has(line):
-            yield before.interpreted.effect(line)
+            yield line
 
 
 def _taken(number: float | None, before: Before) -> str:

@@ -7,10 +7,14 @@ before comes on top (``from_before``).  Before a tool call it does not matter wh
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterator
 
+import numpy as np
+from numpy.typing import NDArray
+
 from chipbreak.insertion.candidate_rules import RULES, Surroundings
-from chipbreak.insertion.candidates import Candidate, candidates
+from chipbreak.insertion.candidates import Candidate, Candidates
 from chipbreak.insertion.clearance import Clearance
 from chipbreak.insertion.obstacles import Obstacles
 from chipbreak.insertion.retract import Retract
@@ -18,6 +22,7 @@ from chipbreak.operations.operations import calls_tool
 from chipbreak.restart.from_before import WHY, Before
 from chipbreak.restart.restart_case import RestartCase
 from chipbreak.restart.standing import Standing
+from chipbreak.syntax.shapes import bits_of
 from chipbreak.text.named_tuple import NamedTuple
 
 # Between a comment and the tool call that it names nothing else stands.
@@ -45,6 +50,7 @@ class RestartPoints:
         self.around = Surroundings(
             self.interpreted, self.obstacles, self.retract, clearance, calls_end_offset=False
         )
+        self._worth = self._worth_a_look()
 
     def last_before(self, file_line: int) -> tuple[RestartCase | None, list[Refused]]:
         """The last line up to ``file_line`` at which the program can be started, and why none nearer does."""
@@ -67,12 +73,33 @@ class RestartPoints:
             if start > place:
                 continue
             last = max(first, min(self.program.line_of(place), main.last))
-            stretch = candidates(self.interpreted, self.retract, first, last, "nothing")
+            stretch = Candidates(self.interpreted, self.retract, first, last, "nothing")
             while place >= start:
                 written = self.program.written_at(place)
                 place = place if written is None else written.start
-                yield place, stretch[min(self.program.line_of(place), last) - first]
-                place -= 1
+                yield place, stretch.at(max(first, min(self.program.line_of(place), last)))
+                place = self._before(place)
+
+    def _before(self, place: int) -> int:
+        """The next place that is worth a look: no move of a cut ends there, but where a tool call comes."""
+        line = self.program.line_of(place - 1)
+        at = int(np.searchsorted(self._worth, line, "right")) - 1
+        if at < 0:
+            return place - 1
+        worth = int(self._worth[at])
+        return place - 1 if worth == line else min(place - 1, int(self.program.places[worth]))
+
+    def _worth_a_look(self) -> NDArray[np.int64]:
+        """The lines of the original that plain cutting does not rule out, in order."""
+        program = self.interpreted.program
+        is_worth = np.ones(len(program.plain) + 1, np.bool_)
+        cuts = self.program.main.cuts
+        letters = bits_of(self.interpreted.interpreter.axis_letters)
+        plain = cuts[(program.plain[cuts] >= 0) & ((program.bits[cuts] & letters) != 0)]
+        is_worth[plain + 1] = False
+        for line in self.obstacles.tool_changes:
+            is_worth[max(line - _AHEAD, 0) : line + 1] = True
+        return np.flatnonzero(is_worth[:-1])
 
     def _start(self, line: int) -> int:
         """Where a line of the original stands, with what chipbreak wrote around it."""
@@ -96,6 +123,9 @@ class RestartPoints:
 
     def _calls_tool_next(self, line: int) -> bool:
         last = min(line + _AHEAD, self.interpreted.program.source.body.stop)
+        at = bisect_left(self.obstacles.tool_changes, line)
+        if at == len(self.obstacles.tool_changes) or self.obstacles.tool_changes[at] >= last:
+            return False
         for effect in self.interpreted.effects_of(line, last):
             if calls_tool(effect, self.dialect):
                 return not effect.block.skip
