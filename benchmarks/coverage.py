@@ -52,6 +52,7 @@ _FINISHING = re.compile(rb"\bG70\s*[PQ][^\r\n]*", re.IGNORECASE)
 ROOT = Path(__file__).resolve().parents[1]
 AT_HAND = ("samples", "tests/shop")
 TOO_SHORT = "VIB013"
+OTHER_CONTROLS = b"$"  # Okuma: $NAME.MIN%
 SUFFIXES = frozenset({".nc", ".ngc", ".cnc", ".tap", ".txt"})
 HEAD = """# Coverage
 
@@ -60,6 +61,7 @@ Does a lathe program come out with every roughing cut vibrated, when the profile
 shipped; with `n = "auto"` it has the trapezoid law and 5 m/s2 in X and Z besides, for the machine must choose
 by something. A program roughs where a cycle, a comment or the name of a tool says so. A cut in which not even
 two vibrations have room (VIB013) counts as met; what a program itself asks for, `(VIB ...)`, is taken out.
+Programs of controls that are not read here (Okuma, whose files begin with `$`) are left out.
 
 The last column is about length: of all cuts of G1 to G3 and G71 to G73 (no threads, no rapids, no ways back
 through air, nothing while the spindle stands), how much vibrates with `n = "auto"` and nothing else. Cuts
@@ -183,7 +185,8 @@ def programs_at_hand() -> dict[str, list[Path]]:
 
 def programs_in(folder: Path) -> list[Path]:
     """The programs of a folder, by name."""
-    return [path for path in sorted(folder.iterdir()) if path.suffix.lower() in SUFFIXES]
+    paths = [path for path in sorted(folder.iterdir()) if path.suffix.lower() in SUFFIXES]
+    return [path for path in paths if not path.read_bytes().startswith(OTHER_CONTROLS)]
 
 
 class Asked(NamedTuple):
