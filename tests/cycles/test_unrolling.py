@@ -453,3 +453,35 @@ def test_a_cycle_with_which_a_subprogram_begins_does_not_start_where_the_program
     result = chipbreak.rewrite(program, load("fanuc-lathe", ALWAYS))
     assert result.data == program
     assert any("where this cycle starts is not known" in one.message for one in result.diagnostics)
+
+
+COMPENSATED = CYCLE.replace(b"N10 G0 X16.", b"N10 G0 G42 X16.").replace(b"G0 X100.", b"G40 G0 X100.")
+
+
+@pytest.mark.parametrize("options", [ALWAYS, ["vibration.n=1.5"]], ids=str)
+@pytest.mark.parametrize(
+    "end",
+    [b"G40 G0 X100. Z100.", b"G40\nG0 X100. Z100.", b"M9\nG40\nG0 X100. Z100.", b"G0 G40 X100. Z100."],
+)
+def test_compensation_of_the_contour_may_end_behind_its_finishing_cycle(
+    end: bytes, options: list[str]
+) -> None:
+    """Most programs begin it in the first block of the contour and end it in the move away."""
+    program = COMPENSATED.replace(b"G40 G0 X100. Z100.", end)
+    output = filtered(program, *options)
+    assert b"(CHIPBREAK UNROLLED G71 P10 Q20)" in output
+    finish = output.partition(b"(CHIPBREAK UNROLLED G70 P10 Q20)")[2].partition(b"(CHIPBREAK ROLLED")[0]
+    assert b"\nG0 G42 X16. F0.1\n" in finish
+    assert b"G40" not in finish, "it holds to the move away, as on the control"
+    assert chipbreak.restore(output) == program
+    assert filtered(output, *options) == output
+
+
+@pytest.mark.parametrize(
+    "behind", [b"G0 X100. Z100.", b"G28 U0 W0\nG40", b"G1 X60. F0.2\nG40", b"/G40\nG0 X100."]
+)
+def test_one_that_goes_on_behind_the_cycle_keeps_it_as_it_is(behind: bytes) -> None:
+    program = COMPENSATED.replace(b"G40 G0 X100. Z100.", behind)
+    result = chipbreak.rewrite(program, load("fanuc-lathe", ALWAYS))
+    assert result.data == program
+    assert any("leaves another compensation in force" in one.message for one in result.diagnostics)

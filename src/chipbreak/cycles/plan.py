@@ -43,6 +43,7 @@ from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.flow import ContourCall, contour_calls, sequence_lines
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import NOWHERE, State
+from chipbreak.model.words import codes_of
 from chipbreak.operations.kinds import Kind
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
@@ -433,7 +434,8 @@ def _pattern_edit(interpreted: InterpretedProgram, call: Call, state: State) -> 
 def _finish_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Edit:
     lines = (call.contour_first, call.contour_last)
     effects = effects_of_contour(interpreted, state, *lines)
-    _refuse_left_behind(state, effects[-1].after)
+    stays_on = _leaves_compensation(interpreted, call, state, effects[-1].after)
+    _refuse_left_behind(state, effects[-1].after, {"motion", "compensation"} if stays_on else {"motion"})
     _refuse_unsaid_behind(interpreted, call)
     settings = interpreted.settings
     if any(words_of_corner(effect, settings) for effect in effects):
@@ -451,13 +453,30 @@ def _finish_edit(interpreted: InterpretedProgram, call: Call, state: State) -> E
     head = " ".join(text for text in (call.speed, call.feed) if text)
     content = (head, *blocks, back, *_motion_back(state))
     reason = "the contour as the finishing cycle runs it"
-    promise = CopiedContour(ends=tuple(ends), leaves_motion=leaves_motion(state))
+    promise = CopiedContour(
+        ends=tuple(ends), leaves_motion=leaves_motion(state), leaves_compensation=stays_on
+    )
     return Edit(call.first, call.last, tuple(filter(None, content)), call.name, reason, promise)
 
 
-def _refuse_left_behind(before: State, behind: State) -> None:
+def _leaves_compensation(interpreted: InterpretedProgram, call: Call, before: State, behind: State) -> bool:
+    """True where G41 or G42 of the contour holds up to the next move, which says what holds then."""
+    if "compensation" not in before.modes.changed(behind.modes):
+        return False
+    dialect = interpreted.settings.dialect
+    for effect in interpreted.effects_of(call.last, interpreted.program.source.body.stop):
+        if effect.in_contour:
+            continue
+        if codes_of(effect.block, "compensation", dialect):
+            return not effect.block.skip
+        if effect.move is not None or effect.non_modal or effect.after.ended:
+            return False
+    return False
+
+
+def _refuse_left_behind(before: State, behind: State, may_differ: set[str]) -> None:
     """What the finishing cut leaves in force is not known of the cycle, so it must be what was in force."""
-    changed = sorted(set(before.modes.changed(behind.modes)) - {"motion"})
+    changed = sorted(set(before.modes.changed(behind.modes)) - may_differ)
     if before.coolant != behind.coolant:
         changed.append("coolant")
     if before.spindle != behind.spindle:

@@ -31,11 +31,12 @@ _POINTS_OF_ARC = 2001
 class UnrolledCycle(Promise, kw_only=True):
     """The tool comes back to where it was, and nothing but F and S may be another.
 
-    Where ``leaves_motion``, the next move says its own motion code.  ``end`` is where the tool stays on a
-    control that does not take it back.
+    Where ``leaves_motion``, the next move says its own motion code, and where ``leaves_compensation`` its own
+    G40, G41 or G42.  ``end`` is where the tool stays on a control that does not take it back.
     """
 
     leaves_speed: bool = True
+    leaves_compensation: bool = False
     end: Position | None = None
 
     def check(self, written: Written) -> None:
@@ -61,6 +62,8 @@ class UnrolledCycle(Promise, kw_only=True):
         if now.ended:
             return ""  # a contour behind the end of the program
         was = was._replace(feed=now.feed)
+        if self.leaves_compensation:
+            was = was._replace(modes=was.modes._replace(compensation=now.modes.compensation))
         return difference(was.with_motion(now.modes.motion) if self.leaves_motion else was, now)
 
 
