@@ -48,7 +48,7 @@ def groups_of(program: str, *, x_is_diameter: bool) -> list[list[Block]]:
             ways = {_AXIS_OF[letter]: float(number) for letter, number in words.items() if letter in _AXIS_OF}
             x_mm = ways.get("X", 0.0) / (2.0 if x_is_diameter else 1.0)
             groups[-1].append(Block(x_mm, ways.get("Z", 0.0), feed / 60.0))
-    return groups
+    return [group for group in groups if group]
 
 
 class Record(NamedTuple):

@@ -79,6 +79,15 @@ def test_the_program_is_read_and_stays_where_it_says(profile: str, tmp_path: Pat
             assert not ways or abs(places[-1]) < 1e-9
 
 
+def test_klipper_gets_no_code_that_it_does_not_know(tmp_path: Path) -> None:
+    """Its host runs the file: nothing stops at M0 there, so the program gives time instead."""
+    program = tmp_path / "t.nc"
+    assert run("write", "-p", "klipper", "-o", str(program))[0] == 0
+    codes = [line.split(";")[0].split() for line in program.read_text().splitlines()]
+    assert {words[0] for words in codes if words} == {"G1", "G4", "G21", "G90", "G91"}
+    assert next(words for words in codes if words) == ["G4", "P10000."]
+
+
 @pytest.mark.linuxcnc("interpreter")
 def test_linuxcnc_reads_its_program(tmp_path: Path) -> None:
     if shutil.which("rs274") is None:

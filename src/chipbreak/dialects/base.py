@@ -241,6 +241,7 @@ class Dialect(NamedTuple):
     ``stops_at``      what it stops at; None where it is not known to
     ``repeats_codes`` every block says its code: G1, and with S the M code of the spindle
     ``clock``         how a program reads the time; None where it cannot
+    ``holds_programs`` M0 holds a program until somebody lets it go on, and M2 ends it
     """
 
     name: str
@@ -295,6 +296,7 @@ class Dialect(NamedTuple):
     settings: Mapping[int, str] = FrozenTable({})
     stops_at: Stops | None = None
     repeats_codes: bool = False
+    holds_programs: bool = True
     message_mark: str = ""
     clock: Clock | None = None
 

@@ -38,6 +38,8 @@ KLIPPER = Dialect(
     own_words=FrozenTable({Code(NON_MODAL, "dwell"): "P"}),
     place_variables=frozenset(),
     repeats_codes=True,
+    # The host runs the file: M0 and M2 are nothing there, but for a macro of the shop.
+    holds_programs=False,
     no_macros=(
         "it has no G38, probing (PROBE) is a macro of its configuration, and a program cannot compare"
     ),

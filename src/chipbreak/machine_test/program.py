@@ -11,6 +11,7 @@ from chipbreak.syntax.numbers import print_number
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 
+_WAIT_S = 10.0
 REST_S = 1.0  # before each group, by which a trace is cut into groups
 _DECIMALS = 4
 _FEED_DECIMALS = 1
@@ -112,9 +113,7 @@ def _head(writer: _Writer, groups: Sequence[Group], timed: bool) -> Iterator[str
     yield writer.comment(f"spindle off, feed override 100 %, about {minutes} min")
     if timed:
         yield writer.comment("the times are left in variables: write them into the form")
-    yield writer.comment("start the trace, if there is one, then go on")
-    if any(code[:2] == ("stop", "always") for code in dialect.m_codes.values()):
-        yield dialect.m_code("stop", "always")
+    yield from _wait(writer)
     modes = [("units", "mm"), ("feed_mode", "minute"), ("compensation", "off")]
     codes = [dialect.code(*mode) for mode in modes if dialect.can(*mode)]
     yield from codes if dialect.repeats_codes else [" ".join(codes)]
@@ -124,14 +123,29 @@ def _head(writer: _Writer, groups: Sequence[Group], timed: bool) -> Iterator[str
     yield writer.incremental if dialect.clock is None else ""
 
 
-def _group(writer: _Writer, group: Group, variable: int | None) -> Iterator[str]:
+def _wait(writer: _Writer) -> Iterator[str]:
+    """Time to start a trace."""
     dialect = writer.settings.dialect
-    rest = print_number(REST_S * dialect.dwells_per_s, 3)
+    knows_stop = any(code[:2] == ("stop", "always") for code in dialect.m_codes.values())
+    if dialect.holds_programs and knows_stop:
+        yield writer.comment("start the trace, if there is one, then go on")
+        yield dialect.m_code("stop", "always")
+    else:
+        yield writer.comment(f"start the trace, if there is one, within {_WAIT_S:g} s")
+        yield _dwell(writer, _WAIT_S)
+
+
+def _dwell(writer: _Writer, time_s: float) -> str:
+    dialect = writer.settings.dialect
     word = writer.settings.control.dwell_word or dialect.dwell_word
+    return f"G4 {word}{print_number(time_s * dialect.dwells_per_s, 3)}"
+
+
+def _group(writer: _Writer, group: Group, variable: int | None) -> Iterator[str]:
     yield writer.comment(f"{group.name} {group.told}")
-    yield f"G4 {word}{rest}"
+    yield _dwell(writer, REST_S)
     blocks = writer.strokes(group)
-    clock = dialect.clock
+    clock = writer.settings.dialect.clock
     if clock is None or variable is None:
         yield from blocks
         return
@@ -154,6 +168,6 @@ def _end(writer: _Writer, variables: Sequence[int]) -> Iterator[str]:
     yield planner.usual_path_mode if planner.path_mode else ""
     if variables and dialect.clock is not None:
         yield dialect.clock.message.format(text=f"TIMES IN {variables[0]} TO {variables[-1]}")
-    yield dialect.m_code("program", "end")
+    yield dialect.m_code("program", "end") if dialect.holds_programs else ""
     if dialect.clock is not None:
         yield "%"
