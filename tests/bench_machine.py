@@ -6,6 +6,7 @@ through time with other formulas than those of the package.
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 from typing import NamedTuple
@@ -235,10 +236,45 @@ def measured_profile(machine: Machine, draw: np.random.Generator, folder: Path, 
     groups = groups_of(program.read_text(), x_is_diameter=True)
     record = recorded(groups, {"X": machine, "Z": machine}, draw)
     trace.write_text(record.csv(axes))
-    command_line("read", str(form), "--trace", str(trace), "-o", str(profile), "--force", "-q")
+    said = command_line("read", str(form), "--trace", str(trace), "-o", str(profile), "--force", "--json")
+    (folder / "said.json").write_text(said)
     return str(profile)
 
 
-def command_line(*arguments: str) -> None:
+def numbers_of(machine: Machine, axis: str = "Z") -> dict[str, float]:
+    """The numbers of a machine as a profile calls them."""
+    if machine.averages_s:
+        names = ("acc_dec_ms", "bell_ms")[: len(machine.averages_s)]
+        times_s = dict(zip(names, machine.averages_s, strict=True))
+        (lag_s,) = machine.lags_s
+    else:
+        lag_s, longer_s = sorted(machine.lags_s)
+        times_s = {"acc_dec_ms": longer_s}
+    found = {f"axes.{axis}.{name}": time_s * 1000.0 for name, time_s in times_s.items()}
+    found[f"axes.{axis}.position_gain_1_s"] = 1.0 / lag_s
+    if machine.joint_mm_s is not None:
+        found["planner.joint_speed_mm_min"] = machine.joint_mm_s * 60.0
+        found[f"axes.{axis}.max_acceleration_mm_s2"] = machine.ramp_mm_s2
+    return found
+
+
+def held(machine: Machine, folder: Path) -> list[bool]:
+    """Which of the measured numbers are within what was said of their uncertainty.
+
+    Those behind acc/dec are left out where it was said that its kind cannot be told.
+    """
+    said = json.loads((folder / "said.json").read_text())
+    is_open = any(".acc_dec:" in one for one in said["cannot_tell"])
+    known = numbers_of(machine)
+    return [
+        abs(one["value"] / known[one["key"]] - 1.0) <= one["share"]
+        for one in said["measured"]
+        if one["key"] in known and not (is_open and one["key"].endswith(("_ms", "_1_s")))
+    ]
+
+
+def command_line(*arguments: str) -> str:
+    """What ``chipbreak machine-test`` prints."""
     done = CliRunner().invoke(cli, ["machine-test", *arguments])
     assert done.exit_code == 0, done.output
+    return done.stdout

@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 import chipbreak
-from bench_machine import drawn_cut, drawn_machine, fanuc_cut, groups_of, measured_profile, recorded
+from bench_machine import drawn_cut, drawn_machine, fanuc_cut, groups_of, held, measured_profile, recorded
 from bench_planners import PLANNER, drawn_klipper, klipper_cut, klipper_profile
 from chipbreak.cli import cli
 from stepped_machine import Machine
@@ -37,6 +37,9 @@ def test_cuts_on_a_measured_machine_are_as_promised(seed: int, tmp_path: Path) -
     draw = np.random.default_rng(seed)
     _, machine = drawn_machine(draw)
     profile = measured_profile(machine, draw, tmp_path)
+    within = held(machine, tmp_path)
+    assert within
+    assert all(within)
     settling_s = sum(machine.averages_s) + 7.0 * sum(machine.lags_s)
     found = [fanuc_cut(drawn_cut(draw, settling_s), profile, machine) for _ in range(3)]
     kept = [one for one in found if one is not None]

@@ -11,7 +11,7 @@ from chipbreak.machine_files.found import Found, Machine
 from chipbreak.machine_test.fit import AxisData, Fit, fits_of
 from chipbreak.machine_test.form import Form
 from chipbreak.machine_test.groups import Group
-from chipbreak.machine_test.model import EXACT, Limits, law_of, time_s
+from chipbreak.machine_test.model import EXACT, FilterKind, Limits, law_of, time_s
 from chipbreak.machine_test.trace import Piece
 from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
@@ -30,8 +30,9 @@ _NO_LAG_1_S = 10000.0  # Kp where no lag is seen
 _AT_REST_MM_MIN = 0.001
 _SLOWER = 1.03
 # Two standard deviations are not less: the model rounds the shape of ramps, which moves the numbers so far.
-_LEAST_SHARES = {"average_s": 0.02, "bell_s": 0.04, "lag_s": 0.01, "second_lag_s": 0.03}
-_LEAST_SHARE = 0.003
+_LEAST_SHARES = {"average_s": 0.02, "bell_s": 0.06, "lag_s": 0.015, "second_lag_s": 0.04}
+_LEAST_SHARE = 0.006
+_HIDDEN_BELL = 0.055  # what a second time of a third of the first adds to it
 
 
 class Measured(NamedTuple):
@@ -191,7 +192,10 @@ def _of_law(model: str, fits: Sequence[tuple[str, Fit]]) -> Iterator[Measured]:
     else:
         top = max(one.numbers["acceleration"] for _, one in fits)
         yield Measured("planner.path_acceleration_mm_s2", top, _share(fit, "acceleration"), "mm/s2")
-        yield Measured("planner.min_cruise_ratio", min(max(1.0 - value, 0.0), 0.999), _share(fit, name))
+        ratio = min(max(1.0 - value, 0.0), 0.999)
+        # What was measured is the rest of it.
+        share = _share(fit, name) * value / ratio if ratio > 0.0 else 0.0
+        yield Measured("planner.min_cruise_ratio", ratio, share)
 
 
 def _of_axes(
@@ -217,16 +221,33 @@ def _of_filter(axis: str, fit: Fit, feed_forward: float) -> Iterator[Measured]:
         kind, first = "exponential", lags.pop(0)
     yield Measured(f"axes.{axis}.acc_dec", kind, 0.0)
     first_ms = fit.numbers[first] * MS_PER_S if first else 0.0
-    yield Measured(f"axes.{axis}.acc_dec_ms", first_ms, _share(fit, first), "ms")
-    if others:
-        yield Measured(
-            f"axes.{axis}.bell_ms", fit.numbers[others[0]] * MS_PER_S, _share(fit, others[0]), "ms"
-        )
+    # Of two lags in a row each is known only as well as the other.
+    least = _LEAST_SHARES["second_lag_s"] if kind == "exponential" else 0.0
+    if _may_hide_bell(fit):
+        least = _HIDDEN_BELL
+    yield Measured(f"axes.{axis}.acc_dec_ms", first_ms, max(_share(fit, first), least), "ms")
+    for other in others:
+        # The two together are known best: a little more of the longer is much less of the shorter.
+        together = _LEAST_SHARES["average_s"] * (fit.numbers[first] / fit.numbers[other]) ** 2
+        share = max(_share(fit, other), together)
+        yield Measured(f"axes.{axis}.bell_ms", fit.numbers[other] * MS_PER_S, share, "ms")
     gain = (1.0 - feed_forward) / fit.numbers[lags[0]] if lags and feed_forward < 1.0 else _NO_LAG_1_S
-    share = _share(fit, lags[0]) if lags else 0.0
+    share = max(_share(fit, lags[0]), least if kind == "exponential" else 0.0) if lags else 0.0
     yield Measured(f"axes.{axis}.position_gain_1_s", min(gain, _NO_LAG_1_S), share, "1/s")
     if feed_forward:
         yield Measured(f"axes.{axis}.feed_forward", feed_forward, 0.0)
+
+
+def _may_hide_bell(fit: Fit) -> bool:
+    """A short second time is seen where the command is sharp, not behind the ramps of a look-ahead."""
+    return fit.behind.averages == 1 and fit.kind is not EXACT
+
+
+def _acc_dec_of(behind: FilterKind) -> str:
+    """What a filter is called where it is acc/dec with a position loop."""
+    if behind.averages:
+        return ("linear", "bell")[behind.averages - 1]
+    return "exponential" if behind.lags == 2 else "none"
 
 
 def _rates(form: Form, fit: Fit, main: AxisData, known: Limits) -> tuple[Measured | None, float]:
@@ -280,6 +301,13 @@ def _open_axes(known: _Known) -> Iterator[str]:
             yield (
                 f"axes.{axis}.acc_dec_ms and position_gain_1_s: times do not show what the axis makes of its"
                 " command, only a trace of its real place does, or the parameter screen"
+            )
+        if axis in known.has_trace and _may_hide_bell(fit):
+            yield f"axes.{axis}.bell_ms: a second acc/dec time below a third of acc_dec_ms is not seen"
+        for rival in fit.rivals if axis in known.has_trace else ():
+            yield (
+                f"axes.{axis}.acc_dec: {_acc_dec_of(rival)} explains the trace as well as"
+                f" {_acc_dec_of(fit.behind)}, with other times; the parameter screen knows"
             )
         if "acceleration" in fit.numbers and _share(fit, "acceleration") > _MOST_SHARE:
             yield f"axes.{axis}.max_acceleration_mm_s2: it is so high that these strokes do not show it"

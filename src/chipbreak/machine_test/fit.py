@@ -61,6 +61,8 @@ _FILTER_STARTS = {
 }
 _SCAN = np.exp(np.linspace(-0.16, 0.16, 65))
 _FINE_SCAN = np.exp(np.linspace(-0.006, 0.006, 25))
+_AS_GOOD = 2.0  # logarithms of the count by which the squares may be worse
+_APART = 2.0  # standard deviations that two numbers which may both be right are apart
 _LIKELY = 4.0  # by so much may a score be worse within the uncertainty
 
 
@@ -97,6 +99,7 @@ class Fit(NamedTuple):
     """A kind and what stands behind it, with its numbers, how uncertain each is (as a share), and a score.
 
     The least score is best.  ``misfit_mm`` is what is left of the traces, ``misfit_s`` of the times.
+    ``rivals`` are other filters that explain the data as well.
     """
 
     kind: Kind
@@ -106,6 +109,7 @@ class Fit(NamedTuple):
     squares: float
     misfit_mm: float
     misfit_s: float
+    rivals: tuple[FilterKind, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,9 +259,26 @@ def fits_of(data: AxisData, known: Limits, usual_model: str, only: Kind | None =
     # A filter that is over before the next place is seen stands for what the model rounds.
     plain = [one for one in found if all(one.numbers[name] > _SHORTEST_S for name in one.behind.names)]
     best = _ranked(plain or found, part, usual_model)[:_FINALISTS]
-    if part.count == data.count:
-        return best
-    return _ranked([_solve(one, one.behind, data, known, _FINE_ROUNDS) for one in best], data, usual_model)
+    if part.count != data.count:
+        fine = [_solve(one, one.behind, data, known, _FINE_ROUNDS) for one in best]
+        best = _ranked(fine, data, usual_model)
+    return [_doubted(best[0], best[1:], data.count), *best[1:]]
+
+
+def _doubted(fit: Fit, others: Sequence[Fit], count: int) -> Fit:
+    """The fit, its numbers as uncertain as what another filter says of them that explains the data as well.
+
+    A short second acc/dec time is hardly seen beside a long first one, which then stands for both.
+    """
+    scale = max(1.0, fit.squares / max(count, 1))
+    most = fit.squares + scale * _AS_GOOD * log(max(count, 2))
+    rivals = [other for other in others if other.kind is fit.kind and other.squares <= most]
+    shares = dict(fit.shares)
+    for other in rivals:
+        for name in shares.keys() & other.shares.keys():
+            apart = abs(log(other.numbers[name] / fit.numbers[name]))
+            shares[name] = max(shares[name], apart / _APART)
+    return fit._replace(shares=shares, rivals=tuple(other.behind for other in rivals))
 
 
 def _ranked(found: Sequence[Fit], data: AxisData, usual_model: str) -> list[Fit]:

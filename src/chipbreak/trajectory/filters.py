@@ -22,6 +22,9 @@ _NEARLY_SETTLED = 7.0  # lag times after which it has made up all but a thousand
 _SHARP = 0.25
 _PIECES = 8  # of what an average makes of a bend
 _LADDER = 16  # of what a lag makes of one
+_FEWEST = 4  # of both, where there is no room for more
+_BENDS_AT_ONCE = 1 << 16
+_TIMES_AT_ONCE = 1 << 17  # what is worked out for so many is small beside what is kept
 _SAME_S = 1e-9
 _GONE = 1e-18  # a share of a motion that no longer counts
 
@@ -89,27 +92,38 @@ def axis_filter(
 
 
 def times_to_look_at(
-    time_s: Floats, place_mm: Floats, filters: Sequence[AxisFilter], step_s: float
+    time_s: Floats, place_mm: Floats, filters: Sequence[AxisFilter], step_s: float, most: float = math.inf
 ) -> Floats:
     """Times, (m,), between which what filters leave of a motion with knots (n,) is nearly straight.
 
     The knots, the bends that averages make of them, and more, at most ``step_s`` apart, until the axes rest.
-    Where the motion bends sharply and a filter is shorter than these steps, they lie as dense as it asks.
+    Where the motion bends sharply and a filter is shorter than these steps, they lie as dense as it asks, but
+    for what is more than ``most`` in all.
     """
     rest_s = max(one.rest_s for one in filters)
     sharp_s = _sharp_bends(time_s, place_mm)
     later = [time_s + shift for shift in sorted({shift for one in filters for shift in one.shifts_s})]
+    soon = sum(len(one.shifts_s) * len(_soon_after(one, step_s, 1.0)) for one in filters) * len(sharp_s)
     for one in filters:
         for shift in one.shifts_s:
-            later += [sharp_s + shift + after_s for after_s in _soon_after(one, step_s)]
-    bends = np.sort(np.concatenate(later))
+            later += [sharp_s + shift + after_s for after_s in _soon_after(one, step_s, most / max(soon, 1))]
+    bends = np.concatenate(later)
+    bends.sort()
     bends = np.append(bends[bends < time_s[-1] + rest_s - _SAME_S], time_s[-1] + rest_s)
     bends = bends[np.append(True, np.diff(bends) > _SAME_S)]
+    parts = [
+        _in_pieces(bends[first : first + _BENDS_AT_ONCE + 1], step_s)
+        for first in range(0, len(bends) - 1, _BENDS_AT_ONCE)
+    ]
+    return np.concatenate([*parts, bends[-1:]])
+
+
+def _in_pieces(bends: Floats, step_s: float) -> Floats:
+    """Times, (m,), from the first of some others, (n,), to before the last, at most a step apart."""
     pieces = np.maximum(np.ceil(np.diff(bends) / step_s - 1e-6).astype(np.intp), 1)
     starts = np.cumsum(pieces) - pieces
     rank = np.arange(int(pieces.sum())) - np.repeat(starts, pieces)
-    inner = np.repeat(bends[:-1], pieces) + np.repeat(np.diff(bends) / pieces, pieces) * rank
-    return np.append(inner, bends[-1])
+    return np.asarray(np.repeat(bends[:-1], pieces) + np.repeat(np.diff(bends) / pieces, pieces) * rank)
 
 
 def _sharp_bends(time_s: Floats, place_mm: Floats) -> Floats:
@@ -120,15 +134,20 @@ def _sharp_bends(time_s: Floats, place_mm: Floats) -> Floats:
     return sharp
 
 
-def _soon_after(axis: AxisFilter, step_s: float) -> list[float]:
-    """How long after a sharp bend more times are needed, for filters that are over in a few steps."""
+def _soon_after(axis: AxisFilter, step_s: float, share: float) -> list[float]:
+    """How long after a sharp bend more times are needed, for filters that are over in a few steps.
+
+    ``share``: of so many as one likes to have.
+    """
+    ladder = max(int(_LADDER * min(share, 1.0)), _FEWEST)
+    pieces = max(int(_PIECES * min(share, 1.0)), _FEWEST)
     found = []
     for lag_s in axis.lags_s:
         if lag_s < _PIECES * step_s:
-            found += [-2.0 * lag_s * math.log(1.0 - piece / _LADDER) for piece in range(1, _LADDER)]
+            found += [-2.0 * lag_s * math.log(1.0 - piece / ladder) for piece in range(1, ladder)]
     for average_s in axis.averages_s:
         if average_s < _PIECES * step_s:
-            found += [average_s * piece / _PIECES for piece in range(1, _PIECES)]
+            found += [average_s * piece / pieces for piece in range(1, pieces)]
     return found
 
 
@@ -140,8 +159,21 @@ def filtered(time_s: Floats, place_mm: Floats, axis: AxisFilter, at_s: Floats) -
     """
     x_mm = _averaged(time_s, place_mm, axis.averages_s, at_s)
     for lag_s in axis.lags_s:
-        x_mm = _lagging(at_s, x_mm, lag_s)
+        _lag_in_place(at_s, x_mm, lag_s)
     return x_mm
+
+
+def _lag_in_place(at_s: Floats, x_mm: Floats, lag_s: float) -> None:
+    """Put a lag behind a motion with knots (m,), some at a time: what it is behind is carried over."""
+    behind_mm = 0.0
+    come_mm = float(x_mm[0])
+    for first in range(0, len(x_mm) - 1, _TIMES_AT_ONCE):
+        part = slice(first, first + _TIMES_AT_ONCE + 1)
+        came_mm = x_mm[part].copy()
+        came_mm[0] = come_mm
+        come_mm = float(came_mm[-1])
+        x_mm[part] = _lagging(at_s[part], came_mm, lag_s, behind_mm)
+        behind_mm = float(x_mm[part][-1]) - come_mm
 
 
 def _averaged(time_s: Floats, place_mm: Floats, averages_s: Sequence[float], at_s: Floats) -> Floats:
@@ -157,16 +189,11 @@ def _averaged(time_s: Floats, place_mm: Floats, averages_s: Sequence[float], at_
     knots_mm = np.concatenate([place_mm[:1], place_mm, place_mm[-1:]]) - place_mm[0]
     knots_mm -= speed_mm_s * (knots_s - time_s[0])
     integral = _Integral(knots_s, knots_mm)
-    if len(averages_s) == 1:
-        (one_s,) = averages_s
-        mean_mm = (integral.once(at_s) - integral.once(at_s - one_s)) / one_s
-    else:
-        one_s, other_s = averages_s
-        ahead = integral.twice(at_s) - integral.twice(at_s - one_s)
-        behind = integral.twice(at_s - other_s) - integral.twice(at_s - one_s - other_s)
-        mean_mm = (ahead - behind) / (one_s * other_s)
-    even_mm = place_mm[0] + speed_mm_s * (at_s - time_s[0] - reach_s / 2.0)
-    averaged: Floats = mean_mm + even_mm
+    averaged = np.empty(len(at_s))
+    for first in range(0, len(at_s), _TIMES_AT_ONCE):
+        some_s = at_s[first : first + _TIMES_AT_ONCE]
+        even_mm = place_mm[0] + speed_mm_s * (some_s - time_s[0] - reach_s / 2.0)
+        averaged[first : first + _TIMES_AT_ONCE] = integral.means(some_s, averages_s) + even_mm
     return averaged
 
 
@@ -196,13 +223,25 @@ class _Integral:
         twice: Floats = self.second[cell] + (self.first[cell] + bend * since_s) * since_s
         return twice
 
+    def means(self, at_s: Floats, averages_s: Sequence[float]) -> Floats:
+        """What one or two moving averages leave of the motion at times, (m,)."""
+        if len(averages_s) == 1:
+            (one_s,) = averages_s
+            mean: Floats = (self.once(at_s) - self.once(at_s - one_s)) / one_s
+            return mean
+        one_s, other_s = averages_s
+        ahead = self.twice(at_s) - self.twice(at_s - one_s)
+        behind = self.twice(at_s - other_s) - self.twice(at_s - one_s - other_s)
+        twofold: Floats = (ahead - behind) / (one_s * other_s)
+        return twofold
+
     def _cells(self, at_s: Floats) -> tuple[np.ndarray[tuple[int], np.dtype[np.intp]], Floats]:
         cell = np.clip(np.searchsorted(self.time_s, at_s, "right") - 1, 0, len(self.slope) - 1)
         return cell, at_s - self.time_s[cell]
 
 
-def _lagging(at_s: Floats, x_mm: Floats, lag_s: float) -> Floats:
-    """What a lag of first order makes of a motion with knots (m,) that begins at rest.
+def _lagging(at_s: Floats, x_mm: Floats, lag_s: float, behind_mm: float = 0.0) -> Floats:
+    """What a lag of first order makes of a motion with knots (m,); ``behind_mm`` is y - x at the first.
 
     How far it is behind, y - x, goes down by exp(-h / T) in a step of h and grows by what x moves; all steps
     are added up at once, each round over twice as many.
@@ -210,10 +249,11 @@ def _lagging(at_s: Floats, x_mm: Floats, lag_s: float) -> Floats:
     step_s = np.diff(at_s)
     left = np.exp(-step_s / lag_s)
     behind = np.diff(x_mm) / step_s * (lag_s * np.expm1(-step_s / lag_s))
+    behind[:1] += behind_mm * left[:1]
     width = 1
     while width < len(left) and left.max() > _GONE:
         behind[width:] += left[width:] * behind[:-width]
         left[width:] *= left[:-width]
         left[:width] = 0.0
         width *= 2
-    return np.append(x_mm[0], x_mm[1:] + behind)
+    return np.append(x_mm[0] + behind_mm, x_mm[1:] + behind)

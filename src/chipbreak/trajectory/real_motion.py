@@ -18,7 +18,8 @@ from chipbreak.trajectory.junctions import Blocks
 from chipbreak.trajectory.motion import Motion
 
 _PIECES = 32  # of a stroke: a parabola in so many chords is off by a thousandth of its height
-_MOST_TIMES = 4_000_000
+_MOST_TIMES = 3_200_000  # at even steps
+_MOST_SOON = 1_600_000  # after sharp bends
 _STRAIGHT_MM = 0.002  # off a line by no more than rounding
 _STILL_MM = 1e-12
 _LOOKS = 2  # along the path, each from the place that the last one found
@@ -35,7 +36,7 @@ def followed(motion: Motion, distance_mm: Floats, blocks: Blocks, filters: Seque
     if all(one == NO_FILTER for one in own):
         return motion
     step_s = _step_s(motion, own)
-    at_s = times_to_look_at(motion.time_s, motion.distance_mm, own, step_s)
+    at_s = times_to_look_at(motion.time_s, motion.distance_mm, own, step_s, _MOST_SOON)
     points_mm = np.concatenate([np.zeros((1, 3)), np.cumsum(blocks.moved_mm, axis=0)])
     if _is_straight(points_mm):
         along_mm, off_mm = _on_a_line(motion, points_mm, moving, own, at_s)
