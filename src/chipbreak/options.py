@@ -315,7 +315,9 @@ def verify_program(program: ProgramFile, settings: Settings, source: str, asked:
     """Judge a filtered program; exits with 3 or 4 when it is not as it was written."""
     from chipbreak.editing.beside import with_brackets
     from chipbreak.editing.bracket import BEGIN, find
+    from chipbreak.editing.notes import stamp_of
     from chipbreak.pipeline import verify_filtered
+    from chipbreak.settings.fingerprint import fingerprint
     from chipbreak.text.diagnostics import SelfCheckError
 
     name = shown(source)
@@ -326,6 +328,9 @@ def verify_program(program: ProgramFile, settings: Settings, source: str, asked:
         except SelfCheckError as error:  # nobody's fault but the choice of program and profile
             what = f"this is not what profile {settings.name} makes of it: {error}"
             way_out = "verify it with the profile and the settings that filtered it, or filter it again"
+            stamp = stamp_of(program.data + (program.beside or b""))
+            if stamp is not None and stamp.fingerprint != fingerprint(settings):
+                what += f"; its stamp says profile {stamp.profile} ({stamp.fingerprint}), which this is not"
             if find(with_brackets(program.data, name, program.beside).data, BEGIN) < 0:
                 way_out = "nothing in it was written by chipbreak: filter it first"
             complain(escaped(f"{name}: error SLF003: {what}") + f"\n  help: {way_out}")

@@ -95,6 +95,23 @@ def test_verify_finds_a_shipped_profile(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
 
 
+def test_verify_with_another_profile_says_which_the_stamp_names(tmp_path: Path) -> None:
+    data = chipbreak.rewrite(PROGRAM, load("generic-lathe", STAMPED)).data
+    (tmp_path / "out.nc").write_bytes(data)
+    done = run("verify", "-p", "fanuc-lathe", "out.nc", cwd=tmp_path)
+    assert done.returncode == 4
+    assert "its stamp says profile GENERIC-LATHE (" in done.stderr
+
+
+def test_a_message_keeps_its_percent() -> None:
+    program = b"G7 G95 G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nG0 Z5.\nM2\n"
+    settings = load("linuxcnc-lathe", ['planner.model="ideal"'])
+    lines = chipbreak.rewrite(program, settings, messages=True).data.decode().splitlines()
+    (said,) = [line for line in lines if "VIB090" in line]
+    assert " percent of the acceleration" in said
+    assert not [line for line in lines if line.startswith("(MSG") and "  " in line]
+
+
 # --- messages ---------------------------------------------------------------------------------------------
 
 WARNED = b"O0001\nG97 S3000 M3\nG0 X20. Z2.\n(VIB N1.5)\nG1 Z-30. F0.05\nG0 X40.\n(VIBRATION N1.5)\nM30\n"

@@ -56,7 +56,8 @@ def _line(one: Diagnostic, settings: Settings) -> str:
     """A warning in one comment; what no comment can hold is left out."""
     marks = settings.dialect.comment_marks
     where = f"line {one.place.line}, " if one.place else ""
-    text = _UNSAFE.sub(" ", f"{where}{one.code} {one.message}")
+    said = f"{where}{one.code} {one.message}".replace("%", " percent ")
+    text = " ".join(_UNSAFE.sub(" ", said).split())
     head = f"{marks.before}{settings.dialect.message_mark}{_WHO} "
     room = settings.control.max_line_chars - len(head) - len(marks.behind)
     line = f"{head}{text[:room].rstrip()}{marks.behind}"
