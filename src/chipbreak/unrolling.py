@@ -159,11 +159,8 @@ def _asked(interpreted: InterpretedProgram, operations: Sequence[Operation]) -> 
         words = {line: by for line, by in wishes.items() if by == "word"}
         return dict[int, AskedBy | None].fromkeys(kinds) | words
     scope = Scope(settings.vibration.only, operations)
-    return {
-        line: by
-        for line, by in wishes.items()
-        if by != "profile" or (_is_meant(line, kinds[line], scope) and _may_cut(interpreted, line))
-    }
+    meant = {line for line in wishes if _is_meant(line, kinds[line], scope) and _may_cut(interpreted, line)}
+    return {line: by for line, by in wishes.items() if by != "profile" or line in meant}
 
 
 def _may_cut(interpreted: InterpretedProgram, line: int) -> bool:
