@@ -154,19 +154,21 @@ def _asked(interpreted: InterpretedProgram, operations: Sequence[Operation]) -> 
     kinds = cycle_lines(interpreted)
     pecks = (one for one in requests.pecks if is_peck(interpreted, one) or is_deep_hole(interpreted, one))
     kinds |= dict.fromkeys(pecks)
-    wishes = {line: by for line, by in requests.cycles.items() if line in kinds}
+    wishes = {line: by for line, by in _of_cuts(interpreted, requests.cycles) if line in kinds}
     if rule == "always":
         words = {line: by for line, by in wishes.items() if by == "word"}
         return dict[int, AskedBy | None].fromkeys(kinds) | words
     scope = Scope(settings.vibration.only, operations)
-    meant = {line for line in wishes if _is_meant(line, kinds[line], scope) and _may_cut(interpreted, line)}
-    return {line: by for line, by in wishes.items() if by != "profile" or line in meant}
+    return {line: by for line, by in wishes.items() if by != "profile" or _is_meant(line, kinds[line], scope)}
 
 
-def _may_cut(interpreted: InterpretedProgram, line: int) -> bool:
-    """False for a cycle that runs while the spindle stands: as its moves, it is no cut."""
-    effect = interpreted.effect(line)
-    return any(state.turns or state.spindle_why for state in (effect.before, effect.after))
+def _of_cuts(interpreted: InterpretedProgram, asked: Mapping[int, AskedBy]) -> Iterator[tuple[int, AskedBy]]:
+    """The cycles that are asked, but for those of a profile that run while the spindle stands: no cuts."""
+    for line, by in asked.items():
+        effect = interpreted.effect(line)
+        may_cut = any(state.turns or state.spindle_why for state in (effect.before, effect.after))
+        if by != "profile" or may_cut:
+            yield line, by
 
 
 def _may_wish(interpreted: InterpretedProgram) -> bool:

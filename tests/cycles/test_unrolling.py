@@ -485,3 +485,13 @@ def test_one_that_goes_on_behind_the_cycle_keeps_it_as_it_is(behind: bytes) -> N
     result = chipbreak.rewrite(program, load("fanuc-lathe", ALWAYS))
     assert result.data == program
     assert any("leaves another compensation in force" in one.message for one in result.diagnostics)
+
+
+def test_a_cycle_that_runs_while_the_spindle_stands_is_no_cut() -> None:
+    """As its moves are none; a wish by a word is not passed over."""
+    program = CYCLE.replace(b" M3", b"")
+    result = chipbreak.rewrite(program, load("fanuc-lathe", ["vibration.n=1.5"]))
+    assert result.data == program
+    assert [one.code for one in result.diagnostics] == ["VIB065"]
+    with pytest.raises(ProgramRejectedError):
+        filtered(program.replace(b"F0.3\n", b"F0.3 N1.5\n", 1), "vibration.n=1.5")
