@@ -14,10 +14,14 @@ from pathlib import Path
 import pytest
 
 import chipbreak
+from chipbreak import cli
 from test_layers import MODULES, own_imports
 
-# Where a run of the product begins: the command line, ``python -m chipbreak``, and the public functions.
-DOORS = {"chipbreak", "cli", "__main__"} | {home.removeprefix("chipbreak.") for home in chipbreak._HOMES}
+# Where a run of the product begins: the command line with its commands, which it imports by name when one is
+# called, ``python -m chipbreak``, and the public functions.
+_COMMANDS = {home.partition(".")[0] for home, _ in cli._HOMES.values()}
+_FUNCTIONS = {home.removeprefix("chipbreak.") for home in chipbreak._HOMES}
+DOORS = {"chipbreak", "cli", "__main__"} | _COMMANDS | _FUNCTIONS
 # Called by others than our own modules: the entry point of the script, a hook of Python's.
 CALLED_FROM_OUTSIDE = {"main", "__getattr__", "__dir__"}
 # The law that what is read is printed byte for byte is said where programs are read.
