@@ -3,6 +3,7 @@
     python benchmarks/run.py                      five rounds of everything, some minutes
     python benchmarks/run.py --only pass-through  one case
     python benchmarks/run.py --quick              ten times smaller, one round: does it still run?
+    python benchmarks/run.py --before OTHER/.venv/bin/chipbreak    against another checkout alone
 
 Ratios are the median of those of the rounds; peers come with ``pip install -e '.[bench]'``.
 """
@@ -15,6 +16,7 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+from before import before
 from edges import long_line, start_up
 from expansion import emit, expansion, planned
 from passing import modal, pass_through, scaling
@@ -32,6 +34,7 @@ CASES: dict[str, Callable[[Context], Table]] = {
     "long-line": long_line,
     "start-up": start_up,
 }
+_BEFORE = "before"
 
 
 def _arguments() -> argparse.Namespace:
@@ -44,6 +47,9 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--only", metavar="NAME", action="append", choices=CASES, help=", ".join(CASES))
     parser.add_argument("--rounds", type=int, default=5, help="how often each is run (5)")
     parser.add_argument("--large", action="store_true", help="scaling up to ten million blocks")
+    parser.add_argument(
+        "--before", metavar="CHIPBREAK", help="run only against this other chipbreak, in turn"
+    )
     parser.add_argument(
         "--json", type=Path, metavar="FILE", help="write every sample, say to benchmarks/results.json"
     )
@@ -60,8 +66,8 @@ def main() -> int:
     print(busy(found), end="\n" if busy(found) else "")
     if options.quick:
         print(f"quick: the programs are {smaller} times smaller than the targets are meant for")
-    names = options.only or list(CASES)
-    measured = [_measured(name, rounds, smaller, large=options.large) for name in names]
+    names = [_BEFORE] if options.before else options.only or list(CASES)
+    measured = [_measured(name, rounds, smaller, options) for name in names]
     tables = [table for table in measured if table is not None]
     if options.json is not None:
         write_json(options.json, tables, {**found, "rounds": rounds, "quick": options.quick})
@@ -73,12 +79,13 @@ def main() -> int:
     return int(missed > 0 and not options.quick)
 
 
-def _measured(name: str, rounds: int, smaller: int, *, large: bool) -> Table | None:
+def _measured(name: str, rounds: int, smaller: int, options: argparse.Namespace) -> Table | None:
     """Run one case and print what it found; None when it could not be run."""
+    case = before if name == _BEFORE else CASES[name]
     with tempfile.TemporaryDirectory(prefix="chipbreak-bench-") as folder:
         try:
-            table = CASES[name](Context(Path(folder), rounds, smaller, large))
-        except BenchmarkError as error:
+            table = case(Context(Path(folder), rounds, smaller, options.large, options.before))
+        except (BenchmarkError, OSError) as error:
             print(f"\n{name}: *** COULD NOT BE MEASURED: {error}", file=sys.stderr)
             return None
     print(f"\n{table.text()}", flush=True)

@@ -102,9 +102,13 @@ def ratio(one: Sequence[Sample], other: Sequence[Sample], units: float = 1.0) ->
     return median(a.wall_s / b.wall_s for a, b in zip(one, other, strict=True)) / units
 
 
-def cpu_note(one: Sequence[Sample], other: Sequence[Sample], units: float = 1.0) -> str:
+def cpu_ratio(one: Sequence[Sample], other: Sequence[Sample], units: float = 1.0) -> float:
     """The same by the time of the processor, which others at work on the machine disturb less."""
+    return median(a.cpu_s / b.cpu_s for a, b in zip(one, other, strict=True)) / units
+
+
+def cpu_note(one: Sequence[Sample], other: Sequence[Sample], units: float = 1.0) -> str:
+    """:func:`cpu_ratio` in words; none where a contestant has a clock of its own."""
     if not all(sample.cpu_s > 0.0 for sample in (*one, *other)):
         return ""
-    times = median(a.cpu_s / b.cpu_s for a, b in zip(one, other, strict=True)) / units
-    return f"x {times:.3g} by the processor's time"
+    return f"x {cpu_ratio(one, other, units):.3g} by the processor's time"

@@ -20,12 +20,16 @@ _BEGIN = b"(CHIPBREAK BEGIN"
 
 @dataclass(frozen=True)
 class Context:
-    """Where programs go, how often each is run, and how many times smaller they are than they should be."""
+    """Where programs go, how often each is run, and how many times smaller they are than they should be.
+
+    ``before`` is another chipbreak to compare with, if there is one.
+    """
 
     folder: Path
     rounds: int
     smaller: int = 1
     large: bool = False
+    before: str | None = None
 
     def blocks(self, full: int) -> int:
         return full // self.smaller

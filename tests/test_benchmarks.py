@@ -33,6 +33,40 @@ def test_a_case_runs(case: str, tmp_path: Path) -> None:
     assert all(row["name"] in done.stdout for row in rows)
 
 
+def test_another_chipbreak_runs_in_turn(tmp_path: Path) -> None:
+    results = tmp_path / "results.json"
+    other = tmp_path / "chipbreak"
+    other.write_text(f"#!{sys.executable}\nfrom chipbreak.cli import main\nmain()\n")
+    other.chmod(0o755)
+    done = run("--quick", "--smaller", "1000", "--before", str(other), "--json", str(results))
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows = json.loads(results.read_text())["cases"]["before"]["rows"]
+    ours = ["pass-through", "modal", "expansion", "small", "help"]
+    assert [row["name"] for row in rows] == [name for one in ours for name in (one, "  before")]
+    for mine, its in zip(rows[::2], rows[1::2], strict=True):
+        assert len(mine["samples"]) == len(its["samples"]) > 0
+        ratios = [a["cpu_s"] / b["cpu_s"] for a, b in zip(mine["samples"], its["samples"], strict=True)]
+        assert mine["goal"]["value"] == pytest.approx(sorted(ratios)[len(ratios) // 2])
+        assert ("the same bytes" in mine["note"]) == (mine["name"] != "help")
+
+
+def test_bytes_that_another_chipbreak_writes_are_compared(tmp_path: Path) -> None:
+    other = tmp_path / "chipbreak"
+    other.write_text(
+        f"#!{sys.executable}\nimport sys\nfrom pathlib import Path\n"
+        "Path(sys.argv[-1]).write_text('else') if '-o' in sys.argv else None\n"
+    )
+    other.chmod(0o755)
+    done = run("--quick", "--smaller", "1000", "--before", str(other))
+    assert done.stdout.count("OTHER BYTES") == 4
+
+
+def test_another_chipbreak_that_is_not_there_is_said(tmp_path: Path) -> None:
+    done = run("--quick", "--smaller", "1000", "--before", str(tmp_path / "chipbreak"))
+    assert done.returncode == 2
+    assert "COULD NOT BE MEASURED" in done.stderr
+
+
 def test_a_case_that_does_not_exist_is_refused() -> None:
     done = run("--only", "dancing")
     assert done.returncode == 2
