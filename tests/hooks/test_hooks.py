@@ -126,6 +126,21 @@ def test_a_rejected_program_is_taken_from_its_place(tmp_path: Path) -> None:
     assert "VIB005" in (tmp_path / "chipbreak.log").read_text()
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="a shell script")
+def test_a_program_is_posted_again_over_one_without_comments(tmp_path: Path) -> None:
+    (tmp_path / "bare.toml").write_text('base = "generic-lathe"\n[output]\nbrackets = "none"\n')
+    script = written("cam", tmp_path) / "chipbreak-in-place.sh"
+    program = tmp_path / "part.nc"
+    settings = chipbreak.load(tmp_path / "bare.toml")
+    for posted in (PROGRAM, PROGRAM.replace(b"G1 Z-30.", b"G1 Z-29.")):
+        program.write_bytes(posted)
+        done = run("env", f"CHIPBREAK_PROFILE={tmp_path}/bare.toml", str(script), str(program), cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert program.read_bytes() == chipbreak.rewrite(posted, settings).data
+        beside = (tmp_path / "part.nc.chipbreak").read_bytes()
+        assert chipbreak.restore(program.read_bytes(), beside=beside) == posted
+
+
 def test_the_windows_script_has_the_line_ends_of_windows(tmp_path: Path) -> None:
     data = (written("cam", tmp_path) / "chipbreak-in-place.bat").read_bytes()
     assert data.startswith(b"@echo off\r\n")
