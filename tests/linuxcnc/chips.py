@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Point = tuple[float, float]  # x as a radius, z; mm
+_NOTHING_MM = 1e-9  # what single bits of a tool that stands make of its place
 _ANGLES = 1000
 
 
@@ -98,7 +99,7 @@ def chips(time_s: Floats, along_mm: Floats, speed_rpm: float, window_s: tuple[fl
     tool = np.interp(grid_s, time_s, along_mm).reshape(turns, _ANGLES)
     wall = np.maximum.accumulate(np.vstack([np.full(_ANGLES, along_mm[0]), tool]))[:-1]
     thick = (tool - wall).ravel()[(grid_s >= window_s[0]) & (grid_s < window_s[1])]
-    cuts = thick > 0.0
+    cuts = thick > _NOTHING_MM
     ends = np.flatnonzero(np.diff(np.concatenate(([0], cuts, [0]))))
     lengths = ends[1::2] - ends[::2]
     broken = int((cuts[:-1] & ~cuts[1:]).sum())
