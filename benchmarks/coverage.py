@@ -186,7 +186,8 @@ def programs_at_hand() -> dict[str, list[Path]]:
 def programs_in(folder: Path) -> list[Path]:
     """The programs of a folder, by name."""
     paths = [path for path in sorted(folder.iterdir()) if path.suffix.lower() in SUFFIXES]
-    return [path for path in paths if not path.read_bytes().startswith(OTHER_CONTROLS)]
+    lathes = [path for path in paths if "mill" not in path.stem]
+    return [path for path in lathes if not path.read_bytes().startswith(OTHER_CONTROLS)]
 
 
 class Asked(NamedTuple):
