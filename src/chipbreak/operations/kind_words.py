@@ -7,9 +7,9 @@ comments in real programs.
 
 from __future__ import annotations
 
-import re
 from typing import Final
 
+from chipbreak.text.any_case import AnyCase
 from chipbreak.text.lazy_pattern import LazyPattern
 
 # A word ends where the letters end: "DRILL4", "4XDRILL" and "D10_ROUGH" hold a word, "THROUGH" does not.
@@ -82,7 +82,7 @@ _ROUGH_JA: Final = "[荒粗](?![さ度a-z])|(?<![ァ-ヺ])アラ(?!ー)|(?<![ｦ
 _FINISH_JA: Final = "仕上|シアゲ|ｼｱｹﾞ"
 
 # The groups are named as the members of ``kinds.Kind``.
-KIND_WORDS: Final = LazyPattern(
+KIND_WORDS: Final = AnyCase(
     "|".join(
         (
             _kind("SEMI_FINISH", _SEMI_FINISH, "中仕上"),
@@ -92,13 +92,12 @@ KIND_WORDS: Final = LazyPattern(
             _kind("THREAD", _THREAD, "タップ|ﾀｯﾌﾟ|ねじ|ネジ|ﾈｼﾞ"),
             _kind("DRILL", _DRILL, "ドリル|ﾄﾞﾘﾙ"),
         )
-    ),
-    re.IGNORECASE,
+    )
 )
 JAPANESE_KIND: Final = LazyPattern(f"{_ROUGH_JA}|{_FINISH_JA}|ドリル|ﾄﾞﾘﾙ|タップ|ﾀｯﾌﾟ|ねじ|ネジ|ﾈｼﾞ")
 
 # Words that look like a kind and are none: blanked before the search.
-FALSE_FRIENDS: Final = LazyPattern(
+FALSE_FRIENDS: Final = AnyCase(
     _LEFT
     + _any(
         (
@@ -115,36 +114,30 @@ FALSE_FRIENDS: Final = LazyPattern(
             r"ROUGH(?:\s+(?:STOCK|CAST\w*|SAW\w*|SIZE|BLANK|MATERIAL|FORG\w*|DIA\w*))",
         )
     )
-    + "|仕上(?:げ?(?:[代寸径]|しろ|シロ)|が?り)",
-    re.IGNORECASE,
+    + "|仕上(?:げ?(?:[代寸径]|しろ|シロ)|が?り)"
 )
 
 # Mastercam's tool list says how much material is left.
-STOCK_TO_LEAVE: Final = LazyPattern(
-    r"(?:XY\s+|Z\s+)?STOCK\s+TO\s+LEAVE\s*[-=:]?\s*(-?(?:" + _DECIMAL + r"))", re.IGNORECASE
-)
+STOCK_TO_LEAVE: Final = AnyCase(r"(?:XY\s+|Z\s+)?STOCK\s+TO\s+LEAVE\s*[-=:]?\s*(-?(?:" + _DECIMAL + r"))")
 
 # --- comments that are no titles and name no kind -----------------------------------------------------
 # Commands in comment form, and remarks about code: parameters, expressions.
-ACTIVE_OR_CODE: Final = LazyPattern(
+ACTIVE_OR_CODE: Final = AnyCase(
     r"^\W*(?:(?:MSG|DEBUG|PRINT|LOG(?:OPEN|APPEND|CLOSE)?|ABORT|AXIS|PY)\s*,|PROBE(?:OPEN|CLOSE)\b)"
-    r"|^'[\w:-]+'\s*,|^#\d|^[A-SU-Z]?\s*=|^MACRO\w+\s*=|O<|\$\{|#<|\[#|#\d+\s*=|\w\(\)",
-    re.IGNORECASE,
+    r"|^'[\w:-]+'\s*,|^#\d|^[A-SU-Z]?\s*=|^MACRO\w+\s*=|O<|\$\{|#<|\[#|#\d+\s*=|\w\(\)"
 )
 # A sentence explains; a title names.
-PROSE_WORDS: Final = LazyPattern(
+PROSE_WORDS: Final = AnyCase(
     r"\b(?:is|are|was|will|be|been|this|that|you|your|we|if|when|must|should|can|may|it|than|which|use[sd]?"
-    r"|does|not|has|have|assumes?|only|need|until|because|ist|wird|sind|nicht)\b",
-    re.IGNORECASE,
+    r"|does|not|has|have|assumes?|only|need|until|because|ist|wird|sind|nicht)\b"
 )
 
 # --- operation titles -----------------------------------------------------------------------------------
-LABELLED: Final = LazyPattern(
+LABELLED: Final = AnyCase(
     r"^(?:BEGIN\s+OPERATION\b\s*:?\s*(?P<begin>.*)"
     r"|FINISH\s+OPERATION\b\s*:?\s*(?P<finish>.*)"
     r"|TOOLPATH(?:\s+NAME)?\s*[:=-]\s*(?P<path>\S.*)"
-    r"|NO\.\s*\d+:\s*(?P<numbered>\S.*))$",
-    re.IGNORECASE,
+    r"|NO\.\s*\d+:\s*(?P<numbered>\S.*))$"
 )
 _COUNT: Final = r"(?:\d+|(?:ONE|TWO|THREE|FOUR|FIVE|SIX|SEVEN|EIGHT|NINE|TEN)\b)"
 _STRATEGY: Final = (
@@ -154,15 +147,14 @@ _STRATEGY: Final = (
     r"|(?:WCS )?PROBE|(?:TURNING )?(?:PROFILE|GROOVE|FACE|THREAD|CHAMFER)(?: ROUGHING| FINISHING)?"
     r"|TURNING(?: PART)?|SINGLE GROOVE|CUTOFF|V-?CARVE|FLUTING|MOULDING|PRISM|INLAY"
 )
-STRATEGY_TITLE: Final = LazyPattern(
+STRATEGY_TITLE: Final = AnyCase(
     rf"^(?:(?:[23]D[ -]?)?(?:{_STRATEGY})(?:\d+(?: \d+)?(?:\s*\(\d+\))*|(?:\s*\(\d+\))+)"
     rf"|(?!DRILL )(?:[23]D[ -])?(?:{_STRATEGY}) \d+(?:\s*\(\d+\))*"  # "DRILL 5" is a size
     r"|PART\d+"  # "PART 2" is a workpiece
     rf"|[23]D[ -](?:{_STRATEGY})(?:\s+\S+){{0,4}}"
     r"|PARALLEL|SCALLOP|MORPHED SPIRAL|PENCIL|SWARF|STEEP AND SHALLOW"
     rf"|(?:OP|OPER|OPERATION)[\s.#:=-]*{_COUNT}.*"
-    r"|OPERATION\s*[:=]\s*[^\W\d].*)$",
-    re.IGNORECASE,
+    r"|OPERATION\s*[:=]\s*[^\W\d].*)$"
 )
 _PLACE: Final = (
     r"(?:[OI]\.?D\.?|OUTSIDE|INSIDE|INTERNAL|EXTERNAL|INNER|OUTER|FRONT|BACK|LEFT|RIGHT|TOP|BOTTOM|SIDE|FIRST"
@@ -182,12 +174,11 @@ _FEATURE: Final = (
 )
 _WORK: Final = _any((*_SEMI_FINISH, *_ROUGH, *_FINISH, *_PROBE, *_THREAD, *_DRILL, *_FEATURE))
 # A title by feature or kind starts with it ("DRILL 4X", "OD ROUGH RIGHT") or ends with its -ING form.
-HAND_TITLE: Final = LazyPattern(
+HAND_TITLE: Final = AnyCase(
     rf"^(?:{_PLACE}\s+)*{_LEFT}{_WORK}{_RIGHT}.*$"
     r"|^(?:[^\W_][\w/.'&-]*\s+){0,3}(?:ROUGHING|ROUGHNIG|ROUGH|FINISHING|FINISH|TURNING|FACING|BORING|DRILLING"
     r"|TAPPING|THREADING|GROOVING|MILLING|PROFILING|REAMING|ADAPTIVE|CHAMFERING|DEBURRING|ENGRAVING"
-    r"|[^\W\d_]*(?:SCHRUPPEN|SCHLICHTEN)|DESBASTE|ACABAMENTO|ACABADO)\s*\d*$",
-    re.IGNORECASE,
+    r"|[^\W\d_]*(?:SCHRUPPEN|SCHLICHTEN)|DESBASTE|ACABAMENTO|ACABADO)\s*\d*$"
 )
 _NOTE: Final = (
     r"USING|STOCK|BLOCK|MATERIAL|DATE|TIME|PROG\w*|REV|RAPID|RETRACT|MOVES?|MOTION|OFFSETS?|PARAMETERS?"
@@ -196,11 +187,10 @@ _NOTE: Final = (
     r"|COMP|CLAMPED|INSERTS?|HOLDER|CUTTER|DEG\.? TIP"
 )
 # What a title never holds: words of notes, a value ("DEPTH: 1.5"), a measure right after the feature.
-NOT_A_TITLE: Final = LazyPattern(
+NOT_A_TITLE: Final = AnyCase(
     rf"\b(?:{_NOTE})\b|=|:\s*[-+#%\[.\d]|,.*,|\?|!"
     rf"|^\W*{_WORK}{_RIGHT}\W*(?:DEPTH|LENGTH|DIA(?:M\w*|\.)?|RADIUS|WIDTH|ANGLE|PITCH|HEIGHT|SIZE|TIP|CENTERLINE)\s*$"
-    r"|^FIN$|^[XYZ] FINISH$|\.(?:NC|TAP|NGC|MPF|TXT)$",
-    re.IGNORECASE,
+    r"|^FIN$|^[XYZ] FINISH$|\.(?:NC|TAP|NGC|MPF|TXT)$"
 )
 
 # --- tools ----------------------------------------------------------------------------------------------
@@ -235,83 +225,70 @@ TOOL_TYPES: Final = (
     ("chip fan", r"(?:CHIP|BLOW[\s-]*OFF|CLEANING|COOLANT)[\s-]*(?:FAN|BLOWER)"),
     ("air nozzle", r"(?:AIR|BLOW[\s-]*OFF)[\s-]*(?:NOZZLE|GUN|TOOL)|BLOW[\s-]*GUN"),
 )
-TOOL_WORDS: Final = LazyPattern(
-    _LEFT + "(?:" + "|".join(f"(?P<t{i}>{p})" for i, (_, p) in enumerate(TOOL_TYPES)) + ")S?" + _RIGHT,
-    re.IGNORECASE,
+TOOL_WORDS: Final = AnyCase(
+    _LEFT + "(?:" + "|".join(f"(?P<t{i}>{p})" for i, (_, p) in enumerate(TOOL_TYPES)) + ")S?" + _RIGHT
 )
-FUSION_TOOL: Final = LazyPattern(
+FUSION_TOOL: Final = AnyCase(
     rf"^T(?P<n>\d+)\s+D=(?P<d>{_DECIMAL})(?:\s+CR=(?P<cr>{_DECIMAL}))?(?:\s+TAPER=(?P<taper>{_DECIMAL})\s*DEG)?"
-    r"(?:\s+-\s+ZMIN=\S+)?(?:\s+-\s+(?P<type>\S.*?)(?:\s+-\s.*)?)?$",
-    re.IGNORECASE,
+    r"(?:\s+-\s+ZMIN=\S+)?(?:\s+-\s+(?P<type>\S.*?)(?:\s+-\s.*)?)?$"
 )
-MASTERCAM_TOOL: Final = LazyPattern(r"^T\s*(?P<n>\d+)\s*\|\s*(?P<name>[^|]*)(?:\||$)", re.IGNORECASE)
+MASTERCAM_TOOL: Final = AnyCase(r"^T\s*(?P<n>\d+)\s*\|\s*(?P<name>[^|]*)(?:\||$)")
 # "TOOL - 1 DIA. OFF. - 1 LEN. - 1 DIA. - .5", "TOOL NO. - 1", "TOOL 17 - 3/8 EM", "Tool Number: 4"
-TOOL_NUMBER: Final = LazyPattern(
-    r"^TOOL(?:\s*(?:NO\.?|NUM(?:BER|\.)?|#))?\s*[-:=]?\s*(?P<n>\d{1,3})(?![\d./\"]|\s*MM)(?P<rest>.*)$",
-    re.IGNORECASE,
+TOOL_NUMBER: Final = AnyCase(
+    r"^TOOL(?:\s*(?:NO\.?|NUM(?:BER|\.)?|#))?\s*[-:=]?\s*(?P<n>\d{1,3})(?![\d./\"]|\s*MM)(?P<rest>.*)$"
 )
 # "T01 = 80 DEG ROUGH TURNING TOOL"; the letter O for a nought is common.
-HAND_TOOL: Final = LazyPattern(r"^T(?P<n>O?\d{1,4})(?:\s*[-=:|,]+\s*|\s+)(?P<rest>\S.*)$", re.IGNORECASE)
-CAMBAM_TOOL: Final = LazyPattern(rf"^T(?P<n>\d+)\s+:\s+(?P<d>{_DECIMAL})$", re.IGNORECASE)
+HAND_TOOL: Final = AnyCase(r"^T(?P<n>O?\d{1,4})(?:\s*[-=:|,]+\s*|\s+)(?P<rest>\S.*)$")
+CAMBAM_TOOL: Final = AnyCase(rf"^T(?P<n>\d+)\s+:\s+(?P<d>{_DECIMAL})$")
 # One fact each: "DIA: 10", "Tool Diameter = 0.3771 Length = 1.5", "TOOL DIA. 3", "TIP RADIUS: 1"
-TOOL_FACT: Final = LazyPattern(
+TOOL_FACT: Final = AnyCase(
     rf"^(?:(?:TOOL\s+DIA(?:M(?:ETER)?|\.)?|DIA(?:METER)?\s*[:=])\s*[:=]?\s*(?P<d>{_DECIMAL})(?!\S)"
     rf"|TIP\s+RADIUS\s*[:=]\s*(?P<cr>{_DECIMAL})(?!\S)"
-    r"|TOOL(?:\s+(?:TYPE|NAME))?\s*[:=]\s*(?P<name>[^\d\s].*|\d+/\d+.*))",
-    re.IGNORECASE,
+    r"|TOOL(?:\s+(?:TYPE|NAME))?\s*[:=]\s*(?P<name>[^\d\s].*|\d+/\d+.*))"
 )
 # Of the tool that is called next: "TC: 6mm Endmill", "Begin operation: TC: 5mm Drill", "tool change to ..."
-TOOL_AHEAD: Final = LazyPattern(
-    r"^(?:(?:BEGIN\s+OPERATION\s*:\s*)?(?:TC|CHANGE\s+TOOL)\s*:|TOOL\s+CHANGE\s+TO\b)\s*(?P<tool>\S.*)",
-    re.IGNORECASE,
+TOOL_AHEAD: Final = AnyCase(
+    r"^(?:(?:BEGIN\s+OPERATION\s*:\s*)?(?:TC|CHANGE\s+TOOL)\s*:|TOOL\s+CHANGE\s+TO\b)\s*(?P<tool>\S.*)"
 )
 # CopperCAM: 'Tool #1 "Drill 0.8mm" / Diameter 0.8 mm', 'Werkzeug Nr. 1 "Bohrer 0.8mm" / Durchmesser 0.8 mm'
-COPPERCAM_TOOL: Final = LazyPattern(
+COPPERCAM_TOOL: Final = AnyCase(
     r'^(?:TOOL\s*#|WERKZEUG\s+NR\.?)\s*(?P<n>\d{1,8})\s+"(?P<name>[^"]*)"'
-    r"\s*/\s*(?:DIAMETER|DURCHMESSER)\s*(?P<d>\d+(?:[.,]\d*)?|[.,]\d+)\s*(?P<unit>MM\b|IN\b|INCH\b|\")?\s*$",
-    re.IGNORECASE,
+    r"\s*/\s*(?:DIAMETER|DURCHMESSER)\s*(?P<d>\d+(?:[.,]\d*)?|[.,]\d+)\s*(?P<unit>MM\b|IN\b|INCH\b|\")?\s*$"
 )
 # CutViewer: TOOL/MILL,diameter,corner radius,height,taper and TOOL/DRILL,diameter,point angle,length
-CUTVIEWER_TOOL: Final = LazyPattern(
+CUTVIEWER_TOOL: Final = AnyCase(
     rf"^TOOL/(?:(?P<mill>MILL)|DRILL)\s*,\s*(?P<d>{_DECIMAL})\s*,\s*(?P<second>{_DECIMAL})"
-    rf"(?:\s*,\s*(?:{_DECIMAL})(?:\s*,\s*(?P<taper>{_DECIMAL}))?)?\s*$",
-    re.IGNORECASE,
+    rf"(?:\s*,\s*(?:{_DECIMAL})(?:\s*,\s*(?P<taper>{_DECIMAL}))?)?\s*$"
 )
 # A diameter with a unit of its own: 1/2", 3/8 (a bare fraction is inches), 5.75MM.
-SIZE: Final = LazyPattern(
+SIZE: Final = AnyCase(
     rf"(?<![\w./])(?:(?P<mm>{_DECIMAL})\s*MM\b|(?P<frac>{_FRACTION})(?!\s*-\s*\d)(?!\s*AXIS)(?:\s*(?:\"|''|IN\b|INCH\b))?"
-    rf"|(?P<inch>{_DECIMAL})\s*(?:\"|''|IN\.?(?=\s|$)|INCH\b))",
-    re.IGNORECASE,
+    rf"|(?P<inch>{_DECIMAL})\s*(?:\"|''|IN\.?(?=\s|$)|INCH\b))"
 )
-SAID_DIAMETER: Final = LazyPattern(
+SAID_DIAMETER: Final = AnyCase(
     rf"(?:\bD(?:IA\w*)?\.?\s*[-=:]\s*|\bDESC:\s*(?=\S+\s+DIA\b)|\bDIA\.\s+(?!\S+\s*-?\s*FL))"
-    rf"(?P<d>{_DECIMAL})(?![\w\"/])",
-    re.IGNORECASE,
+    rf"(?P<d>{_DECIMAL})(?![\w\"/])"
 )
-SAID_NOSE: Final = LazyPattern(
+SAID_NOSE: Final = AnyCase(
     rf"(?<![\w.])(?:(?P<before>{_DECIMAL})\s*(?:TNR|RAD\b|NOSE\s+RAD)|"
-    rf"(?:TNR|(?:NOSE|CORNER|TIP)\s+RADIUS)\s*[:=-]?\s*(?P<after>{_DECIMAL})(?!\w))",
-    re.IGNORECASE,
+    rf"(?:TNR|(?:NOSE|CORNER|TIP)\s+RADIUS)\s*[:=-]?\s*(?P<after>{_DECIMAL})(?!\w))"
 )
 # Only a size follows: the comment names the tool ("DRILL 1/4""), not what is done with it.
-ONLY_A_SIZE: Final = LazyPattern(
+ONLY_A_SIZE: Final = AnyCase(
     rf"^(?:DRILL|TAP|REAM(?:ER)?|(?:SPOT|CENT(?:ER|RE))\s*DRILL)\s+(?:D|DIA\.?|Ø)?\s*"
-    rf"(?:{_FRACTION}|{_DECIMAL})\s*(?:\"|''|MM|IN\.?|DIA\.?)*\s*$",
-    re.IGNORECASE,
+    rf"(?:{_FRACTION}|{_DECIMAL})\s*(?:\"|''|MM|IN\.?|DIA\.?)*\s*$"
 )
 # DRILL, TAP and PROBE are things to do as well: they name a tool behind its size or make, not before work.
 WORK_TOO: Final = frozenset({"drill", "spot drill", "center drill", "tap", "counter sink", "probe"})
-TOOL_FOR_SURE: Final = LazyPattern(
-    r"^(?:[\w./\"'#-]*[\d\"'#][\w./\"'°-]*|LET\S*|HSS|CARBIDE|COBALT)\s.*(?:DRILL|TAP|SINK)S?\s*$|\bTWIST\s+DRILL",
-    re.IGNORECASE,
+TOOL_FOR_SURE: Final = AnyCase(
+    r"^(?:[\w./\"'#-]*[\d\"'#][\w./\"'°-]*|LET\S*|HSS|CARBIDE|COBALT)\s.*(?:DRILL|TAP|SINK)S?\s*$|\bTWIST\s+DRILL"
 )
 # Work that is named before the tool that does it: "FINISH WALLS WITH 3/8 E.M.", "POCKET - 1/2 E.M."
 _OF_A_TOOL: Final = (
     r"ROUGH\w*|FINISH\w*|LONG|SHORT|STUB\w*|CARBIDE|HSS|COBALT|FLUTES?|FLTS?|FL|BALL|FLAT|BULL|CORNER|NOSE|INSERT\w*"
     r"|INDEX\w*|COATED|NEW|OLD|EXTENDED|REDUCED|CORNCOB|SPOT\w*|CENT\w*|DIA\w*|DEG\w*|RAD\w*|LET\w*|NO|NUM\w*|END"
 )
-WORK_BEFORE_TOOL: Final = LazyPattern(
+WORK_BEFORE_TOOL: Final = AnyCase(
     rf"^(?:{_PLACE}\s+)*(?:{_any((*_SEMI_FINISH, *_ROUGH, *_FINISH))}\s+)*{_any(_FEATURE)}{_RIGHT}"
-    rf"|^(?:{_PLACE}\s+)*{_WORK}\s+(?!(?:{_OF_A_TOOL})\b)[^\W\d_]{{3}}",
-    re.IGNORECASE,
+    rf"|^(?:{_PLACE}\s+)*{_WORK}\s+(?!(?:{_OF_A_TOOL})\b)[^\W\d_]{{3}}"
 )

@@ -14,6 +14,7 @@ from functools import lru_cache
 
 from chipbreak.operations import kind_words as words
 from chipbreak.operations.linear_pattern import LinearPattern, TooDifficultError
+from chipbreak.text.any_case import AnyCase, Hit
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.lazy_pattern import LazyPattern
 from chipbreak.text.named_tuple import NamedTuple
@@ -278,7 +279,7 @@ def tool_text(text: str) -> ToolNote | None:
     return None if is_sentence else _unnumbered_tool(reading)
 
 
-def _fusion_tool(hit: re.Match[str], reading: str) -> ToolNote:
+def _fusion_tool(hit: Hit, reading: str) -> ToolNote:
     said = hit["type"] or ""
     tool_type = _tool_type(said) or said.lower() or None
     return ToolNote(
@@ -286,32 +287,32 @@ def _fusion_tool(hit: re.Match[str], reading: str) -> ToolNote:
     )
 
 
-def _mastercam_tool(hit: re.Match[str], reading: str) -> ToolNote:
+def _mastercam_tool(hit: Hit, reading: str) -> ToolNote:
     return _described(int(hit["n"]), hit["name"], reading)
 
 
-def _cambam_tool(hit: re.Match[str], reading: str) -> ToolNote:
+def _cambam_tool(hit: Hit, reading: str) -> ToolNote:
     return ToolNote(int(hit["n"]), float(hit["d"]), None, None, None, reading)
 
 
-def _tool_fact(hit: re.Match[str], reading: str) -> ToolNote:
+def _tool_fact(hit: Hit, reading: str) -> ToolNote:
     if hit["d"] or hit["cr"]:
         return ToolNote(None, _number(hit["d"]), _number(hit["cr"]), None, None, reading)
     return _described(None, hit["name"], reading)
 
 
-def _tool_ahead(hit: re.Match[str], reading: str) -> ToolNote | None:
+def _tool_ahead(hit: Hit, reading: str) -> ToolNote | None:
     note = _described(None, hit["tool"], reading)
     return note if note.type or note.diameter else None
 
 
-def _coppercam_tool(hit: re.Match[str], reading: str) -> ToolNote:
+def _coppercam_tool(hit: Hit, reading: str) -> ToolNote:
     unit = hit["unit"] and ("mm" if hit["unit"].upper() == "MM" else "in")
     diameter = float(hit["d"].replace(",", "."))
     return ToolNote(int(hit["n"]), diameter, None, None, _tool_type(hit["name"]), hit["name"], unit)
 
 
-def _cutviewer_tool(hit: re.Match[str], reading: str) -> ToolNote:
+def _cutviewer_tool(hit: Hit, reading: str) -> ToolNote:
     diameter = float(hit["d"])
     second = float(hit["second"])
     if not hit["mill"]:
@@ -325,18 +326,18 @@ def _cutviewer_tool(hit: re.Match[str], reading: str) -> ToolNote:
     return ToolNote(None, diameter, second, None, kind, reading)
 
 
-def _tool_number(hit: re.Match[str], reading: str) -> ToolNote:
+def _tool_number(hit: Hit, reading: str) -> ToolNote:
     return _described(int(hit["n"]), hit["rest"], reading)
 
 
-def _hand_tool(hit: re.Match[str], reading: str) -> ToolNote | None:
+def _hand_tool(hit: Hit, reading: str) -> ToolNote | None:
     digits = hit["n"].upper().replace("O", "0")
     # Four digits may be tool and offset: the caller knows its control.
     note = _described(int(digits) if len(digits) <= 3 else None, hit["rest"], reading)
     return note if note.type or note.diameter or note.corner_radius else None
 
 
-_Form = tuple[LazyPattern, Callable[[re.Match[str], str], ToolNote | None]]
+_Form = tuple[AnyCase, Callable[[Hit, str], ToolNote | None]]
 # The first form that a comment has decides what it says; those of posts may be as long as sentences.
 _POST_FORMS: tuple[_Form, ...] = (
     (words.FUSION_TOOL, _fusion_tool),

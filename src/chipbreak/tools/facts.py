@@ -2,38 +2,32 @@
 
 from __future__ import annotations
 
-import re
 from typing import Final
 
 from chipbreak.operations.kinds import LONGEST_TEXT
-from chipbreak.text.lazy_pattern import LazyPattern
+from chipbreak.text.any_case import AnyCase, Hit
 from chipbreak.text.named_tuple import NamedTuple
 
 _DECIMAL: Final = r"\d+(?:\.\d*)?|\.\d+"
 # "4 FLUTE", "2-Flute", "3FL", "Number of Flutes: 4"
-_TEETH: Final = LazyPattern(
+_TEETH: Final = AnyCase(
     r"(?<![\w./-])(?P<before>\d{1,2})[\s-]*(?:FLUTES?|FLTS?|FL)\b\.?(?!\s*[:=])"
-    r"|\b(?:(?:NUMBER|NO\.?)\s+OF\s+(?:FLUTES|TEETH)|FLUTES)\s*[:=]\s*(?P<after>\d{1,2})\b",
-    re.IGNORECASE,
+    r"|\b(?:(?:NUMBER|NO\.?)\s+OF\s+(?:FLUTES|TEETH)|FLUTES)\s*[:=]\s*(?P<after>\d{1,2})\b"
 )
 _LENGTH: Final = rf"\s*[:=]?\s*(?P<length>{_DECIMAL})\s*(?P<unit>MM\b|\"|IN\b|INCH\b)?(?![\w.])"
 # "STICKOUT/OVERHANG: 42", "STICK-OUT = 1.5 IN", "OVERHANG 30MM"
-_STICK_OUT: Final = LazyPattern(
-    rf"\b(?:STICK[\s-]?OUT|OVERHANG)(?:/(?:STICK[\s-]?OUT|OVERHANG))?{_LENGTH}", re.IGNORECASE
-)
-_HOLDER: Final = LazyPattern(rf"\bHOLDER\s+LENGTH{_LENGTH}", re.IGNORECASE)
+_STICK_OUT: Final = AnyCase(rf"\b(?:STICK[\s-]?OUT|OVERHANG)(?:/(?:STICK[\s-]?OUT|OVERHANG))?{_LENGTH}")
+_HOLDER: Final = AnyCase(rf"\bHOLDER\s+LENGTH{_LENGTH}")
 # "NOSE R0.8", "TNR .8", "NOSE RADIUS = 0.8 MM"; "TIP 3", "TIP NO. 3", "TIP DIRECTION: 3"
-_NOSE: Final = LazyPattern(
-    rf"\b(?:TNR|NOSE(?:\s+RAD(?:IUS)?\.?)?|(?:INSERT|TIP)\s+RAD(?:IUS)?\.?)\s*[:=]?\s*R?{_LENGTH}",
-    re.IGNORECASE,
+_NOSE: Final = AnyCase(
+    rf"\b(?:TNR|NOSE(?:\s+RAD(?:IUS)?\.?)?|(?:INSERT|TIP)\s+RAD(?:IUS)?\.?)\s*[:=]?\s*R?{_LENGTH}"
 )
 # ".031TNR", "0.8 MM NOSE RADIUS", '.030" NR'
-_NOSE_BEHIND: Final = LazyPattern(
-    rf"(?<![\w.])(?P<length>{_DECIMAL})\s*(?P<unit>MM\b|\"|IN\b)?\s*(?:TNR|NR|NOSE\s+RAD(?:IUS)?)\b",
-    re.IGNORECASE,
+_NOSE_BEHIND: Final = AnyCase(
+    rf"(?<![\w.])(?P<length>{_DECIMAL})\s*(?P<unit>MM\b|\"|IN\b)?\s*(?:TNR|NR|NOSE\s+RAD(?:IUS)?)\b"
 )
-_TIP: Final = LazyPattern(
-    r"\bTIP(?:\s+(?:NO\.?|NUMBER|DIRECTION|ORIENTATION))?\s*[:=#]?\s*T?(?P<tip>\d)(?![\d.])", re.IGNORECASE
+_TIP: Final = AnyCase(
+    r"\bTIP(?:\s+(?:NO\.?|NUMBER|DIRECTION|ORIENTATION))?\s*[:=#]?\s*T?(?P<tip>\d)(?![\d.])"
 )
 
 
@@ -72,7 +66,7 @@ def tip_said(text: str) -> int | None:
     return int(hit["tip"]) if hit else None
 
 
-def _length(hit: re.Match[str] | None) -> Length | None:
+def _length(hit: Hit | None) -> Length | None:
     if hit is None or not float(hit["length"]) > 0.0:
         return None
     unit = (hit["unit"] or "").lower()
