@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -175,8 +176,6 @@ def test_tasks_of_an_editor_read_our_messages(tmp_path: Path) -> None:
     args = [one.replace("${file}", str(tmp_path / "part.nc")) for one in check["args"]]
     done = run(check["command"], *args, cwd=tmp_path)
     pattern = check["problemMatcher"]["pattern"]["regexp"]
-    import re
-
     match = re.search(pattern, done.stderr, re.MULTILINE)
     assert match is not None
     assert match.group(2, 4) == ("3", "error")
@@ -202,6 +201,8 @@ try:
     other = PathProfile.Create("Other", None, job)
     other.Base = operations[0].Base
     other.ToolController = second
+    for controller in (operations[0].ToolController, second):
+        controller.SpindleSpeed = 3000.0
     document.recompute()
     postlist = CommandPathPost().buildPostList(job)
     objects = [o for section in postlist for o in (section[1] if isinstance(section, tuple) else section)]
@@ -237,6 +238,25 @@ def test_freecad_posts_a_job_with_two_tools(tmp_path: Path) -> None:
     changes = [line.strip() for line in told["text"].splitlines() if line.startswith("M6")]
     assert len(changes) == 2
     assert changes[-1] == "M6 T2"
+
+
+PREAMBLE = "--preamble='G17 G54 G40 G49 G80 G90 G53 G0 X0 Y0 Z0'"
+
+
+@pytest.mark.skipif(FREECAD is None, reason="needs FreeCAD")
+@pytest.mark.parametrize("arguments", ["", PREAMBLE], ids=["as it is", "with a place for CALIBRATE"])
+def test_the_tools_of_a_freecad_job_are_checked(arguments: str, tmp_path: Path) -> None:
+    """The preamble is the one of the page; without it there is no place before the first tool."""
+    assert PREAMBLE in (Path(__file__).parents[2] / "docs" / "hooks.md").read_text("utf-8")
+    beam = "[macros]\nbeam_x_mm = 400.0\nbeam_y_mm = 120.0\nbeam_z_mm = -350.0\nsafe_z_mm = 0.0\n"
+    master = "master_length_mm = 120.0\nmaster_diameter_mm = 10.0\n"
+    (tmp_path / "mill.toml").write_text(f'base = "linuxcnc-mill"\n{beam}{master}')
+    told = posted(tmp_path, str(tmp_path / "mill.toml"), arguments)
+    assert "error" not in told, told
+    titles = re.findall(r"CHIPBREAK BEGIN (.*)\)", told["text"])
+    checks = [f"{what} {tool}" for tool in ("T1", "T2") for what in ("TOOL CHECK", "CHIP CHECK")]
+    wanted = ["CALIBRATE", *checks] if arguments else checks
+    assert [title.split(",")[0].split(" W")[0] for title in titles] == wanted
 
 
 # --- a folder that is watched -----------------------------------------------------------------------------
