@@ -24,6 +24,8 @@ SAMPLES = sorted((Path(__file__).parents[2] / "samples").glob("*.nc"))
 SHOP = sorted((Path(__file__).parents[1] / "shop").glob("*.nc"))
 ROUGHS = re.compile(rb"G0*7[123]\D[^\n]*P", re.IGNORECASE)
 _WORD = re.compile(r"([A-Z])\s*(-?[\d.]+)")
+_CALL = re.compile(r"M98 P(\d+)")
+_TITLE = re.compile(r"O(\d+)")
 _HEADS = re.compile(r"\(CHIPBREAK UNROLLED (G7[12]|CONTOUR|G\d+)")
 
 
@@ -37,12 +39,28 @@ class Written:
     before: tuple[float, float]
 
 
+class Calls:
+    """Where the tool stands when a subprogram of the same file is called: there it begins."""
+
+    def __init__(self) -> None:
+        self.places: dict[int, dict[str, float]] = {}
+
+    def start_of(self, line: str, at: dict[str, float]) -> dict[str, float]:
+        """Where the tool stands at a line instead, if that begins a subprogram that has been called."""
+        if call := _CALL.match(line):
+            self.places[int(call[1]) % 10_000] = dict(at)
+        title = _TITLE.match(line)
+        return self.places.get(int(title[1]), {}) if title else {}
+
+
 def written_cycles(output: str) -> Iterator[Written]:
     """The cycles of a program in millimetres with X as a diameter, in order."""
     at = {"X": float("nan"), "Z": float("nan")}
+    called = Calls()
     inside: Written | None = None
     kept: list[str] = []
     for line in output.splitlines():
+        at |= called.start_of(line, at)
         if head := _HEADS.search(line):
             inside = Written(head[1], [], [], (at["Z"], at["X"] / 2.0))
             kept = []

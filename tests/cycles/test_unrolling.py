@@ -236,7 +236,10 @@ def test_cycles_whose_passes_cannot_vibrate_stay() -> None:
     program = CYCLE.replace(b"M3", b"M5")
     result = chipbreak.rewrite(program, load("fanuc-lathe", ["vibration.n=1.5"]))
     assert result.data == program
-    assert any("none of its passes can vibrate" in d.message for d in result.diagnostics)
+    (said,) = [d for d in result.diagnostics if d.code == "VIB065"]
+    assert "reached no cut" in said.message
+    assert "while the spindle stands" in said.message
+    assert chipbreak.rewrite(CYCLE, load("fanuc-lathe", ["vibration.n=1.5"])).data != CYCLE  # M3: the way out
 
 
 def test_the_profile_asks_for_roughing_and_not_for_finishing() -> None:

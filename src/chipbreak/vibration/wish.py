@@ -28,11 +28,12 @@ _THREADS = ("thread", "threading-cycle", "thread-cycle")
 
 
 class Passed(NamedTuple):
-    """A block that a wish passed over: what it is, its text, and its line from 0."""
+    """A block that a wish passed over: what it is, its text, its line from 0, and why where that is plain."""
 
     what: str
     text: str
     line: int
+    why: str = ""
 
 
 @dataclass(eq=False, repr=False)
@@ -65,7 +66,8 @@ class Wish:
         if what is not None and is_named:
             self.named += 1
         elif what is not None:
-            self.passed.append(Passed(what, effect.block.text.strip()[:40], effect.block.line))
+            text = effect.block.text.strip()[:40]
+            self.passed.append(Passed(what, text, effect.block.line, _why(what, effect)))
 
 
 def said_of(wish: Wish, program: Program, *, is_strict: bool) -> Diagnostic | None:
@@ -77,7 +79,7 @@ def said_of(wish: Wish, program: Program, *, is_strict: bool) -> Diagnostic | No
     if any(one.what != "thread" for one in wish.passed):
         first = wish.passed[0]
         message = f"{_counted(wish.passed)} not vibrated: only G1, G2 and G3 are; the first is {first.text}"
-        return _at(wish, program, PASSED_OVER, f"{message}", Severity.WARNING)
+        return _at(wish, program, PASSED_OVER, message + first.why, Severity.WARNING)
     return None
 
 
@@ -94,7 +96,7 @@ def _reasons(wish: Wish, program: Program) -> Iterator[str]:
     if wish.passed:
         first = wish.passed[0]
         where = program.source.place(first.line).line
-        yield f"{_counted(wish.passed)} not vibrated (the first in line {where}, {first.text})"
+        yield f"{_counted(wish.passed)} not vibrated (the first in line {where}, {first.text}{first.why})"
     if wish.unasked:
         cuts = "1 cut is" if wish.unasked == 1 else f"{wish.unasked} cuts are"
         yield f"{cuts} of finishing operations, or of others that vibration.only does not name"
@@ -116,10 +118,18 @@ def _at(wish: Wish, program: Program, code: str, message: str, severity: Severit
 def _way_out(wish: Wish) -> str:
     if wish.passed:
         off = "write (VIB OFF) before it" if wish.asked_by == "profile" else "take the wish out"
+        if wish.passed[0].why:
+            return f"start the spindle before it (M3, M4), or {off}"
         return f"write these passes as G1 where their chips must break, or {off}"
     if wish.unasked:
         return "name the kind of these operations, or their tool, in vibration.only"
     return "write it straight before the cuts, behind the tool call, or take it out"
+
+
+def _why(what: str, effect: BlockEffect) -> str:
+    """Why a cycle is passed over that else would be written out: nothing is cut while the spindle stands."""
+    known = not any(state.turns or state.spindle_why for state in (effect.before, effect.after))
+    return ", while the spindle stands" if what == "cycle" and known else ""
 
 
 def _counted(passed: list[Passed]) -> str:
