@@ -215,27 +215,38 @@ def _of_filter(axis: str, fit: Fit, feed_forward: float) -> Iterator[Measured]:
     names = sorted(fit.behind.names, key=lambda name: -fit.numbers[name])
     averages = [name for name in names if name in ("average_s", "bell_s")]
     lags = [name for name in names if name not in averages]
-    first, *others = averages or [""]
-    kind = "linear" if not others else "bell"
-    if len(lags) == 2:
-        kind, first = "exponential", lags.pop(0)
-    yield Measured(f"axes.{axis}.acc_dec", kind, 0.0)
-    first_ms = fit.numbers[first] * MS_PER_S if first else 0.0
     # Of two lags in a row each is known only as well as the other.
-    least = _LEAST_SHARES["second_lag_s"] if kind == "exponential" else 0.0
-    if _may_hide_bell(fit):
-        least = _HIDDEN_BELL
+    least = _LEAST_SHARES["second_lag_s"] if len(lags) == 2 else 0.0
+    if len(lags) == 2:
+        yield from _of_acc_dec(axis, fit, "exponential", [lags.pop(0)], least)
+    else:
+        yield from _of_acc_dec(axis, fit, "bell" if len(averages) > 1 else "linear", averages, least)
+    yield _of_gain(axis, fit, lags, feed_forward, least)
+    if feed_forward:
+        yield Measured(f"axes.{axis}.feed_forward", feed_forward, 0.0)
+
+
+def _of_acc_dec(axis: str, fit: Fit, kind: str, names: Sequence[str], least: float) -> Iterator[Measured]:
+    """The acc/dec filter: its kind, its time, and that of a bell."""
+    yield Measured(f"axes.{axis}.acc_dec", kind, 0.0)
+    first, *others = names or [""]
+    first_ms = fit.numbers[first] * MS_PER_S if first else 0.0
+    least = _HIDDEN_BELL if _may_hide_bell(fit) else least
     yield Measured(f"axes.{axis}.acc_dec_ms", first_ms, max(_share(fit, first), least), "ms")
     for other in others:
         # The two together are known best: a little more of the longer is much less of the shorter.
         together = _LEAST_SHARES["average_s"] * (fit.numbers[first] / fit.numbers[other]) ** 2
         share = max(_share(fit, other), together)
         yield Measured(f"axes.{axis}.bell_ms", fit.numbers[other] * MS_PER_S, share, "ms")
-    gain = (1.0 - feed_forward) / fit.numbers[lags[0]] if lags and feed_forward < 1.0 else _NO_LAG_1_S
-    share = max(_share(fit, lags[0]), least if kind == "exponential" else 0.0) if lags else 0.0
-    yield Measured(f"axes.{axis}.position_gain_1_s", min(gain, _NO_LAG_1_S), share, "1/s")
-    if feed_forward:
-        yield Measured(f"axes.{axis}.feed_forward", feed_forward, 0.0)
+
+
+def _of_gain(axis: str, fit: Fit, lags: Sequence[str], feed_forward: float, least: float) -> Measured:
+    """The gain of the position loop, from its lag."""
+    name = f"axes.{axis}.position_gain_1_s"
+    if not lags:
+        return Measured(name, _NO_LAG_1_S, 0.0, "1/s")
+    gain = (1.0 - feed_forward) / fit.numbers[lags[0]] if feed_forward < 1.0 else _NO_LAG_1_S
+    return Measured(name, min(gain, _NO_LAG_1_S), max(_share(fit, lags[0]), least), "1/s")
 
 
 def _may_hide_bell(fit: Fit) -> bool:
@@ -297,20 +308,27 @@ def _open_axes(known: _Known) -> Iterator[str]:
         if axis not in tested:
             yield f"axes.{axis}: nothing was measured of it"
     for axis, fit in known.fits:
-        if axis not in known.has_trace:
-            yield (
-                f"axes.{axis}.acc_dec_ms and position_gain_1_s: times do not show what the axis makes of its"
-                " command, only a trace of its real place does, or the parameter screen"
-            )
-        if axis in known.has_trace and _may_hide_bell(fit):
-            yield f"axes.{axis}.bell_ms: a second acc/dec time below a third of acc_dec_ms is not seen"
-        for rival in fit.rivals if axis in known.has_trace else ():
-            yield (
-                f"axes.{axis}.acc_dec: {_acc_dec_of(rival)} explains the trace as well as"
-                f" {_acc_dec_of(fit.behind)}, with other times; the parameter screen knows"
-            )
+        yield from _open_behind(axis, fit) if axis in known.has_trace else _open_without_trace(axis)
         if "acceleration" in fit.numbers and _share(fit, "acceleration") > _MOST_SHARE:
             yield f"axes.{axis}.max_acceleration_mm_s2: it is so high that these strokes do not show it"
+
+
+def _open_without_trace(axis: str) -> Iterator[str]:
+    yield (
+        f"axes.{axis}.acc_dec_ms and position_gain_1_s: times do not show what the axis makes of its"
+        " command, only a trace of its real place does, or the parameter screen"
+    )
+
+
+def _open_behind(axis: str, fit: Fit) -> Iterator[str]:
+    """What a trace leaves open of the filters behind the command."""
+    if _may_hide_bell(fit):
+        yield f"axes.{axis}.bell_ms: a second acc/dec time below a third of acc_dec_ms is not seen"
+    for rival in fit.rivals:
+        yield (
+            f"axes.{axis}.acc_dec: {_acc_dec_of(rival)} explains the trace as well as"
+            f" {_acc_dec_of(fit.behind)}, with other times; the parameter screen knows"
+        )
 
 
 def _open_of_trace(known: _Known) -> Iterator[str]:
