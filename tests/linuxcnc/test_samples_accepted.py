@@ -14,8 +14,9 @@ from chipbreak.text.source import read
 from . import rs274
 
 SAMPLES = Path(__file__).parents[2] / "samples"
-WITH_A_TEST_OF_ITS_OWN = SAMPLES / "shaft.ngc"
-FOR_LINUXCNC = sorted(set(SAMPLES.glob("*.ngc")) - {WITH_A_TEST_OF_ITS_OWN})
+COOKBOOK = SAMPLES / "cookbook.ngc"
+WITH_TESTS_OF_THEIR_OWN = {COOKBOOK, SAMPLES / "shaft.ngc"}
+FOR_LINUXCNC = sorted(set(SAMPLES.glob("*.ngc")) - WITH_TESTS_OF_THEIR_OWN)
 CANON_MM = 1e-4  # canonical calls have four decimals
 
 
@@ -85,3 +86,19 @@ def test_every_cut_ends_where_and_as_it_did(sample: Path) -> None:
     for one, other in zip(was, now, strict=True):
         assert (other.x_mm, other.z_mm) == pytest.approx((one.x_mm, one.z_mm), abs=CANON_MM)
         assert (other.feed, other.per_rev, other.speed) == (one.feed, one.per_rev, one.speed)
+
+
+@pytest.mark.linuxcnc
+@pytest.mark.parametrize("feed_mode", ["rev", "inverse", "minute"])
+def test_the_cut_of_the_cookbook_ends_where_it_did(feed_mode: str) -> None:
+    """The machine chooses S and N, so the speed may be another one."""
+    settings = chipbreak.load(str(SAMPLES / "cookbook-lathe.toml"), [f"output.feed_mode={feed_mode}"])
+    result = chipbreak.rewrite(COOKBOOK.read_bytes(), settings, COOKBOOK.name)
+    (cut,) = result.cuts
+    (was,) = ends_of_cuts(motion(COOKBOOK.read_bytes()))
+    moves = motion(result.data)
+    strokes = [move for move in moves if move.path_mode == "G61"]
+    assert len(strokes) == cut.move_count > 100
+    now = ends_of_cuts(moves)[-1]
+    assert (now.x_mm, now.z_mm) == pytest.approx((was.x_mm, was.z_mm), abs=CANON_MM)
+    assert restore(read(result.data, COOKBOOK.name)).data == COOKBOOK.read_bytes()

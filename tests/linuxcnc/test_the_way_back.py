@@ -14,6 +14,7 @@ from .vibrated import Job, grid
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 PROFILES = {
+    "cookbook.ngc": str(SAMPLES / "cookbook-lathe.toml"),
     "fusion-mill.nc": str(SAMPLES / "mill-with-laser.toml"),
     "linuxcnc-lathe.ngc": "linuxcnc-lathe",
     "roughing.nc": "fanuc-lathe",
