@@ -158,3 +158,14 @@ def test_without_the_extra_it_says_what_to_install(tmp_path: Path) -> None:
     )
     assert done.returncode == 2
     assert b"pip install 'chipbreak[editor]'" in done.stderr
+
+
+def test_a_message_that_is_none_is_said_without_a_traceback() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "chipbreak", "language-server"],
+        input=b"Content-Length: 5\r\n\r\nabcde",
+        capture_output=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.stderr.strip() == b"chipbreak language-server: Unable to handle message"

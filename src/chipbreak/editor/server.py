@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -22,6 +23,12 @@ _SEVERITIES = {
     Severity.WARNING: types.DiagnosticSeverity.Warning,
     Severity.NOTE: types.DiagnosticSeverity.Information,
 }
+
+
+def _in_one_line(record: logging.LogRecord) -> bool:
+    """What the protocol has to say, without where in its code that was."""
+    record.exc_info = None
+    return True
 
 
 class Machine(NamedTuple):
@@ -54,6 +61,10 @@ class Server:
 
     def run(self) -> None:
         """Speak on standard input and output until the editor ends it."""
+        handler = logging.StreamHandler()
+        handler.setFormatter(logging.Formatter("chipbreak language-server: %(message)s"))
+        handler.addFilter(_in_one_line)
+        logging.getLogger("pygls").addHandler(handler)
         self.protocol.start_io()
 
     async def opened(self, asked: types.DidOpenTextDocumentParams) -> None:
