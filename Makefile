@@ -13,7 +13,7 @@ FUZZ_SECONDS ?= 120
 # Runs on simulated machines wait more than they compute.
 WORKERS := $(shell $(PYTHON) -c 'import os; print(2 * (os.cpu_count() or 1))')
 
-.PHONY: lock machine-test real-control demo test check-table fuzz lint man site cookbook test-pythons hooks bench wheel release-dry-run clean
+.PHONY: lock machine-test real-control demo test check-table fuzz lint man site cookbook diagnostics test-pythons hooks bench wheel release-dry-run clean
 
 $(BIN)/chipbreak: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -112,6 +112,10 @@ man: $(VENV)/.dev
 # The table and the figures of docs/cookbook.md, by the commands that stand in it.
 cookbook: $(VENV)/.dev
 	$(BIN)/python benchmarks/cookbook.py
+
+# docs/diagnostics.md, from docs/diagnostics.toml and what is said of the programs in tests/bad.
+diagnostics: $(VENV)/.dev
+	$(BIN)/python benchmarks/diagnostics_page.py
 
 # The pages as a site in build/site.
 site: $(VENV)/.dev
