@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from chipbreak.dialects import GENERIC_LATHE, Dialect
 from chipbreak.syntax import shapes
-from chipbreak.syntax.columns import read_columns, uniform_run
+from chipbreak.syntax.columns import read_columns, read_words, uniform_run
 from chipbreak.syntax.grammar import grammar_of
 from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.parse import parse, parse_changed, read_block, read_by_grammar, read_plain
@@ -156,6 +156,7 @@ def compare_shape_and_block(shape: Shape, block: Block) -> None:
     assert all(word.number is not None for word in words)
     assert shape.has_points == all(word.has_point for word in words)
     assert block.sequence is None or block.sequence.number is not None
+    assert shape.numbered == (block.sequence is not None)
     assert not (
         block.comments or block.assignments or block.controls or block.skip or block.opaque or block.mark
     )
@@ -262,13 +263,14 @@ def plain_blocks(draw: st.DrawFn) -> tuple[str, Shape]:
     letters = draw(st.lists(st.sampled_from(PLAIN_LETTERS), min_size=1, unique=True))
     numbers = [draw(number) for _ in letters]
     text = draw(blank)
-    if draw(st.booleans()):
+    numbered = draw(st.booleans())
+    if numbered:
         text += "N" + draw(blank) + draw(number) + draw(blank)
     if motion is not None:
         text += draw(st.sampled_from(["G", "G0"])) + str(motion) + draw(blank)
     for letter, value in zip(letters, numbers, strict=True):
         text += letter + draw(blank) + value + draw(blank)
-    return text, Shape("".join(letters), motion, all("." in value for value in numbers))
+    return text, Shape("".join(letters), motion, all("." in value for value in numbers), numbered)
 
 
 @every_grammar
@@ -279,6 +281,20 @@ def test_every_plain_block_is_found(dialect: Dialect, case: tuple[str, Shape]) -
     assert [program.shapes[index] for index in program.plain] == [shape]
     assert not len(program.special_lines)
     compare_shape_and_block(shape, read_by_grammar(0, text, dialect))
+
+
+@every_grammar
+@settings(max_examples=30)
+@given(st.lists(plain_blocks(), min_size=1, max_size=5))
+def test_words_hold_the_numbers_of_blocks_of_any_shape(
+    dialect: Dialect, cases: list[tuple[str, Shape]]
+) -> None:
+    program = parse(read("\n".join(text for text, _ in cases).encode("latin-1")), dialect)
+    columns = read_words(program, 0, len(cases), PLAIN_LETTERS)
+    assert columns is not None
+    for line, row in enumerate(columns.tolist()):
+        words = {word.letter: word.number for word in program.block(line).words}
+        assert [words.get(letter) for letter in PLAIN_LETTERS] == [None if n != n else n for n in row]
 
 
 @every_grammar

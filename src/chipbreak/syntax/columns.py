@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 
 from chipbreak.kinematics.floats import Floats
 from chipbreak.syntax.parse import Program
+from chipbreak.syntax.shapes import Shape
 
 _MOST_DECIMALS = 9
-_SEQUENCE_OR_CODE = re.compile(rb"[NG][ \t]*=?[ \t]*[0-9.]+")
 _LETTERS = b"ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
@@ -97,11 +95,12 @@ def read_words(program: Program, first: int, last: int, wanted: str) -> Floats |
     """
     ids = program.plain[first:last]
     shapes = program.shapes
-    width = max(len(shape.letters) for shape in shapes)
-    letters = np.array([[ord(c) for c in shape.letters.ljust(width, "\0")] for shape in shapes], np.uint8)
+    written = [_letters_as_written(shape) for shape in shapes]
+    width = max(map(len, written))
+    letters = np.array([list(one.ljust(width, b"\0")) for one in written], np.uint8)
     of_line = letters[ids]
     source = program.source
-    text = _SEQUENCE_OR_CODE.sub(b" ", source.data[source.starts[first] : source.starts[last]])
+    text = source.data[source.starts[first] : source.starts[last]]
     between = _LETTERS + program.table.grammar.separators.encode("latin-1")
     text = text.translate(bytes.maketrans(between, b" " * len(between)))
     numbers = np.fromstring(text.decode("latin-1"), np.float64, sep=" ")
@@ -115,3 +114,9 @@ def read_words(program: Program, first: int, last: int, wanted: str) -> Floats |
         rows, places = np.nonzero(of_line == ord(letter))
         columns[rows, at] = table[rows, places]
     return columns
+
+
+def _letters_as_written(shape: Shape) -> bytes:
+    """The letter of every number on a line, those of the block number and of the motion code too."""
+    head = ("N" if shape.numbered else "") + ("" if shape.motion is None else "G")
+    return (head + shape.letters).encode("ascii")

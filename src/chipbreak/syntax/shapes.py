@@ -33,12 +33,14 @@ _TO_SHAPE = bytes.maketrans(b"0123456789\0", b"\0" * 10 + _FOREIGN)
 class Shape(NamedTuple):
     """A plain motion block: at most one of G0 to G3, then words of ``PLAIN_LETTERS``, each once.
 
-    ``has_points`` is True when each of these words has a decimal point.
+    ``has_points`` is True when each of these words has a decimal point, ``numbered`` when the block begins
+    with its number.
     """
 
     letters: str
     motion: int | None
     has_points: bool
+    numbered: bool
 
     @property
     def bits(self) -> int:
@@ -62,7 +64,7 @@ class ShapeReader:
         # A letter that is set off from its number may have any of the grammar's separators.
         set_off = f"(?:[{re.escape(grammar.separators)}]{blank})?+" if grammar.separators else ""
         word = f"[{letters}]{blank}{set_off}{number}{blank}"
-        sequence = f"(?:N{blank}{set_off}{number}{blank})?" if grammar.reads_letter("N") else ""
+        sequence = f"(N{blank}{set_off}{number}{blank})?" if grammar.reads_letter("N") else "()"
         motion = rf"(?:([\x02-\x05])\x00{blank})?" if grammar.reads_letter("G") else "()"
         head = f"{blank}{sequence}{motion}"
         self._whole = re.compile(f"{head}((?:{word})+)".encode("latin-1"))
@@ -75,11 +77,12 @@ class ShapeReader:
         match = self._whole.fullmatch(shape)
         if match is None:
             return None
-        letters = b"".join(self._letter.findall(match[2])).decode("ascii")
+        number, code, words = match.groups()
+        letters = b"".join(self._letter.findall(words)).decode("ascii")
         if len(set(letters)) != len(letters):
             return None
-        motion = _MOTIONS.index(match[1]) if match[1] else None
-        return Shape(letters, motion, match[2].count(b".") == len(letters))
+        motion = _MOTIONS.index(code) if code else None
+        return Shape(letters, motion, words.count(b".") == len(letters), bool(number))
 
 
 def line_shapes(source: Source, first: int, stop: int) -> Iterator[list[bytes]]:
