@@ -11,7 +11,7 @@ import pytest
 import chipbreak
 
 ROOT = Path(chipbreak.__file__).parent
-# Asked of the text first: to import every module just to see that it has no example takes seconds in each worker.
+# Asked of the text first: importing every module just to see that it has none takes seconds in each worker.
 WITH_EXAMPLES = sorted(path for path in ROOT.rglob("*.py") if ">>> " in path.read_text("utf-8"))
 
 
