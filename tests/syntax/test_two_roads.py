@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -294,7 +295,7 @@ def test_words_hold_the_numbers_of_blocks_of_any_shape(
     assert columns is not None
     for line, row in enumerate(columns.tolist()):
         words = {word.letter: word.number for word in program.block(line).words}
-        assert [words.get(letter) for letter in PLAIN_LETTERS] == [None if n != n else n for n in row]
+        assert [words.get(letter) for letter in PLAIN_LETTERS] == [None if math.isnan(n) else n for n in row]
 
 
 @every_grammar
