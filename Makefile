@@ -117,10 +117,11 @@ cookbook: $(VENV)/.dev
 diagnostics: $(VENV)/.dev
 	$(BIN)/python benchmarks/diagnostics_page.py
 
-# The pages as a site in build/site.
+# The pages as a site in build/site, looked after.  With --quiet mkdocs would not count what --strict forbids.
 site: $(VENV)/.dev
 	$(BIN)/python -m pip install --quiet mkdocs-material
-	$(BIN)/mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
+	$(BIN)/pytest --quiet tests/test_site.py
 
 # Everything of a release but the upload; VERSION=1.2.3 tries it under that number.
 release-dry-run:
