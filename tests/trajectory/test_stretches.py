@@ -149,3 +149,20 @@ def test_only_where_the_override_is_open_there_are_several_laws() -> None:
     assert [law.max_feed_override for law in MODEL.variants()] == [1.0, 1.2, 1.5, 2.0]
     assert replace(MODEL, max_feed_override=1.2).variants() == (replace(MODEL, max_feed_override=1.2),)
     assert len(replace(MODEL, per_revolution=True).variants()) == 1
+
+
+@pytest.mark.parametrize("stops", [False, True])
+def test_a_long_motion_is_worked_out_in_pieces(monkeypatch: pytest.MonkeyPatch, stops: bool) -> None:
+    model = replace(MODEL, every_block_stops=stops)
+    wave = np.concatenate([[0.0], np.cumsum(np.tile([0.4, 0.4, -0.3, -0.4], 20))])
+    ahead = np.diff(wave)
+    blocks = blocks_of(np.column_stack([0.0 * ahead, 0.0 * ahead, ahead]), ahead, [2000.0] * 3)
+    feeds = np.tile([20.0, 25.0, 40.0, 31.0], 20)
+    whole = model.motion_between_dwells(wave, blocks, feeds)
+    assert whole.time_s[-1] > 1.0
+    assert whole.distance_mm[[0, -1]].tolist() == [0.0, wave[-1]]
+    for periods in (1, 7, 250):
+        monkeypatch.setattr("chipbreak.trajectory.linuxcnc._PERIODS_AT_ONCE", periods)
+        pieces = model.motion_between_dwells(wave, blocks, feeds)
+        assert pieces.time_s.tolist() == whole.time_s.tolist()
+        assert pieces.distance_mm.tolist() == whole.distance_mm.tolist()

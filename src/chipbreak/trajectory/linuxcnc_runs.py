@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from math import inf
 
 import numpy as np
@@ -81,11 +82,31 @@ def counted(before: Floats, lengths: Floats, clock: Clock) -> Floats:
 
 
 class Runs(NamedTuple):
-    """Time of each block [s], (n,), and the way of each part after each of its periods, in one line."""
+    """Time of each block [s], (n,), and the way of each part after each of its periods.
+
+    ``counts`` are the periods of each part, (p,), and ``firsts`` where its way begins in ``ways``, which has
+    each kind of way once: a cut of an hour has millions of periods, and a few kinds of strokes.
+    """
 
     times: Floats
     counts: Counts
-    places: Floats
+    firsts: Counts
+    ways: Floats
+
+    def places(self, first: int, last: int) -> Floats:
+        """The ways of parts ``first`` to ``last`` (exclusive), in one line."""
+        each = self.counts[first:last]
+        before = np.cumsum(each) - each
+        source = np.repeat(self.firsts[first:last] - before, each) + np.arange(int(each.sum()))
+        places: Floats = self.ways[source]
+        return places
+
+    def pieces(self, periods: int) -> list[tuple[int, int]]:
+        """All parts in a row of pieces of about so many periods, as first and behind-last part."""
+        done = np.cumsum(self.counts)
+        cuts = np.searchsorted(done, np.arange(periods, int(done[-1]), periods)) + 1
+        ends = np.unique(np.concatenate([[0], cuts, [len(done)]])).tolist()
+        return list(pairwise(ends))
 
 
 class _Table:
@@ -106,10 +127,7 @@ class _Table:
     def runs(self, times: Floats) -> Runs:
         counts = np.concatenate(self.counts)
         starts = np.cumsum(counts) - counts
-        each = counts[self.kind]
-        first = np.cumsum(each) - each
-        source = np.repeat(starts[self.kind] - first, each) + np.arange(int(each.sum()))
-        return Runs(times, each, np.concatenate(self.places)[source])
+        return Runs(times, counts[self.kind], starts[self.kind], np.concatenate(self.places))
 
 
 def run_all(columns: Columns, parts: Parts, clock: Clock, before: float = 0.0) -> Runs:
