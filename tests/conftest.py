@@ -12,6 +12,8 @@ from hypothesis import settings
 
 NO_CORPUS = "the corpus of real programs is not here"
 HOW = "Set CHIPBREAK_CORPUS to a folder of NC programs."
+_EXAMPLES = "examples_of_a_search"
+_asked: dict[object, settings] = {}
 _NO_PROGRAMS = {".md", ".tsv", ".csv", ".json", ".toml", ".tbl", ".fctb", ".fctl"}
 
 # The tests draw the same examples every time; new ones are searched for with ``make fuzz`` (tests/fuzz.py).
@@ -41,12 +43,29 @@ def corpus_programs() -> list[Path]:
     return programs_of("CHIPBREAK_CORPUS")
 
 
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Say to a drawn search how many examples it tries, where its place in hypothesis says it, too."""
+    parameters = getattr(getattr(item, "callspec", None), "params", {})
+    if _EXAMPLES in parameters:
+        asked = _asked.setdefault(item.obj, item.obj._hypothesis_internal_use_settings)
+        number = parameters[_EXAMPLES] or asked.max_examples
+        item.obj._hypothesis_internal_use_settings = settings(asked, max_examples=number)
+
+
 def pytest_configure(config: pytest.Config) -> None:
     config.pluginmanager.register(importlib.import_module("linuxcnc.plugin"))
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """``corpus_file``: once for each program of the corpus; ``own_case``: for each in CHIPBREAK_CASES."""
+    """``corpus_file``: once for each program of the corpus; ``own_case``: for each in CHIPBREAK_CASES.
+
+    A drawn search that is marked ``few(N)`` is there twice: with N examples, and ``long`` with all of them.
+    """
+    few = metafunc.definition.get_closest_marker("few")
+    if few is not None and settings.get_current_profile_name() != "fuzz":
+        metafunc.fixturenames.append(_EXAMPLES)
+        short = pytest.param(few.args[0], id=pytest.HIDDEN_PARAM)
+        metafunc.parametrize(_EXAMPLES, [short, pytest.param(None, id="all", marks=pytest.mark.long)])
     if "corpus_file" in metafunc.fixturenames:
         files = corpus_programs()
         missing = pytest.param(None, marks=pytest.mark.skip(reason=NO_CORPUS), id="no corpus")

@@ -5,27 +5,61 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
+
+from warm import warm_command
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
 
+import before  # noqa: E402
+import edges  # noqa: E402
 import programs  # noqa: E402
+import run as benchmarks  # noqa: E402
+import subject  # noqa: E402
 from rows import Goal, Row  # noqa: E402
 from stopwatch import Contestant, Sample, in_turn, ratio  # noqa: E402
 
 
-def run(*arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, str(BENCHMARKS / "run.py"), *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+class Run(NamedTuple):
+    returncode: int
+    stdout: str
+    stderr: str
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., Run]:
+    """``benchmarks/run.py`` in this process, with a chipbreak that has nothing to load."""
+    for module in (subject, before, edges):
+        monkeypatch.setattr(module, "command", lambda: (str(warm_command()),))
+
+    def of(*arguments: str) -> Run:
+        monkeypatch.setattr(sys, "argv", ["run.py", *arguments])
+        try:
+            code = benchmarks.main()
+        except SystemExit as ended:
+            code = int(str(ended.code))
+        return Run(code, *capsys.readouterr())
+
+    return of
+
+
+def test_it_runs_as_it_is_called(tmp_path: Path) -> None:
+    results = tmp_path / "results.json"
+    command = [sys.executable, str(BENCHMARKS / "run.py"), "--quick", "--smaller", "1000", "--only", "modal"]
+    done = subprocess.run([*command, "--json", str(results)], capture_output=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert results.exists()
 
 
 @pytest.mark.parametrize("case", ["pass-through", "expansion", "planned", "emit", "start-up"])
-def test_a_case_runs(case: str, tmp_path: Path) -> None:
+def test_a_case_runs(case: str, tmp_path: Path, run: Callable[..., Run]) -> None:
     results = tmp_path / "results.json"
-    done = run("--quick", "--smaller", "100", "--only", case, "--json", str(results))
+    done = run("--quick", "--smaller", "1000", "--only", case, "--json", str(results))
     assert done.returncode == 0, done.stdout + done.stderr
     rows = json.loads(results.read_text())["cases"][case]["rows"]
     assert len(rows) > 1
@@ -33,12 +67,10 @@ def test_a_case_runs(case: str, tmp_path: Path) -> None:
     assert all(row["name"] in done.stdout for row in rows)
 
 
-def test_another_chipbreak_runs_in_turn(tmp_path: Path) -> None:
+def test_another_chipbreak_runs_in_turn(tmp_path: Path, run: Callable[..., Run]) -> None:
     results = tmp_path / "results.json"
-    other = tmp_path / "chipbreak"
-    other.write_text(f"#!{sys.executable}\nfrom chipbreak.cli import main\nmain()\n")
-    other.chmod(0o755)
-    done = run("--quick", "--smaller", "1000", "--before", str(other), "--json", str(results))
+    other = str(warm_command())
+    done = run("--quick", "--smaller", "1000", "--before", other, "--json", str(results))
     assert done.returncode == 0, done.stdout + done.stderr
     rows = json.loads(results.read_text())["cases"]["before"]["rows"]
     ours = ["pass-through", "modal", "expansion", "small", "help"]
@@ -50,24 +82,21 @@ def test_another_chipbreak_runs_in_turn(tmp_path: Path) -> None:
         assert ("the same bytes" in mine["note"]) == (mine["name"] != "help")
 
 
-def test_bytes_that_another_chipbreak_writes_are_compared(tmp_path: Path) -> None:
+def test_bytes_that_another_chipbreak_writes_are_compared(tmp_path: Path, run: Callable[..., Run]) -> None:
     other = tmp_path / "chipbreak"
-    other.write_text(
-        f"#!{sys.executable}\nimport sys\nfrom pathlib import Path\n"
-        "Path(sys.argv[-1]).write_text('else') if '-o' in sys.argv else None\n"
-    )
+    other.write_text('#!/bin/sh\nfor last; do :; done\ncase " $* " in *" -o "*) echo else >"$last";; esac\n')
     other.chmod(0o755)
     done = run("--quick", "--smaller", "1000", "--before", str(other))
     assert done.stdout.count("OTHER BYTES") == 4
 
 
-def test_another_chipbreak_that_is_not_there_is_said(tmp_path: Path) -> None:
+def test_another_chipbreak_that_is_not_there_is_said(tmp_path: Path, run: Callable[..., Run]) -> None:
     done = run("--quick", "--smaller", "1000", "--before", str(tmp_path / "chipbreak"))
     assert done.returncode == 2
     assert "COULD NOT BE MEASURED" in done.stderr
 
 
-def test_a_case_that_does_not_exist_is_refused() -> None:
+def test_a_case_that_does_not_exist_is_refused(run: Callable[..., Run]) -> None:
     done = run("--only", "dancing")
     assert done.returncode == 2
     assert "pass-through" in done.stderr

@@ -30,20 +30,13 @@ import chipbreak
 from chipbreak.cli import cli
 from chipbreak.settings import SettingsError, load, profile_names
 from chipbreak.settings.sections import SECTIONS
+from warm import cold, warm
 
 FOLDER = Path(__file__).parent / "cli"
 CASES = sorted(path.parent for path in FOLDER.glob("*/args"))
+# One of each command in a Python of its own.
+COLD = frozenset({shlex.split((case / "args").read_text())[0]: case for case in CASES}.values())
 WORKED = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5\nM30\n"
-
-
-def run(
-    args: list[str], stdin: bytes = b"", cwd: Path | None = None, env: dict[str, str] | None = None
-) -> subprocess.CompletedProcess[bytes]:
-    clean = {k: v for k, v in os.environ.items() if not k.startswith("CHIPBREAK")}
-    command = [sys.executable, "-m", "chipbreak", *args]
-    return subprocess.run(
-        command, input=stdin, capture_output=True, cwd=cwd, env=clean | (env or {}), check=False
-    )
 
 
 def content(folder: Path) -> dict[str, bytes]:
@@ -60,6 +53,7 @@ def test_case(case: Path, tmp_path: Path) -> None:
     if (case / "files").is_dir():
         shutil.copytree(case / "files", tmp_path, dirs_exist_ok=True)
     env = dict(line.split("=", 1) for line in wanted.get("env", b"").decode().splitlines())
+    run = cold if case in COLD else warm
     done = run(shlex.split(wanted["args"].decode()), wanted.get("stdin", b""), tmp_path, env)
     assert done.stderr.decode() == wanted.get("stderr", b"").decode()
     assert done.stdout == wanted.get("stdout", b"")
@@ -77,7 +71,7 @@ KNOWN += ["--set", "axes.Z.max_acceleration_mm_s2=20000"]
 
 def test_no_byte_of_stdin_or_stdout_is_translated() -> None:
     data = bytes(range(256)) + b"\r\n\x1a\n\r"
-    done = run(["filter", "-p", "generic-lathe"], data)
+    done = cold(["filter", "-p", "generic-lathe"], data)
     assert done.stdout == data
 
 
@@ -105,10 +99,11 @@ def test_a_reader_that_leaves_is_no_fault(unbuffered: str) -> None:
 @pytest.mark.parametrize("command", ["filter", "explain", "check", "restore", "diff", "verify"])
 def test_any_file_name_and_a_terminal_that_knows_ascii_only(name: str, command: str, tmp_path: Path) -> None:
     file = tmp_path / name
-    data = run(["filter", *KNOWN], WORKED).stdout if command == "verify" else WORKED
+    data = warm(["filter", *KNOWN], WORKED).stdout if command == "verify" else WORKED
     file.write_bytes(data)
     profile = [] if command in ("diff", "restore") else KNOWN
     second = [str(file)] if command == "diff" else []
+    run = cold if command == "filter" else warm
     done = run([command, *profile, str(file), *second], env={"PYTHONIOENCODING": "ascii", "LC_ALL": "C"})
     assert done.returncode == 0
     assert done.stderr == b""
@@ -119,7 +114,7 @@ def test_the_mode_of_the_file_and_a_link_to_it_stay(tmp_path: Path) -> None:
     file.write_bytes(WORKED)
     file.chmod(0o640)
     link.symlink_to(file)
-    done = run(["filter", "-p", "generic-lathe", "-i", str(link)])
+    done = warm(["filter", "-p", "generic-lathe", "-i", str(link)])
     assert done.returncode == 0
     assert link.is_symlink()
     assert file.stat().st_mode & 0o777 == 0o640
@@ -129,7 +124,7 @@ def test_the_mode_of_the_file_and_a_link_to_it_stay(tmp_path: Path) -> None:
 @pytest.mark.parametrize("target", ["folder", "no/such/folder.nc"])
 def test_a_target_that_cannot_be_written(target: str, tmp_path: Path) -> None:
     (tmp_path / "folder").mkdir()
-    done = run(["filter", "-p", "generic-lathe", "-o", target], WORKED, tmp_path)
+    done = warm(["filter", "-p", "generic-lathe", "-o", target], WORKED, tmp_path)
     assert done.returncode == 2
     assert done.stdout == b""
     assert b"cannot write" in done.stderr
@@ -144,7 +139,7 @@ def no_constants(name: str) -> None:
 
 
 def test_explain_json_is_json_and_complete() -> None:
-    done = run(["explain", "-p", "generic-lathe", "--json"], WORKED)
+    done = warm(["explain", "-p", "generic-lathe", "--json"], WORKED)
     facts = json.loads(done.stdout, parse_constant=no_constants)
     (cut,) = facts["cuts"]
     assert facts["changed"] is True
@@ -159,9 +154,9 @@ def test_explain_json_is_json_and_complete() -> None:
 
 def test_explain_tells_of_a_check_behind_the_last_line() -> None:
     program = b"T1 M6\nG0 X0. Y0. Z2.\nG1 Z-5. F100.\nG0 Z100.\n"
-    done = run(["explain", "-p", "speedio-blum"], program)
+    done = warm(["explain", "-p", "speedio-blum"], program)
     assert b"at the end: CHIP CHECK T1" in done.stdout
-    done = run(["explain", "-p", "speedio-blum", "--json"], program)
+    done = warm(["explain", "-p", "speedio-blum", "--json"], program)
     facts = json.loads(done.stdout)
     assert [check["line"] for check in facts["checks"]] == [5]
     assert (facts["operations"][0]["first_line"], facts["operations"][0]["last_line"]) == (1, 4)
@@ -169,21 +164,21 @@ def test_explain_tells_of_a_check_behind_the_last_line() -> None:
 
 def test_explain_names_the_lines_of_a_filtered_file() -> None:
     program = b"G1 X5.\n" + WORKED.replace(b"M30", b"T2 M6\nM30")
-    non_modal = run(["filter", "-p", "generic-lathe"], program).stdout
+    non_modal = warm(["filter", "-p", "generic-lathe"], program).stdout
     assert non_modal.count(b"\n") > program.count(b"\n")
-    facts = json.loads(run(["explain", "-p", "generic-lathe", "--json"], non_modal).stdout)
+    facts = json.loads(warm(["explain", "-p", "generic-lathe", "--json"], non_modal).stdout)
     assert facts["operations"][-1]["last_line"] == non_modal.split(b"\n").index(b"T2 M6") + 1 > 100
 
 
 def test_an_unbroken_cut_is_json_too() -> None:
     program = WORKED.replace(b"N1.5", b"N1.5 Q0.2")
-    done = run(["explain", "-p", "generic-lathe", "--json", "--allow-unbroken"], program)
+    done = warm(["explain", "-p", "generic-lathe", "--json", "--allow-unbroken"], program)
     facts = json.loads(done.stdout, parse_constant=no_constants)
     assert facts["cuts"][0]["verdict"]["breaks"] is False
 
 
 def test_diagnostics_in_json() -> None:
-    done = run(["filter", "-p", "generic-lathe", "--json"], WORKED.replace(b"N1.5", b"N2"))
+    done = warm(["filter", "-p", "generic-lathe", "--json"], WORKED.replace(b"N1.5", b"N2"))
     (found,) = json.loads(done.stderr, parse_constant=no_constants)
     assert found["code"] == "VIB005"
     assert found["severity"] == "error"
@@ -269,6 +264,7 @@ _VALUES = st.one_of(
 )
 
 
+@pytest.mark.few(60)
 @given(st.lists(st.tuples(st.sampled_from(_KEYS), _VALUES), max_size=3))
 @hypothesis_settings(max_examples=250)
 def test_any_setting(sets: list[tuple[str, object]]) -> None:
@@ -379,6 +375,7 @@ _PIECES = st.sampled_from(
 )
 
 
+@pytest.mark.few(100)
 @given(st.lists(_PIECES, max_size=40))
 @hypothesis_settings(max_examples=300)
 def test_any_words_in_a_row(pieces: list[str]) -> None:
@@ -403,7 +400,7 @@ def test_the_nearest_profile_counts(tmp_path: Path) -> None:
         (folder / "chipbreak.toml").write_text(
             f'base = "generic-lathe"\n[vibration]\nmargin = 1.{number + 1}\n'
         )
-        done = run(["filter", "in.nc", "-o", "out.nc"], cwd=part.parent, env=env)
+        done = warm(["filter", "in.nc", "-o", "out.nc"], cwd=part.parent, env=env)
         assert done.returncode == 0, done.stderr
         wanted = chipbreak.rewrite(WORKED, load("generic-lathe", [f"vibration.margin=1.{number + 1}"])).data
         assert (part.parent / "out.nc").read_bytes() == wanted
@@ -414,7 +411,7 @@ def test_the_nearest_profile_counts(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", profile_names())
 def test_a_shown_profile_is_a_profile_again(name: str, tmp_path: Path) -> None:
-    shown = run(["profile", "show", name])
+    shown = warm(["profile", "show", name])
     assert shown.returncode == 0
     file = tmp_path / "again.toml"
     file.write_bytes(shown.stdout)
@@ -423,7 +420,7 @@ def test_a_shown_profile_is_a_profile_again(name: str, tmp_path: Path) -> None:
 
 
 def test_the_list_names_every_profile() -> None:
-    listed = run(["profile", "list"]).stdout.decode().splitlines()
+    listed = warm(["profile", "list"]).stdout.decode().splitlines()
     assert [line.split()[0] for line in listed] == profile_names()
 
 
@@ -483,6 +480,6 @@ def test_help_and_completion_load_no_command(env: dict[str, str]) -> None:
 
 
 def test_a_misspelt_command_is_told_the_right_one() -> None:
-    refused = run(["filtr"])
+    refused = warm(["filtr"])
     assert refused.returncode == 2
     assert "filter" in refused.stderr.decode()

@@ -19,6 +19,7 @@ import pytest
 import chipbreak
 from chipbreak import whole_files
 from chipbreak.streams import keep_file, read_input, replace_file
+from warm import clean_environment, warm
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 
@@ -43,9 +44,11 @@ def file(tmp_path: Path) -> Path:
 
 
 def command(*arguments: str, cwd: Path, **extra: object) -> subprocess.CompletedProcess[bytes]:
-    env = {k: v for k, v in os.environ.items() if not k.startswith("CHIPBREAK")}
+    """A run in a Python of its own where something special is asked of it."""
+    if not extra:
+        return warm(list(arguments), cwd=cwd)
     line = [sys.executable, "-m", "chipbreak", *arguments]
-    return subprocess.run(line, capture_output=True, cwd=cwd, env=env, check=False, **extra)  # type: ignore[call-overload,no-any-return]
+    return subprocess.run(line, capture_output=True, cwd=cwd, env=clean_environment(), check=False, **extra)  # type: ignore[call-overload,no-any-return]
 
 
 def in_place(cwd: Path, *more: str, **extra: object) -> subprocess.CompletedProcess[bytes]:

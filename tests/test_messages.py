@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -17,6 +14,7 @@ from chipbreak.text.diagnostics import Diagnostic, Severity
 from chipbreak.text.encoding import LATIN_1, SHIFT_JIS, UTF_8, encoding_of
 from chipbreak.text.source import read
 from chipbreak.text.span import Place
+from warm import cold, warm
 
 _CUT = "G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nG0 X30.\nM30\n"
 
@@ -161,13 +159,11 @@ def test_a_name_gives_no_orders_to_a_terminal(tmp_path: Path) -> None:
 
 
 def test_explain_shows_what_the_stream_has_not_as_escapes() -> None:
-    run = [sys.executable, "-m", "chipbreak", "explain", "-p", "fanuc-lathe", "-"]
+    run = ["explain", "-p", "fanuc-lathe", "-"]
     data = f"T0101\n(荒加工)\n{_CUT}".encode("cp932")
-    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
-    done = subprocess.run(run, input=data, capture_output=True, env=environment, check=True)
+    done = cold(run, data, env={"PYTHONIOENCODING": "ascii"})
     assert rb"\u8352" in done.stdout
-    environment = {**os.environ, "PYTHONIOENCODING": "utf-8"}
-    done = subprocess.run(run, input=data, capture_output=True, env=environment, check=True)
+    done = warm(run, data, env={"PYTHONIOENCODING": "utf-8"})
     assert "荒加工" in done.stdout.decode()
 
 

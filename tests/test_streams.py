@@ -16,17 +16,22 @@ import pytest
 
 import chipbreak
 from chipbreak.streams import replace_file
+from warm import clean_environment, warm_command
 
 WORKED = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5\nM30\n"
 FILTER = "filter -p generic-lathe"
 
 
 def shell(command: str, cwd: Path) -> subprocess.CompletedProcess[bytes]:
-    """Run ``chipbreak COMMAND``, with redirections, in a folder where in.nc stands."""
+    """Run ``chipbreak COMMAND``, with redirections, in a folder where in.nc stands.
+
+    A new Python is asked about the first of its streams that is closed, and about a full disk.
+    """
     (cwd / "in.nc").write_bytes(WORKED)
-    env = {k: v for k, v in os.environ.items() if not k.startswith("CHIPBREAK")}
-    line = f"{shlex.quote(sys.executable)} -m chipbreak {command}"
-    return subprocess.run(["sh", "-c", line], capture_output=True, cwd=cwd, env=env, check=False)
+    is_new = "&-" in command or command == f"{FILTER} in.nc >/dev/full"
+    program = f"{shlex.quote(sys.executable)} -m chipbreak" if is_new else str(warm_command())
+    line = ["sh", "-c", f"{program} {command}"]
+    return subprocess.run(line, capture_output=True, cwd=cwd, env=clean_environment(), check=False)
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")

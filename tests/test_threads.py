@@ -22,12 +22,11 @@ from chipbreak.trajectory.trapezoid import Trapezoid
 HERE = Path(__file__).parent
 FLAGS = "; flags:"
 THREADS = 8
-EVERY = 3  # of the cases is enough: they share what they share
 
 
-def programs() -> Iterator[tuple[bytes, chipbreak.Settings]]:
-    """Programs of the cases with the settings they ask for, a mill's and a bad one."""
-    for file in sorted((HERE / "cases" / "vibrate").glob("*.nc"))[::EVERY]:
+def programs(every: int) -> Iterator[tuple[bytes, chipbreak.Settings]]:
+    """Programs of every so manieth case with the settings it asks for, a mill's and a bad one."""
+    for file in sorted((HERE / "cases" / "vibrate").glob("*.nc"))[::every]:
         data = file.read_bytes().partition(b"; --- output\n")[0]
         head = data.decode("latin-1").splitlines()[0]
         words = shlex.split(head.removeprefix(FLAGS)) if head.startswith(FLAGS) else []
@@ -71,8 +70,9 @@ def hasty() -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("hasty")
-def test_eight_threads_make_what_one_makes(monkeypatch: pytest.MonkeyPatch) -> None:
-    work = list(programs())
+@pytest.mark.parametrize("every", [12, pytest.param(3, marks=pytest.mark.long)])
+def test_eight_threads_make_what_one_makes(every: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    work = list(programs(every))
     wanted = [outcome(*one) for one in work]
     assert sum(isinstance(one, tuple) and len(one) == 4 for one in wanted) > len(wanted) // 2
     forget_everything()

@@ -31,8 +31,8 @@ def _copy(folder: Path, mode: int, when: float) -> Path:
 
 
 def _wheel(checkout: Path, to: Path) -> bytes:
-    command = ["wheel", "--quiet", "--no-deps", "--no-build-isolation", "--no-index", "--wheel-dir", str(to)]
-    subprocess.run([sys.executable, "-m", "pip", *command, str(checkout)], check=True, timeout=120)
+    command = [sys.executable, "-m", "hatchling", "build", "--target", "wheel", "--directory", str(to)]
+    subprocess.run(command, cwd=checkout, check=True, timeout=120, capture_output=True)
     (wheel,) = to.glob("chipbreak-*.whl")
     return wheel.read_bytes()
 

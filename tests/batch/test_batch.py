@@ -19,6 +19,7 @@ from chipbreak.batch.processes import by_processes
 from chipbreak.batch.work import Finished, Task, filtered
 from chipbreak.settings import load
 from chipbreak.text.diagnostics import RefusalError
+from warm import cold, warm_text
 
 from .killed_worker import run as run_with_a_killed_worker
 
@@ -127,7 +128,7 @@ def test_a_worker_of_a_cluster_that_dies(
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="finds workers in /proc")
 def test_a_worker_that_is_killed_from_outside_changes_no_result(tmp_path: Path) -> None:
     """As many as a shop has, from a folder of its own: ``python tests/batch/killed_worker.py FOLDER``."""
-    shop = sorted((Path(__file__).parents[1] / "shop").glob("*.nc"))
+    shop = sorted((Path(__file__).parents[1] / "shop").glob("*.nc"), key=lambda path: path.stat().st_size)
     longer = VIBRATED.replace(b"Z-3.", b"Z-90.")
     programs = [*(path.read_bytes() for path in shop[:10]), WRONG, *[longer] * 9]
     outcome = run_with_a_killed_worker(programs, tmp_path)
@@ -154,10 +155,10 @@ def test_no_more_programs_are_read_than_workers_need() -> None:
 # --- the command ------------------------------------------------------------------------------------------
 
 
-def chipbreak_run(*args: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    clean = {k: v for k, v in os.environ.items() if not k.startswith("CHIPBREAK")}
-    command = [sys.executable, "-m", "chipbreak", *args]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, env=clean, check=False)
+def chipbreak_run(command: str, *args: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    """``batch`` in one process, unless it is said in how many."""
+    several = "-j" in args or "--dask" in args
+    return warm_text(command, *([] if several or command != "batch" else ["-j", "1"]), *args, cwd=cwd)
 
 
 @pytest.fixture
@@ -191,14 +192,15 @@ def test_results_inside_the_folder_are_no_input_of_the_next_run(output: str, sho
 
 
 def test_a_folder_becomes_a_folder(shop: Path) -> None:
-    done = chipbreak_run("batch", "-p", "generic-lathe", "-j", "2", "in", "other.dat", "-o", "out", cwd=shop)
+    args = ["batch", "-p", "generic-lathe", "-j", "2", "in", "other.dat", "-o", "out"]
+    done = cold(args, cwd=shop)
     assert done.returncode == 3
     there = {str(path.relative_to(shop / "out")) for path in (shop / "out").rglob("*") if path.is_file()}
     assert there == {"O0001", "deep/plain.NC", "deep/wrong.nc.rejected", "other.dat"}
     assert (shop / "out/O0001").read_bytes() == alone(VIBRATED) == (shop / "out/other.dat").read_bytes()
     assert (shop / "out/deep/plain.NC").read_bytes() == PLAIN
     assert "VIB005" in (shop / "out/deep/wrong.nc.rejected").read_text()
-    lines = done.stdout.splitlines()
+    lines = done.stdout.decode().splitlines()
     assert lines[0].split("  ", 1) == [
         "in/O0001",
         "        1 cut vibrates, it breaks; cycle 0:02.2 -> 0:02.7",
@@ -235,7 +237,7 @@ def test_a_profile_beside_each_program(shop: Path) -> None:
 def test_no_cluster_there(shop: Path) -> None:
     pytest.importorskip("distributed", reason="pip install 'chipbreak[dask]'")
     args = ["batch", "-p", "generic-lathe", "in", "-o", "out", "--dask", "tcp://127.0.0.1:9", "--quiet"]
-    done = chipbreak_run(*args, cwd=shop)
+    done = warm_text(*args, cwd=shop, loads=("distributed",))
     assert done.returncode == 2
     assert done.stderr.splitlines()[-2].startswith("error BAT002: no Dask cluster at tcp://127.0.0.1:9")
 

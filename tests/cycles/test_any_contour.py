@@ -71,6 +71,7 @@ WAYS = {
 }
 
 
+@pytest.mark.few(15)
 @settings(max_examples=60)
 @given(STEPS, st.fixed_dictionaries(WAYS))
 def test_what_is_written_leaves_the_contour_with_its_allowances(

@@ -213,6 +213,7 @@ def test_a_list_of_tools_at_the_head_says_the_nose() -> None:
     assert kept(said + PLAIN)[3:] == kept(PLAIN, *NOSE)[3:]
 
 
+@pytest.mark.few(8)
 @hypothesis_settings(max_examples=25)
 @given(st.integers(0, 2**32 - 1))
 def test_the_nose_touches_the_shape_and_cuts_nothing_else(seed: int) -> None:

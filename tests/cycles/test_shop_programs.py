@@ -30,7 +30,15 @@ STAYS = {
 }
 
 
-@pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.stem)
+# Of each kind one, and every fifth; the others in the long form.
+_SHORT = {*AGAIN, *STAYS, *(path.name for path in PROGRAMS[::5])} - {"O0009.nc", "O1106.nc"}
+_EACH = [
+    pytest.param(path, id=path.stem, marks=() if path.name in _SHORT else pytest.mark.long)
+    for path in PROGRAMS
+]
+
+
+@pytest.mark.parametrize("path", _EACH)
 def test_a_program_of_a_shop(path: Path) -> None:
     settings = load("fanuc-lathe", MACHINE)
     program = path.read_bytes()

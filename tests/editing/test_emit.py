@@ -30,6 +30,7 @@ CUT = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5\nG1 X30.\nM30\n"
 # --- numbers ----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.few(50)
 @given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=40), st.integers(0, 6))
 def test_a_column_prints_as_decimal_does(values: list[float], decimals: int) -> None:
     table = MoveTable(("Z",), (np.array(values),), (decimals,))
@@ -44,6 +45,7 @@ def test_a_column_prints_as_decimal_does(values: list[float], decimals: int) -> 
         assert not re.match(r"Z-?0[0-9]", line), "no leading zeros"
 
 
+@pytest.mark.few(50)
 @given(
     st.lists(st.tuples(st.floats(-99, 99), st.floats(-99, 99)), min_size=1, max_size=9),
     st.sampled_from([b"\n", b"\r\n", b"\r"]),
@@ -93,6 +95,7 @@ def test_without_edits_every_byte_stays(data: bytes) -> None:
     assert b"".join(render(parse(read(data), SETTINGS.dialect), [], SETTINGS)) == data
 
 
+@pytest.mark.few(50)
 @given(
     st.lists(st.sampled_from([b"G1 X1.\n", b"(a)\r\n", b"\r", b"N5 Z2.\r\n", b"x\x00\xe9\n"]), max_size=12),
     st.data(),
@@ -165,6 +168,7 @@ _LINES = st.sampled_from(
 )
 
 
+@pytest.mark.few(50)
 @given(st.lists(_LINES, max_size=25), st.sampled_from(["\n", "\r\n", "\r"]), st.booleans())
 def test_a_likely_program_that_asks_nothing_comes_out_byte_for_byte(
     lines: list[str], end: str, last: bool
@@ -244,6 +248,7 @@ def test_the_output_as_it_is_passes() -> None:
     assert not caught(TRACE, EDITS, OUTPUT)
 
 
+@pytest.mark.few(50)
 @given(st.data())
 def test_a_lost_line_is_caught(data: st.DataObject) -> None:
     lines = OUTPUT.splitlines(keepends=True)
@@ -251,6 +256,7 @@ def test_a_lost_line_is_caught(data: st.DataObject) -> None:
     assert caught(TRACE, EDITS, resealed(b"".join(lines[:index] + lines[index + 1 :]))), lines[index]
 
 
+@pytest.mark.few(50)
 @given(st.data())
 def test_a_doubled_line_is_caught(data: st.DataObject) -> None:
     lines = OUTPUT.splitlines(keepends=True)
@@ -260,6 +266,7 @@ def test_a_doubled_line_is_caught(data: st.DataObject) -> None:
     assert caught(TRACE, EDITS, doubled) or lines[index] in (b"S2500\n", b"S3000\n")
 
 
+@pytest.mark.few(50)
 @given(st.data())
 def test_a_changed_digit_of_a_position_is_caught(data: st.DataObject) -> None:
     words = re.finditer(rb"(?m)^(?:G1 )?Z-?[0-9.]+", OUTPUT[: _BODY.stop])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
 import subprocess
@@ -24,6 +23,7 @@ from chipbreak.kinematics.speed_solver import CommandGroup
 from chipbreak.page.of_run import page_of_run
 from chipbreak.settings import load
 from chipbreak.text.diagnostics import RefusalError
+from warm import FIGURES, cold, warm_text
 
 LATHE = load("generic-lathe")
 TURNED = b"(<b>&)\nG97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nG1 X30. F0.05\nG0 Z2.\nM30\n"
@@ -52,8 +52,15 @@ def test_the_thickness_that_is_drawn_is_that_of_the_verdict(words: str) -> None:
     assert (height > 1e-6).mean() == pytest.approx(verdict.cut_share, abs=0.01)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("name", OF_CUT)
+# Each figure in one kind and one figure in each; the others in the long form.
+_EACH = [
+    pytest.param(name, kind, marks=() if name == "ramp" or kind == "svg" else pytest.mark.long)
+    for name in OF_CUT
+    for kind in KINDS
+]
+
+
+@pytest.mark.parametrize(("name", "kind"), _EACH)
 def test_a_figure_of_each_kind(name: str, kind: str, turned: chipbreak.Result) -> None:
     figure = next(one for one in figures_of_cut(turned, LATHE, 1) if one.name == name)
     data = figure.file(kind)
@@ -210,9 +217,7 @@ def test_cuts_that_are_alike_are_drawn_once() -> None:
 
 
 def run(*args: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    clean = {k: v for k, v in os.environ.items() if not k.startswith("CHIPBREAK")}
-    command = [sys.executable, "-m", "chipbreak", *args]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, env=clean, check=False)
+    return warm_text(*args, cwd=cwd, loads=FIGURES)
 
 
 @pytest.fixture
@@ -225,7 +230,8 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_a_figure_of_a_cut(folder: Path) -> None:
-    done = run("plot", "-p", "generic-lathe", "part.nc", "-f", "ramp", "-o", "ramp.svg", cwd=folder)
+    command = ["plot", "-p", "generic-lathe", "part.nc", "-f", "ramp", "-o", "ramp.svg"]
+    done = cold(command, cwd=folder)
     assert done.returncode == 0, done.stderr
     assert "The stroke grows" in (folder / "ramp.svg").read_text()
 

@@ -10,9 +10,10 @@ from pathlib import Path
 import pytest
 
 import chipbreak
+from warm import warm_command, warm_text
 
 PROGRAM = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nM30\n"
-TOOL = f'"{sys.executable}" -m chipbreak'
+COLD = f'"{sys.executable}" -m chipbreak'
 
 
 def git(folder: Path, *args: str) -> subprocess.CompletedProcess[str]:
@@ -44,17 +45,18 @@ def repository(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def driver(repository: Path) -> Path:
-    git(repository, "config", "diff.nc.command", f"{TOOL} git-diff")
+    git(repository, "config", "diff.nc.command", f"{warm_command()} git-diff")
     return repository
 
 
 @pytest.fixture
 def converter(repository: Path) -> Path:
-    git(repository, "config", "diff.nc.textconv", f"{TOOL} textconv")
+    git(repository, "config", "diff.nc.textconv", f"{warm_command()} textconv")
     return repository
 
 
 def test_other_spaces_are_no_change(driver: Path) -> None:
+    git(driver, "config", "diff.nc.command", f"{COLD} git-diff")
     (driver / "plain.nc").write_bytes(PROGRAM.replace(b"G1 Z-30. F0.05", b"N30 G01 Z-30.000 F.05"))
     done = git(driver, "diff")
     assert done.returncode == 0
@@ -140,7 +142,6 @@ def test_a_rejected_unicode_program_is_shown_as_it_is(driver: Path) -> None:
     "args", [["textconv", "gone.nc"], ["git-diff", "a", "gone.nc", "0", "0", "b", "0", "0"]]
 )
 def test_a_file_that_is_not_there(args: list[str], tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "chipbreak", *args]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    done = warm_text(*args, cwd=tmp_path)
     assert done.returncode == 2
     assert "cannot read gone.nc" in done.stderr

@@ -20,6 +20,7 @@ import chipbreak
 from chipbreak.cli import cli
 from chipbreak.hook_commands import _NAMES
 from chipbreak.hooks.write import HOOKS
+from warm import warm_text
 
 PROGRAM = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nM30\n"
 WRONG = PROGRAM.replace(b"N1.5", b"N2")
@@ -32,9 +33,7 @@ def run(*args: str, cwd: Path, **env: str) -> subprocess.CompletedProcess[str]:
 
 def written(name: str, folder: Path, profile: str = "generic-lathe") -> Path:
     out = folder / "hooks"
-    done = run(
-        sys.executable, "-m", "chipbreak", "hooks", "write", name, "-p", profile, "-o", str(out), cwd=folder
-    )
+    done = warm_text("hooks", "write", name, "-p", profile, "-o", str(out), cwd=folder)
     assert done.returncode == 0, done.stderr
     return out
 
@@ -56,16 +55,13 @@ def test_no_mark_is_left_in_a_file(name: str, tmp_path: Path) -> None:
 def test_a_file_of_somebody_is_kept(tmp_path: Path) -> None:
     out = written("linuxcnc", tmp_path)
     (out / "machine.ini.part").write_text("mine")
-    command = [sys.executable, "-m", "chipbreak", "hooks", "write", "linuxcnc", "-p", "fanuc-mill"]
-    done = run(*command, "-o", str(out), cwd=tmp_path)
+    done = warm_text("hooks", "write", "linuxcnc", "-p", "fanuc-mill", "-o", str(out), cwd=tmp_path)
     assert done.returncode == 2
     assert (out / "machine.ini.part").read_text() == "mine"
 
 
 def test_a_profile_that_cannot_be_read_is_said_at_once(tmp_path: Path) -> None:
-    done = run(
-        sys.executable, "-m", "chipbreak", "hooks", "write", "cam", "-p", "no-such", "-o", "out", cwd=tmp_path
-    )
+    done = warm_text("hooks", "write", "cam", "-p", "no-such", "-o", "out", cwd=tmp_path)
     assert done.returncode == 2
     assert not (tmp_path / "out").exists()
 
@@ -244,7 +240,13 @@ PREAMBLE = "--preamble='G17 G54 G40 G49 G80 G90 G53 G0 X0 Y0 Z0'"
 
 
 @pytest.mark.skipif(FREECAD is None, reason="needs FreeCAD")
-@pytest.mark.parametrize("arguments", ["", PREAMBLE], ids=["as it is", "with a place for CALIBRATE"])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        pytest.param("", id="as it is", marks=pytest.mark.long),
+        pytest.param(PREAMBLE, id="with a place for CALIBRATE"),
+    ],
+)
 def test_the_tools_of_a_freecad_job_are_checked(arguments: str, tmp_path: Path) -> None:
     """The preamble is the one of the page; without it there is no place before the first tool."""
     assert PREAMBLE in (Path(__file__).parents[2] / "docs" / "hooks.md").read_text("utf-8")

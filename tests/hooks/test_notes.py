@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -13,6 +10,7 @@ import chipbreak
 from chipbreak.editing.notes import stamp_of
 from chipbreak.settings import load
 from chipbreak.settings.fingerprint import fingerprint
+from warm import warm_text
 
 PROGRAM = b"%\nO0001 (SHAFT)\nG97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nM30\n%\n"
 STAMPED = ("output.stamp=true",)
@@ -20,12 +18,6 @@ STAMPED = ("output.stamp=true",)
 
 def lines(data: bytes) -> list[str]:
     return data.decode("latin-1").splitlines()
-
-
-def run(*args: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    clean = {k: v for k, v in os.environ.items() if not k.startswith("CHIPBREAK")}
-    command = [sys.executable, "-m", "chipbreak", *args]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, env=clean, check=False)
 
 
 @pytest.mark.parametrize("profile", ["generic-lathe", "fanuc-lathe", "linuxcnc-lathe"])
@@ -76,14 +68,14 @@ def test_verify_finds_the_profile_by_the_stamp(tmp_path: Path) -> None:
         'base = "generic-lathe"\n[output]\nstamp = true\n[vibration]\nmargin = 1.3\n'
     )
     (tmp_path / "part.nc").write_bytes(PROGRAM)
-    assert run("filter", "-p", "shop.toml", "part.nc", "-o", "out.nc", cwd=tmp_path).returncode == 0
-    done = run("verify", "out.nc", cwd=tmp_path)
+    assert warm_text("filter", "-p", "shop.toml", "part.nc", "-o", "out.nc", cwd=tmp_path).returncode == 0
+    done = warm_text("verify", "out.nc", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "profile shop.toml" in done.stdout
     (tmp_path / "shop.toml").write_text(
         'base = "generic-lathe"\n[output]\nstamp = true\n[vibration]\nmargin = 1.4\n'
     )
-    done = run("verify", "out.nc", cwd=tmp_path)
+    done = warm_text("verify", "out.nc", cwd=tmp_path)
     assert done.returncode == 2
     assert "was filtered with profile SHOP" in done.stderr
 
@@ -91,14 +83,14 @@ def test_verify_finds_the_profile_by_the_stamp(tmp_path: Path) -> None:
 def test_verify_finds_a_shipped_profile(tmp_path: Path) -> None:
     data = chipbreak.rewrite(PROGRAM, load("generic-lathe", STAMPED)).data
     (tmp_path / "out.nc").write_bytes(data)
-    done = run("verify", "--set", STAMPED[0], "out.nc", cwd=tmp_path)
+    done = warm_text("verify", "--set", STAMPED[0], "out.nc", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
 
 
 def test_verify_with_another_profile_says_which_the_stamp_names(tmp_path: Path) -> None:
     data = chipbreak.rewrite(PROGRAM, load("generic-lathe", STAMPED)).data
     (tmp_path / "out.nc").write_bytes(data)
-    done = run("verify", "-p", "fanuc-lathe", "out.nc", cwd=tmp_path)
+    done = warm_text("verify", "-p", "fanuc-lathe", "out.nc", cwd=tmp_path)
     assert done.returncode == 4
     assert "its stamp says profile GENERIC-LATHE (" in done.stderr
 
@@ -142,6 +134,6 @@ def test_without_warnings_nothing_is_written() -> None:
 
 def test_a_program_with_warnings_only_gets_them_too(tmp_path: Path) -> None:
     (tmp_path / "part.nc").write_bytes(b"G97 S3000 M3\nG0 X20. Z2.\n(VIBRATION N1.5)\nG1 Z-3. F0.05\nM30\n")
-    done = run("filter", "-p", "generic-lathe", "--operator-messages", "part.nc", cwd=tmp_path)
+    done = warm_text("filter", "-p", "generic-lathe", "--operator-messages", "part.nc", cwd=tmp_path)
     assert done.returncode == 0
     assert "(CHIPBREAK LINE 3, VIB06" in done.stdout

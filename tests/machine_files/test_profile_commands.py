@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import tomllib
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -20,19 +21,14 @@ from chipbreak.settings import load, profile_names
 from chipbreak.settings.profile_files import profile_text as shipped_text
 from chipbreak.settings.schema import schema_of_profiles
 from chipbreak.settings.sections import OPEN_SECTIONS, SECTIONS
+from warm import warm_text
 
 INI = "[DISPLAY]\nLATHE = 1\n[TRAJ]\nCOORDINATES = X Z\nLINEAR_UNITS = mm\n[AXIS_X]\nMAX_ACCELERATION = 900\n"
 
 
-def run(*args: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    clean = {k: v for k, v in os.environ.items() if not k.startswith("CHIPBREAK")}
-    command = [sys.executable, "-m", "chipbreak", *args]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, env=clean, check=False)
-
-
 def test_a_profile_from_an_ini_file(tmp_path: Path) -> None:
     (tmp_path / "m.ini").write_text(INI)
-    done = run("profile", "init", "chipbreak.toml", "--from-ini", "m.ini", cwd=tmp_path)
+    done = warm_text("profile", "init", "chipbreak.toml", "--from-ini", "m.ini", cwd=tmp_path)
     assert done.returncode == 0
     assert done.stderr.splitlines() == [
         "chipbreak.toml: 1 value over linuxcnc-lathe",
@@ -44,29 +40,31 @@ def test_a_profile_from_an_ini_file(tmp_path: Path) -> None:
 def test_a_file_that_is_there_stays(tmp_path: Path) -> None:
     (tmp_path / "m.ini").write_text(INI)
     (tmp_path / "a.toml").write_text("# mine\n")
-    done = run("profile", "init", "a.toml", "--from-ini", "m.ini", cwd=tmp_path)
+    done = warm_text("profile", "init", "a.toml", "--from-ini", "m.ini", cwd=tmp_path)
     assert done.returncode == 2
     assert "--force" in done.stderr
     assert (tmp_path / "a.toml").read_text() == "# mine\n"
-    assert run("profile", "init", "a.toml", "--from-ini", "m.ini", "--force", cwd=tmp_path).returncode == 0
+    assert (
+        warm_text("profile", "init", "a.toml", "--from-ini", "m.ini", "--force", cwd=tmp_path).returncode == 0
+    )
 
 
 def test_what_cannot_be_read_writes_nothing(tmp_path: Path) -> None:
-    done = run("profile", "init", "a.toml", "--from-parameters", "gone.txt", cwd=tmp_path)
+    done = warm_text("profile", "init", "a.toml", "--from-parameters", "gone.txt", cwd=tmp_path)
     assert done.returncode == 2
     assert done.stderr.startswith("error PAR001: cannot read gone.txt")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_wrong_base_writes_nothing(tmp_path: Path) -> None:
-    done = run("profile", "init", "a.toml", "--base", "no-such", cwd=tmp_path)
+    done = warm_text("profile", "init", "a.toml", "--base", "no-such", cwd=tmp_path)
     assert done.returncode == 2
     assert "SET005" in done.stderr
     assert list(tmp_path.iterdir()) == []
 
 
 def test_without_a_terminal_nothing_is_asked(tmp_path: Path) -> None:
-    done = run("profile", "init", "a.toml", "--base", "fanuc-lathe", cwd=tmp_path)
+    done = warm_text("profile", "init", "a.toml", "--base", "fanuc-lathe", cwd=tmp_path)
     assert done.returncode == 0
     assert tomllib.loads((tmp_path / "a.toml").read_text()) == {"base": "fanuc-lathe"}
 
@@ -116,11 +114,16 @@ def test_any_text_becomes_a_comment_and_a_value() -> None:
 # --- the schema -------------------------------------------------------------------------------------------
 
 
-def fits(value: Any) -> bool:
+@cache
+def validator() -> Draft202012Validator:
     """Another program's view of the schema."""
     schema = schema_of_profiles()
     Draft202012Validator.check_schema(schema)
-    return Draft202012Validator(schema).is_valid(value)
+    return Draft202012Validator(schema)
+
+
+def fits(value: Any) -> bool:
+    return validator().is_valid(value)
 
 
 @pytest.mark.parametrize("name", profile_names())
@@ -162,5 +165,5 @@ def test_the_schema_names_every_key_with_its_default() -> None:
 
 
 def test_the_command_prints_the_schema(tmp_path: Path) -> None:
-    done = run("profile", "schema", cwd=tmp_path)
+    done = warm_text("profile", "schema", cwd=tmp_path)
     assert json.loads(done.stdout) == json.loads(json.dumps(schema_of_profiles()))

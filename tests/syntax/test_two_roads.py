@@ -180,6 +180,7 @@ def test_tricky_lines_are_read_alike(dialect: Dialect, text: str) -> None:
 
 
 @every_grammar
+@pytest.mark.few(20)
 @given(st.one_of(good_lines, lines, set_off_lines))
 @example("X\x001")
 @example("N10 /2 N20 X1")
@@ -188,6 +189,7 @@ def test_regular_expression_and_grammar_agree(dialect: Dialect, text: str) -> No
 
 
 @every_grammar
+@pytest.mark.few(20)
 @given(st.text("GNXYFR0123456789.+-= \t/,;()\0", max_size=14))
 def test_they_agree_on_every_order_of_the_signs_of_a_block(dialect: Dialect, text: str) -> None:
     compare_regular_expression_and_grammar(text, dialect)
@@ -209,6 +211,7 @@ def test_most_of_the_corpus_needs_no_grammar(dialect: Dialect, corpus_lines: lis
 
 
 @every_grammar
+@pytest.mark.few(20)
 @given(st.one_of(programs, st.lists(set_off_lines).map(lambda parts: "\n".join(parts).encode("latin-1"))))
 def test_shapes_and_blocks_agree(dialect: Dialect, data: bytes) -> None:
     compare_shapes(read(data), dialect)
@@ -219,6 +222,7 @@ def test_shapes_and_blocks_agree_on_the_corpus(dialect: Dialect, corpus_file: Pa
     compare_shapes(read(corpus_file.read_bytes()), dialect)
 
 
+@pytest.mark.few(40)
 @given(programs, st.integers(1, 40))
 @example(b"X1\r\nY2\r\n", 3)
 @example(b"X1\rY2\r", 1)
@@ -233,6 +237,7 @@ def test_shapes_do_not_depend_on_the_size_of_the_pieces(data: bytes, size: int) 
     assert pieces.shapes == whole.shapes
 
 
+@pytest.mark.few(40)
 @given(programs, programs, st.data())
 def test_a_changed_program_is_classified_like_a_new_one(old: bytes, new: bytes, data: st.DataObject) -> None:
     original = parse(read(old), GENERIC_LATHE)
@@ -275,6 +280,7 @@ def plain_blocks(draw: st.DrawFn) -> tuple[str, Shape]:
 
 
 @every_grammar
+@pytest.mark.few(20)
 @given(plain_blocks())
 def test_every_plain_block_is_found(dialect: Dialect, case: tuple[str, Shape]) -> None:
     text, shape = case
@@ -299,6 +305,7 @@ def test_words_hold_the_numbers_of_blocks_of_any_shape(
 
 
 @every_grammar
+@pytest.mark.few(20)
 @given(
     st.lists(st.sampled_from(PLAIN_LETTERS), min_size=1, max_size=4, unique=True),
     st.lists(st.lists(number, min_size=4, max_size=4), min_size=1, max_size=5),
@@ -350,6 +357,7 @@ def test_columns_are_for_blocks_with_the_same_words_only(text: str) -> None:
     assert read_columns(program, 0, program.source.line_count) is None
 
 
+@pytest.mark.few(60)
 @given(
     st.lists(st.tuples(st.sampled_from(["X1", "X2.", "N5X3", "G1X1", "X1Y2", "M5", ""]), st.integers(1, 150)))
 )

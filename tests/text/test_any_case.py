@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -47,6 +48,7 @@ def test_there_are_expressions() -> None:
     assert len(PATTERNS) > 25
 
 
+@pytest.mark.few(50)
 @given(_texts)
 @example("(Rough Pocket 1)")
 @example("fınısh, fİnish and ſhort drilK")

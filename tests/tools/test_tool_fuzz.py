@@ -65,6 +65,7 @@ def test_any_bytes(suffix: str, data: bytes) -> None:
     survives(lambda: read_tools(f"x{suffix}", data))
 
 
+@pytest.mark.few(50)
 @given(
     entry=st.dictionaries(
         st.sampled_from(["type", "unit", "geometry", "post-process", "description"]), VALUES
@@ -75,12 +76,14 @@ def test_any_library_of_fusion(entry: dict[str, object]) -> None:
     survives(lambda: read_tools("x.json", json.dumps({"data": [whole, entry]}, indent=1).encode()))
 
 
+@pytest.mark.few(50)
 @given(dc=VALUES, nof=VALUES, number=VALUES)
 def test_any_values_of_fusion(dc: object, nof: object, number: object) -> None:
     entry = {"unit": "inches", "geometry": {"DC": dc, "NOF": nof}, "post-process": {"number": number}}
     survives(lambda: read_tools("x.json", json.dumps({"data": [entry]}).encode()))
 
 
+@pytest.mark.few(50)
 @given(
     number=VALUES, path=VALUES, parameters=st.dictionaries(st.sampled_from(["Diameter", "Flutes"]), VALUES)
 )
@@ -90,12 +93,14 @@ def test_any_bit_of_freecad(number: object, path: object, parameters: dict[str, 
     survives(lambda: read_library_with("x.fctl", library, lambda _: bit))
 
 
+@pytest.mark.few(50)
 @given(data=JUNK)
 def test_any_bit_bytes(data: bytes) -> None:
     library = b'{"tools": [{"nr": 1, "path": "a"}]}'
     survives(lambda: read_library_with("x.fctl", library, lambda _: data))
 
 
+@pytest.mark.few(50)
 @given(
     rows=st.lists(st.lists(PIECES | st.sampled_from(["1", "2.5", "-1", "drill"]), max_size=9).map(",".join))
 )

@@ -85,6 +85,7 @@ points = st.lists(
 ).map(lambda drawn: [(x / 250.0, z / 250.0) for x, z in drawn])
 
 
+@pytest.mark.few(80)
 @settings(max_examples=300, deadline=None)
 @given(drawn=points, feed=st.floats(0.5, 80.0), deviation=st.sampled_from([0.0, 0.01, 0.2]))
 def test_the_whole_motion_is_what_one_joint_after_the_other_gives(

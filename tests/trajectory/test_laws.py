@@ -5,11 +5,10 @@ from __future__ import annotations
 import ast
 import inspect
 import pickle
-from functools import cache
 from itertools import chain
 from math import inf
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 import pytest
@@ -87,6 +86,7 @@ def test_a_key_that_means_nothing_to_a_law_is_refused(law: type[ControlLaw]) -> 
         assert all(other in refused.value.diagnostic.help for other in others)
 
 
+@pytest.mark.few(40)
 @EVERY_LAW
 @settings(deadline=None)
 @given(drawn=strokes, rate=st.sampled_from([None, 200.0]))
@@ -103,6 +103,7 @@ def test_blocks_take_at_least_length_by_feed(
     assert faster[0] <= control.block_times(np.abs(lengths[:1]), feeds[:1])[0] + 1e-12
 
 
+@pytest.mark.few(40)
 @EVERY_LAW
 @settings(deadline=None)
 @given(drawn=strokes)
@@ -125,6 +126,7 @@ def test_the_motion_goes_from_start_to_end_in_rising_time(
     assert np.abs(np.diff(motion.distance_mm) / np.diff(motion.time_s)).max() <= feeds.max() * (1.0 + 1e-6)
 
 
+@pytest.mark.few(40)
 @EVERY_LAW
 @settings(deadline=None)
 @given(drawn=strokes, seed=st.integers(0, 7))
@@ -144,6 +146,7 @@ def test_a_dwell_is_added_and_the_tool_rests_in_it(
         assert np.ptp(motion.time_s[there]) >= 0.05 - control.late_s - 1e-9
 
 
+@pytest.mark.few(40)
 @EVERY_LAW
 @settings(deadline=None)
 @given(length=st.floats(0.01, 0.5), more=st.floats(1.15, 8.0))
@@ -227,14 +230,14 @@ def own_module(named: type[Any]) -> str:
 NAMED = {law.name: own_module(law) for law in LAWS} | {wave.name: own_module(type(wave)) for wave in WAVES}
 
 
-def branches_on(tree: ast.AST, name: str) -> list[int]:
-    """Lines that compare with a name, or look for it in a tuple, a set or a list."""
-    found = []
+def branches(tree: ast.AST) -> set[tuple[str, int]]:
+    """Texts that are compared with or looked for in a tuple, a set or a list, each with its line."""
+    found = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.Compare):
-            found += [node.lineno for part in _compared(node) if _is_text(part, name)]
-        elif isinstance(node, ast.MatchValue) and _is_text(node.value, name):
-            found.append(node.value.lineno)
+            found |= {(part.value, node.lineno) for part in _compared(node) if _is_text(part)}
+        elif isinstance(node, ast.MatchValue) and _is_text(node.value):
+            found.add((node.value.value, node.value.lineno))
     return found
 
 
@@ -247,24 +250,16 @@ def _compared(node: ast.Compare) -> list[ast.expr]:
     return [*parts, *chain.from_iterable(lists)]
 
 
-def _is_text(node: ast.expr, text: str) -> bool:
-    return isinstance(node, ast.Constant) and node.value == text
+def _is_text(node: ast.expr) -> TypeGuard[ast.Constant]:
+    return isinstance(node, ast.Constant) and isinstance(node.value, str)
 
 
-@cache
-def trees() -> dict[str, ast.Module]:
-    """Every module of the package by its path inside it, parsed once for all names."""
-    files = PACKAGE.rglob("*.py")
-    return {file.relative_to(PACKAGE).as_posix(): ast.parse(file.read_bytes()) for file in files}
-
-
-@pytest.mark.parametrize("name", NAMED)
-def test_no_branch_on_the_name_of_a_law_or_a_wave(name: str) -> None:
-    found = {}
-    for inside, tree in trees().items():
-        lines = branches_on(tree, name)
-        if lines and inside != NAMED[name]:
-            found[inside] = lines
+def test_no_branch_on_the_name_of_a_law_or_a_wave() -> None:
+    found = []
+    for file in PACKAGE.rglob("*.py"):
+        inside = file.relative_to(PACKAGE).as_posix()
+        told = branches(ast.parse(file.read_bytes()))
+        found += [(inside, *one) for one in told if NAMED.get(one[0], inside) != inside]
     assert not found
 
 
@@ -275,7 +270,7 @@ def test_a_branch_is_found() -> None:
         'law in ("x", "ideal")',
         'not law in {"ideal"}',
     ):
-        assert branches_on(ast.parse(text), "ideal")
-    assert branches_on(ast.parse('match law:\n    case "ideal":\n        pass'), "ideal")
-    assert not branches_on(ast.parse('name = "ideal"'), "ideal")
+        assert ("ideal", 1) in branches(ast.parse(text))
+    assert branches(ast.parse('match law:\n    case "ideal":\n        pass')) == {("ideal", 2)}
+    assert not branches(ast.parse('name = "ideal"'))
     assert module_of_laws.LAWS is LAWS

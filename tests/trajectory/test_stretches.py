@@ -37,6 +37,7 @@ def stretches(draw: st.DrawFn) -> Stretches:
     return Stretches(columns[0], columns[1], np.full((rows, count), 40.0), columns[2], np.zeros(rows))
 
 
+@pytest.mark.few(40)
 @settings(deadline=None)
 @given(stretches(), clocks, st.sampled_from([0.0, inf]))
 def test_many_stretches_run_like_one(drawn: Stretches, clock: Clock, before: float) -> None:
@@ -65,6 +66,7 @@ def test_a_single_block_needs_no_walk_through_its_periods(
     assert places.tolist() == pytest.approx(walked[1], abs=1e-7)
 
 
+@pytest.mark.few(40)
 @settings(deadline=None)
 @given(st.lists(st.tuples(st.floats(0.005, 0.3), st.integers(4, 60)), min_size=1, max_size=5))
 def test_the_feeds_of_single_blocks_take_their_times(blocks: list[tuple[float, int]]) -> None:
