@@ -10,8 +10,11 @@ import click
 
 from chipbreak.options import PROFILE, SET, Asked, asking
 from chipbreak.streams import read_input, write_stdout
+from chipbreak.text.named_tuple import NamedTuple
 
 if TYPE_CHECKING:
+    from chipbreak.editing.diff import Item
+    from chipbreak.git_versions import Beside
     from chipbreak.settings import Settings
 
 _NOTHING = os.devnull
@@ -22,9 +25,14 @@ _NOTHING = os.devnull
 def textconv(file: str) -> None:
     """Print a program for git to compare: a part that chipbreak wrote is one line.
 
-    A program that cannot be read so is printed as it is.
+    A program without our comments is read with the version of NAME.chipbreak that is about it.  What cannot
+    be read so is printed as it is.
     """
-    write_stdout([f"{line}\n".encode("latin-1", "replace") for line in _lines(read_input(file), file)])
+    from chipbreak.git_versions import beside_of_copy
+
+    data = read_input(file)
+    lines = _lines(data, file, beside_of_copy(file, data).content)
+    write_stdout([f"{line}\n".encode("latin-1", "replace") for line in lines])
 
 
 @click.command("git-diff")
@@ -35,38 +43,62 @@ def git_diff(asked: Asked, arguments: tuple[str, ...]) -> None:
 
     git gives seven arguments, two more for a file that was renamed, and one for a file that is in conflict.
     With -p, CHIPBREAK_PROFILE or a chipbreak.toml beside the program or above it, numbers are read as its
-    control reads them.
+    control reads them.  A program without our comments is read with the version of NAME.chipbreak that is
+    about it.
     """
     if len(arguments) < 7:
         click.echo(f"{' '.join(arguments[:1])}: in conflict, not compared")
         return
     path, old, new = arguments[0], arguments[1], arguments[4]
-    name = arguments[7] if len(arguments) > 7 else path
-    shown = _compared(asked, path, (old, new), (_name("a", path, old), _name("b", name, new)))
+    renamed = arguments[7] if len(arguments) > 7 else path
+    shown = _compared(asked, _side("a", path, old), _side("b", renamed, new))
     write_stdout([f"{line}\n".encode("latin-1", "replace") for line in shown])
 
 
-def _name(side: str, path: str, file: str) -> str:
-    return _NOTHING if file == _NOTHING else f"{side}/{path}"
+class _Side(NamedTuple):
+    """One of two versions: its name in the patch, its path from the root, its bytes, the file beside it."""
+
+    name: str
+    path: str
+    data: bytes
+    beside: Beside
+
+    def items(self, settings: Settings | None) -> list[Item]:
+        """What is compared.  Raises ProgramRejectedError."""
+        from chipbreak.editing.diff import items_of
+
+        return items_of(self.data, self.name, settings, beside=self.beside.content)
 
 
-def _compared(asked: Asked, path: str, files: tuple[str, str], names: tuple[str, str]) -> list[str]:
+def _side(side: str, path: str, file: str) -> _Side:
+    from chipbreak.git_versions import Beside, beside_of_path
+
+    if file == _NOTHING:
+        return _Side(_NOTHING, path, b"", Beside())
+    data = read_input(file)
+    return _Side(f"{side}/{path}", path, data, beside_of_path(path, data))
+
+
+def _compared(asked: Asked, a: _Side, b: _Side) -> list[str]:
     """The patch by what blocks say; by their text where a program cannot be read."""
     from chipbreak.editing import diff_output
-    from chipbreak.editing.diff import compare, items_of
+    from chipbreak.editing.diff import compare
     from chipbreak.text.diagnostics import ProgramRejectedError
 
-    data = [b"" if file == _NOTHING else read_input(file) for file in files]
-    head = [f"diff --chipbreak {names[0]} {names[1]}"]
-    settings = _settings(asked, path)
+    head = [f"diff --chipbreak {a.name} {b.name}"]
+    head += [
+        f"{one.name} as it stands: no version of {one.beside.name} is about it"
+        for one in (a, b)
+        if one.beside.name and one.beside.content is None
+    ]
+    settings = _settings(asked, b.path)
     try:
-        sides = [items_of(one, name, settings) for one, name in zip(data, names, strict=True)]
+        changes = compare(a.items(settings), b.items(settings))
     except ProgramRejectedError as error:
         head += [f"compared by its text: {error}"]
-        a, b = (one.decode("latin-1").splitlines() for one in data)
-        return head + list(difflib.unified_diff(a, b, *names, lineterm=""))
-    patch = list(diff_output.unified(compare(*sides), *names))
-    return head + (patch or ["the same blocks"])
+        old, new = (one.data.decode("latin-1").splitlines() for one in (a, b))
+        return head + list(difflib.unified_diff(old, new, a.name, b.name, lineterm=""))
+    return head + (list(diff_output.unified(changes, a.name, b.name)) or ["the same blocks"])
 
 
 def _settings(asked: Asked, path: str) -> Settings | None:
@@ -80,11 +112,11 @@ def _settings(asked: Asked, path: str) -> Settings | None:
         return None
 
 
-def _lines(data: bytes, name: str) -> list[str]:
+def _lines(data: bytes, name: str, beside: bytes | None) -> list[str]:
     from chipbreak.editing.diff import items_of
     from chipbreak.text.diagnostics import ProgramRejectedError
 
     try:
-        return [item.text for item in items_of(data, name, None)]
+        return [item.text for item in items_of(data, name, beside=beside)]
     except ProgramRejectedError:
         return data.decode("latin-1").splitlines()

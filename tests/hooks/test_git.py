@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import chipbreak
+from chipbreak.editing.diff import items_of
 from warm import warm_command, warm_text
 
 PROGRAM = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nM30\n"
@@ -136,6 +137,77 @@ def test_a_rejected_unicode_program_is_shown_as_it_is(driver: Path) -> None:
     (driver / "plain.nc").write_bytes(PROGRAM.decode().encode("utf-16"))
     done = git(driver, "diff", "--text")
     assert done.returncode == 0, done.stderr
+
+
+# --- programs without our comments -----------------------------------------------------------------------
+def write_bare(folder: Path, z: str) -> str:
+    """A filtered program whose brackets are in the file beside it; its cut as it is shown in one line."""
+    settings = chipbreak.load("generic-lathe", ["output.brackets=none"])
+    result = chipbreak.rewrite(PROGRAM.replace(b"-30.", z.encode()), settings, "bare.nc")
+    assert result.beside is not None
+    assert b"CHIPBREAK" not in result.data
+    folder.mkdir(exist_ok=True)
+    (folder / "bare.nc").write_bytes(result.data)
+    (folder / "bare.nc.chipbreak").write_bytes(result.beside)
+    (cut,) = [one.text for one in items_of(result.data, "", beside=result.beside) if "[VIB" in one.text]
+    return cut
+
+
+def changes(text: str) -> list[str]:
+    return [line for line in text.splitlines() if line[:1] in "+-" and line[1:2] not in "+-"]
+
+
+@pytest.fixture(params=["driver", "converter"])
+def bare(request: pytest.FixtureRequest) -> Path:
+    """A repository with a bare program in three versions, compared by each of the two commands."""
+    folder: Path = request.getfixturevalue(request.param)
+    with (folder / ".gitattributes").open("a") as file:
+        file.write("*.chipbreak -diff\n")
+    for z in ("-30.", "-40.", "-50."):
+        write_bare(folder / "parts", z)
+        git(folder, "add", ".")
+        assert git(folder, "commit", "-qm", f"to {z}").returncode == 0
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("command", "old", "new"),
+    [
+        (("diff",), "-50.", "-60."),
+        (("diff", "HEAD~2", "HEAD~1"), "-30.", "-40."),
+        (("log", "-p", "--ext-diff", "-n1", "HEAD~1"), "-30.", "-40."),
+        (("diff", "HEAD~2"), "-30.", "-60."),
+    ],
+)
+def test_each_version_is_read_with_its_file_beside(
+    bare: Path, tmp_path: Path, command: tuple[str, ...], old: str, new: str
+) -> None:
+    write_bare(bare / "parts", "-60.")
+    done = git(bare, *command)
+    assert done.returncode == 0, done.stderr
+    cuts = [write_bare(tmp_path / "elsewhere", z) for z in (old, new)]
+    assert cuts[0] != cuts[1]
+    assert changes(done.stdout) == [f"-{cuts[0]}", f"+{cuts[1]}"]
+
+
+def test_an_edited_program_is_shown_as_it_stands(bare: Path) -> None:
+    program = bare / "parts" / "bare.nc"
+    program.write_bytes(program.read_bytes().replace(b"X20. Z2.", b"X21. Z2."))
+    done = git(bare, "diff")
+    assert done.returncode == 0, done.stderr
+    assert "+G0 X21. Z2." in changes(done.stdout)
+    if "--chipbreak" in done.stdout:
+        says = "b/parts/bare.nc as it stands: no version of parts/bare.nc.chipbreak is about it"
+        assert says in done.stdout.splitlines()
+
+
+def test_a_file_beside_that_is_damaged_fails_nothing(bare: Path) -> None:
+    (bare / "parts" / "bare.nc.chipbreak").write_bytes(b"{")
+    program = bare / "parts" / "bare.nc"
+    program.write_bytes(program.read_bytes() + b"\n")
+    done = git(bare, "diff")
+    assert done.returncode == 0, done.stderr
+    assert "Traceback" not in done.stderr
 
 
 @pytest.mark.parametrize(

@@ -154,6 +154,9 @@ def test_git_is_set_up(tmp_path: Path) -> None:
     repository.mkdir()
     run("git", "init", "-q", cwd=repository)
     assert run(str(script), cwd=repository).returncode == 0
+    attributes = (repository / ".gitattributes").read_bytes()
+    assert run(str(script), cwd=repository).returncode == 0  # a second time changes nothing
+    assert (repository / ".gitattributes").read_bytes() == attributes
     (repository / "O0001").write_bytes(PROGRAM)
     run("git", "add", "-A", cwd=repository)
     (repository / "O0001").write_bytes(PROGRAM.replace(b"G1 Z-30.", b"G01 Z-30.0"))
