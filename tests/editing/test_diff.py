@@ -225,6 +225,18 @@ def test_side_by_side_and_as_a_page() -> None:
     assert not list(side_by_side(compare(items_of(a, "a"), items_of(a, "a")), "a", "a", 80))
 
 
+def test_the_page_says_by_signs_what_it_says_by_colours() -> None:
+    """On paper and to the colour-blind: what changed, what only one of the two has."""
+    a = items_of(b"G0 X1.\nG0 X2.\nM8\nG0 X3.\n", "a")
+    b = items_of(b"G0 X1.\nG0 X2.5\nG0 X3.\nM9\n", "b")
+    text = page(compare(a, b), "a", "b")
+    rows = re.findall(r'<tr class="([a-z-]+)">.*<td class="s">(.*?)</td>', text)
+    signs = {"same": "", "change": "|", "only-a": "&lt;", "only-b": "&gt;"}
+    assert {kind for kind, _ in rows} == set(signs)
+    assert all(sign == signs[kind] for kind, sign in rows)
+    assert '<meta name="viewport"' in text
+
+
 def test_comments_on_demand() -> None:
     assert same(b"(A)\nG1 X1. (B)\n;C\n", b"G1 X1.\n", ignore_comments=True)
 

@@ -122,23 +122,30 @@ def side_by_side(hunks: Sequence[Hunk], name_a: str, name_b: str, width: int = 1
 
 _PAGE = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>{title}</title>
+<meta name="viewport" content="width=device-width, initial-scale=1">
 <style>
 body {{ font: 14px/1.4 system-ui, sans-serif; margin: 1.5em; color: #111; background: #fff }}
+h1 {{ font-size: 1.4em; overflow-wrap: anywhere }}
 table {{ border-collapse: collapse; width: 100%; table-layout: fixed }}
 td, th {{ font: 13px/1.4 ui-monospace, monospace; padding: 1px 6px; text-align: left; vertical-align: top;
  white-space: pre-wrap; overflow-wrap: anywhere }}
 td.n {{ width: 4.5em; color: #555; text-align: right }}
+td.s, th.s {{ padding: 1px 0; text-align: center; font-weight: bold }}
 col.n {{ width: 5em }}
+col.s {{ width: 1.4em }}
 tr.change td {{ background: #fff1d6 }}
 tr.only-a td.a {{ background: #f9dcd2 }}
 tr.only-b td.b {{ background: #d5e8f7 }}
 tr.skipped td {{ color: #777; text-align: center }}
 .note {{ color: #7a3e00; font-style: italic }}
+@media screen and (max-width: 40em) {{
+ body {{ margin: .6em }} td, th {{ font-size: 11.5px; padding: 1px 3px }}
+ col.n {{ width: 3em }} col.s {{ width: 1em }} }}
 @media print {{ body {{ margin: 0 }} tr {{ break-inside: avoid }} }}
 </style></head><body>
 <h1>{title}</h1><p>{summary}</p>
-<table><colgroup><col class="n"><col><col class="n"><col></colgroup>
-<thead><tr><th></th><th>{a}</th><th></th><th>{b}</th></tr></thead><tbody>
+<table><colgroup><col class="n"><col><col class="s"><col class="n"><col></colgroup>
+<thead><tr><th></th><th>{a}</th><th class="s"></th><th></th><th>{b}</th></tr></thead><tbody>
 {rows}
 </tbody></table></body></html>
 """
@@ -163,8 +170,10 @@ def page(hunks: Sequence[Hunk], name_a: str, name_b: str) -> str:
 
 def _html_row(sign: str, one: Item | None, other: Item | None) -> str:
     if sign == ".":
-        return f'<tr class="skipped"><td colspan="4">{_SKIPPED}</td></tr>'
-    return f'<tr class="{_CLASSES[sign]}">{_cells(one, "a")}{_cells(other, "b")}</tr>'
+        return f'<tr class="skipped"><td colspan="5">{_SKIPPED}</td></tr>'
+    # The sign says what the colour says: on paper, and to eyes that do not tell the colours apart.
+    between = f'<td class="s">{"" if sign == "=" else escape(sign)}</td>'
+    return f'<tr class="{_CLASSES[sign]}">{_cells(one, "a")}{between}{_cells(other, "b")}</tr>'
 
 
 def _cells(item: Item | None, side: str) -> str:
