@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 import chipbreak
 from chipbreak import settings
-from chipbreak.checks.calls import CallValues, CheckKind, calls_of
+from chipbreak.checks.calls import CallValues, CheckKind, calls_of, check_blocks, check_sets
 from chipbreak.cli import cli
 from chipbreak.dialects import BUILT_IN, FANUC_MILL
 from chipbreak.macros.calls import ToolValues
@@ -142,6 +142,24 @@ def test_there_is_a_profile_for_each_maker() -> None:
         assert calls_of(settings.load(profiles[name])).name == name
 
 
+@pytest.mark.parametrize("profile", ["fanuc-mill", "linuxcnc-mill", "grbl", "speedio-blum"])
+def test_a_control_reads_its_own_sets(profile: str) -> None:
+    """They are not looked at when a profile is read, only when a check is put in."""
+    found = settings.load(profile)
+    assert found.dialect.call_sets
+    for name in found.dialect.call_sets:
+        check_blocks(name, found)
+
+
+def test_a_set_that_does_not_fit_the_control_is_refused_when_a_check_is_put_in() -> None:
+    samples = Path(__file__).parents[2] / "samples"
+    found = settings.load(str(samples / "mill-with-laser.toml"), ["control.max_line_chars=60"])
+    with pytest.raises(RefusalError) as caught:
+        chipbreak.rewrite((samples / "fusion-mill.nc").read_bytes(), found)
+    assert caught.value.code == "SET034"
+    assert "is 60" in caught.value.message
+
+
 def test_an_own_set_may_stand_for_a_shipped_one() -> None:
     own = ('calls.haas={tool_check="G65 P9853 T{tool} B0. H{limit}"}', "checks.calls=haas")
     assert texts("fanuc-mill", *own) == {"tool_check": ("G65 P9853 T2 B0. H0.02",)}
@@ -189,7 +207,7 @@ def test_calls_of_a_machining_centre_are_refused_elsewhere() -> None:
 
 def test_the_speed_of_a_lathe_is_not_that_of_a_tool() -> None:
     with pytest.raises(RefusalError) as caught:
-        calls_of(settings.load("fanuc-lathe", ['calls.a={trace="G65 P1 S{speed_rpm}"}', "checks.calls=a"]))
+        check_sets(settings.load("fanuc-lathe", ['calls.a={trace="G65 P1 S{speed_rpm}"}', "checks.calls=a"]))
     assert caught.value.code == "SET032"
     assert "turns the workpiece" in caught.value.message
 
@@ -234,7 +252,7 @@ def test_a_call_that_could_write_nonsense_is_refused(
     if "81" in message:
         chosen[1] = "control.max_line_chars=255"
     with pytest.raises(RefusalError) as caught:
-        calls_of(settings.load("fanuc-mill", options + chosen))
+        check_sets(settings.load("fanuc-mill", [*options, *chosen, "checks.enabled=true"]))
     assert caught.value.code == code
     assert message in caught.value.message
     assert help_text in caught.value.help
@@ -292,7 +310,7 @@ def test_calls_are_checked_when_the_profile_is_read(text: str, code: str, tmp_pa
 def test_a_call_that_leaves_something_behind_is_refused(block: str, what: str) -> None:
     own = [f'calls.own={{chip_check="{block}"}}', "checks.calls=own"]
     with pytest.raises(RefusalError, match=re.escape(what)) as caught:
-        calls_of(settings.load("fanuc-mill", own))
+        check_sets(settings.load("fanuc-mill", own))
     assert caught.value.code == "SET036"
 
 

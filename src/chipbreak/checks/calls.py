@@ -185,12 +185,10 @@ class CallSet(NamedTuple):
 
 
 def calls_of(settings: Settings) -> CallSet:
-    """The calls that the profile asks for, all of them checked.
+    """The calls that the profile asks for; :func:`check_blocks` says whether the control reads them.
 
-    Raises RefusalError: SET030 unknown set, SET031 unknown check, SET032 unknown field, SET033 a block that
-    cannot be read, SET034 a block that may become too long, SET035 a set that does not tell the control what
-    the profile asks for, SET036 a block that leaves something behind, SET037 a plate that is not below the
-    safe height.
+    Raises RefusalError: SET030 unknown set, SET031 unknown check, SET035 a set that does not tell the control
+    what the profile asks for, SET037 a plate that is not below the safe height.
     """
     found = _read(settings.checks.calls, settings)
     _check_plate(found, settings)
@@ -210,29 +208,41 @@ def calls_of(settings: Settings) -> CallSet:
 
 
 def check_sets(settings: Settings) -> None:
-    """All sets that a profile describes, and the one it uses; raises what :func:`calls_of` raises."""
+    """All sets that a profile describes, and the one it uses; raises what the functions above raise.
+
+    The blocks of a set that comes with the control are looked at when a check is put in: a block of a macro
+    call is read by the grammar, which takes longer to load than all else of a small program.
+    """
     for name in settings.call_sets:
-        _read(name, settings)
+        check_blocks(name, settings)
     if settings.checks.enabled:
         calls_of(settings)
 
 
-def _read(name: str, settings: Settings) -> CallSet:
-    """The set of a name, all its blocks checked."""
-    shipped = _shipped(name, settings)
+def check_blocks(name: str, settings: Settings) -> None:
+    """Every block of a set, with the longest values it may get.
+
+    Raises RefusalError: SET030 unknown set, SET031 unknown check, SET032 unknown field, SET033 a block that
+    cannot be read, SET034 a block that may become too long, SET036 a block that leaves something behind.
+    """
+    calls = _read(name, settings)
     limit = min(LONGEST_BLOCK, settings.control.max_line_chars)
-    blocks = {}
-    for key, templates in shipped.blocks.items():
-        where = f"calls.{name}.{key}"
-        names = [one.value for one in CheckKind]
-        if key not in names:
-            raise RefusalError(UNKNOWN_CHECK, f"{where}: there is no such check", _nearest(key, names))
-        kind = CheckKind(key)
-        tail = shipped.tails.get(key, "")
+    for kind, templates in calls.blocks.items():
+        where = f"calls.{name}.{kind.value}"
         for template in templates:
-            whole = template + (tail if template == templates[-1] else "")
-            _check(where, whole, kind, limit, settings, is_in_line=shipped.in_line)
-        blocks[kind] = tuple(templates)
+            whole = template + (calls.tails.get(kind, "") if template == templates[-1] else "")
+            _check(where, whole, kind, limit, settings, is_in_line=calls.in_line)
+
+
+def _read(name: str, settings: Settings) -> CallSet:
+    """The set of a name."""
+    shipped = _shipped(name, settings)
+    names = [one.value for one in CheckKind]
+    for key in shipped.blocks:
+        if key not in names:
+            message = f"calls.{name}.{key}: there is no such check"
+            raise RefusalError(UNKNOWN_CHECK, message, _nearest(key, names))
+    blocks = {CheckKind(key): tuple(templates) for key, templates in shipped.blocks.items()}
     tails = {CheckKind(key): tail for key, tail in shipped.tails.items()}
     return CallSet(name, blocks, tails, shipped.ends_offset, shipped.in_line, shipped.keeps)
 

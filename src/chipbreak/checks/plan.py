@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-from chipbreak.checks.calls import DEPTHS, CallSet, CallValues, CheckKind, calls_of
+from chipbreak.checks.calls import DEPTHS, CallSet, CallValues, CheckKind, calls_of, check_blocks
 from chipbreak.checks.clashes import clash_of
 from chipbreak.checks.durations import check_s
 from chipbreak.checks.findings import NO_BEAM, NO_SAFE_POINT, NO_SHAPE, Findings
@@ -60,7 +60,7 @@ def plan_checks(
 ) -> tuple[list[PlannedCheck], list[Diagnostic]]:
     """All checks of a program, in its order, and what could not be checked.
 
-    Raises RefusalError when the calls of the profile cannot be used (SET030 to SET034).
+    Raises RefusalError when the calls of the profile cannot be used (SET030 to SET037).
     """
     planner = _Planner(operations, interpreted, main, settings, tools)
     planner.run()
@@ -76,6 +76,7 @@ def plan_checks(
         findings.say(clash.line, clash.code, clash.message, clash.help)
     if findings.diagnostics:
         return [], findings.diagnostics
+    check_blocks(settings.checks.calls, settings)
     return planner.planned, planner.findings.diagnostics
 
 
