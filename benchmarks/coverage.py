@@ -11,7 +11,8 @@ spindle stopped, are no cuts.
 
 ``--page`` asks another question of every lathe program at hand (``samples``, the tests, and the folders of
 ``CHIPBREAK_CORPUS`` that have lathe in their name): does every roughing cut vibrate when the profile says
-nothing but ``n`` and ``only = ["rough"]``?
+nothing but ``n`` and ``only = ["rough"]``?  What control a program is for, and which code turns its spindle,
+is no wish: where a program shows it, a profile beside it (``tests/shop``) or in ``benchmarks/facts`` says it.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ import os
 import re
 import sys
 import time
+import tomllib
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -50,6 +52,7 @@ ROUGH = 'vibration.only=["rough"]'
 _WISH = re.compile(rb"\(VIB[^)\r\n]*\)")
 _FINISHING = re.compile(rb"\bG70\s*[PQ][^\r\n]*", re.IGNORECASE)
 ROOT = Path(__file__).resolve().parents[1]
+FACTS = ROOT / "benchmarks" / "facts"
 AT_HAND = ("samples", "tests/shop")
 TOO_SHORT = "VIB013"
 OTHER_CONTROLS = b"$"  # Okuma: $NAME.MIN%
@@ -59,7 +62,9 @@ HEAD = """# Coverage
 Does a lathe program come out with every roughing cut vibrated, when the profile says nothing but `n` and
 `only = ["rough"]`? With `n = 1.5` the profile is `fanuc-lathe` (`linuxcnc-lathe` for `.ngc`) as it is
 shipped; with `n = "auto"` it has the trapezoid law and 5 m/s2 in X and Z besides, for the machine must choose
-by something. A program roughs where a cycle, a comment or the name of a tool says so. A cut in which not even
+by something. Which control a program is for, and which code of its builder turns the spindle, are facts of
+the machine: where a program shows them, its profile says them (*The machine of a program* below), and nothing
+else. A program roughs where a cycle, a comment or the name of a tool says so. A cut in which not even
 two vibrations have room (VIB013) counts as met; what a program itself asks for, `(VIB ...)`, is taken out.
 Programs of controls that are not read here (Okuma, whose files begin with `$`) are left out.
 
@@ -220,8 +225,27 @@ def asked_of(path: Path) -> Asked:
 
 
 def profile_of(path: Path) -> str:
-    """The profile of a program that says nothing of its control."""
+    """The profile of a program: that of its facts, or the shipped one of its control."""
+    facts = facts_of(path)
+    if facts is not None:
+        return str(facts)
     return "linuxcnc-lathe" if path.suffix == ".ngc" else "fanuc-lathe"
+
+
+def facts_of(path: Path) -> Path | None:
+    """The profile with what a program shows of its machine, None where there is none."""
+    places = (path.with_suffix(".toml"), FACTS / f"{path.stem}.toml")
+    return next((place for place in places if place.is_file()), None)
+
+
+def facts_row(path: Path, facts: Path) -> str:
+    """A program, the keys that its profile says, and by what the program shows them."""
+    text = facts.read_text("utf-8")
+    said = tomllib.loads(text)
+    base = said.pop("base")
+    keys = [f"`{part}.{key} = {value!r}`" for part, keys in said.items() for key, value in keys.items()]
+    shown = text.split("\n", 1)[0].removeprefix("# ")
+    return f"| {path.name} | {', '.join([f'`{base}`', *keys])} | {shown} |".replace("'", '"')
 
 
 def print_page() -> None:
@@ -238,6 +262,9 @@ def print_page() -> None:
     print(f"| together | {at_hand} | {rough} | {' | '.join(shares)} | {share_of(every)} |")
     print("\n## The others\n\n| program | n = 1.5 | n = auto |\n| --- | --- | --- |")
     print("\n".join(row_of(*one[:3]) for one in every if one.roughs and not one.is_whole))
+    print("\n## The machine of a program\n\n| program | profile | it shows that |\n| --- | --- | --- |")
+    found = [(one.path, facts_of(one.path)) for one in every]
+    print("\n".join(facts_row(path, facts) for path, facts in found if facts is not None))
 
 
 def counts_of(asked: Sequence[Asked]) -> list[int]:

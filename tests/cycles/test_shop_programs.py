@@ -1,10 +1,12 @@
 """Programs as shops write them: what they rough with vibrates, all comes back, a second run adds nothing.
 
-Those in ``STAYS`` cannot have a vibrated cut, each for the reason that is said.
+Those in ``STAYS`` cannot have a vibrated cut, each for the reason that is said.  A profile beside a program
+says of its machine what the program shows.
 """
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -22,12 +24,16 @@ MACHINE = (
 # A second run takes as long as the first: one of each kind will do.
 AGAIN = frozenset({"O1234.nc", "O0207.nc", "O00100.nc", "O0106.nc", "O0777.nc"})
 STAYS = {
-    "O0008.nc": "line 7 chooses a spindle (M203)",
-    "O0103.nc": "has no decimal point",
     "O0105.nc": "the control works out",
-    "O1112.nc": "has no decimal point",
     "O1119.nc": "where this cycle starts is not known",
 }
+# What is true of them without the profile beside them.
+WITHOUT_FACTS = {
+    "O0008.nc": "line 7 chooses a spindle (M203)",
+    "O0103.nc": "has no decimal point",
+    "O1112.nc": "has no decimal point",
+}
+FACTS = sorted(PROGRAMS[0].parent.glob("*.toml"))
 
 
 # Of each kind one, and every fifth; the others in the long form.
@@ -40,7 +46,8 @@ _EACH = [
 
 @pytest.mark.parametrize("path", _EACH)
 def test_a_program_of_a_shop(path: Path) -> None:
-    settings = load("fanuc-lathe", MACHINE)
+    facts = path.with_suffix(".toml")
+    settings = load(facts if facts.is_file() else "fanuc-lathe", MACHINE)
     program = path.read_bytes()
     result = chipbreak.rewrite(program, settings)
     assert chipbreak.restore(result.data) == program
@@ -51,3 +58,18 @@ def test_a_program_of_a_shop(path: Path) -> None:
         assert any(STAYS[path.name] in left.said.message for left in result.left)
     else:
         assert result.cuts
+
+
+@pytest.mark.parametrize("name", WITHOUT_FACTS)
+def test_what_the_profile_of_a_program_is_for(name: str) -> None:
+    result = chipbreak.rewrite((FACTS[0].parent / name).read_bytes(), load("fanuc-lathe", MACHINE))
+    assert not result.cuts
+    assert any(WITHOUT_FACTS[name] in left.said.message for left in result.left)
+
+
+@pytest.mark.parametrize("path", FACTS, ids=lambda path: path.stem)
+def test_a_profile_beside_a_program_says_nothing_but_its_control_and_its_spindle(path: Path) -> None:
+    text = path.read_text("utf-8")
+    assert text.startswith("# "), "by what the program shows it"
+    assert tomllib.loads(text).keys() <= {"base", "control", "spindle"}
+    assert path.with_suffix(".nc").is_file()

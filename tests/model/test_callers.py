@@ -152,3 +152,77 @@ def test_a_second_main_program_begins_as_the_first_one() -> None:
 def test_one_that_never_says_that_it_turns_is_not_taken_for_turning() -> None:
     second = "O0101\nG0 X40. Z1.\nG1 Z-10. F0.1\nM30\n"
     assert not entry(MAIN.replace("M98 P0101\n", "") + second).turns
+
+
+PART = "N500 G1 Z-30.\nG0 X62.\nM99\n"
+HAAS = MAIN.replace("M98 P0101", "M97 P500")
+
+
+def part_entry(program: str) -> State:
+    """The state in which the part at N500 begins."""
+    line = next(at for at, text in enumerate(program.splitlines()) if text.startswith("N500"))
+    return interpret(parse(read(program.encode()), SETTINGS.dialect), SETTINGS).before(line)
+
+
+def test_a_part_of_a_program_begins_as_its_own_call_finds_the_control() -> None:
+    state = part_entry(HAAS + PART)
+    assert state.position[::2] == (30.0, 2.0)
+    assert (state.spindle, state.spindle_why) == ("cw", "")
+    assert state.feed is not None and state.feed.value == 0.2
+
+
+def blocks_of_cut(data: bytes) -> list[str]:
+    """What stands for the first vibrated cut, without what it was."""
+    inside = data.decode().partition("(CHIPBREAK BEGIN")[2].partition("(CHIPBREAK END")[0]
+    return [line for line in inside.splitlines() if "WAS" not in line]
+
+
+def test_the_cuts_of_a_part_vibrate_and_the_way_back_is_whole() -> None:
+    program = (HAAS + PART).encode()
+    result = chipbreak.rewrite(program, SETTINGS)
+    inline = chipbreak.rewrite(MAIN.replace("M98 P0101\n", BODY).encode(), SETTINGS)
+    assert len(result.cuts) == 1
+    assert blocks_of_cut(result.data) == blocks_of_cut(inline.data)
+    assert b"N500 (CHIPBREAK BEGIN" in result.data  # the call finds its number
+    assert chipbreak.restore(result.data) == program
+    assert chipbreak.rewrite(result.data, SETTINGS).data == result.data
+    # Nothing else calls it, it is in this file, and its cuts vibrate.
+    assert not {"VIB067", "VIB095", "VIB096"} & {one.code for one in result.diagnostics}
+
+
+def test_a_cycle_in_a_part_is_written_out_behind_its_number() -> None:
+    cycle = "N500 G71 U2. R.5\nG71 P1 Q2 U.4 W.1 F.2\nN1 G0 X30.\nG1 Z-20. F.1\nX50. Z-30.\nN2 X60.\nM99\n"
+    program = (HAAS + cycle).encode()
+    result = chipbreak.rewrite(program, SETTINGS)
+    assert result.cuts
+    assert b"N500 (CHIPBREAK UNROLLED G71" in result.data
+    assert chipbreak.restore(result.data) == program
+    assert chipbreak.rewrite(result.data, SETTINGS).data == result.data
+
+
+def test_parts_of_two_programs_with_one_number_are_two() -> None:
+    second = HAAS.replace("O0010", "O0020").replace("X60. Z2.", "X40. Z1.")
+    program = HAAS + PART + second + PART
+    lines = [at for at, text in enumerate(program.splitlines()) if text.startswith("N500")]
+    interpreted = interpret(parse(read(program.encode()), SETTINGS.dialect), SETTINGS)
+    assert [interpreted.before(line).position.x for line in lines] == [30.0, 20.0]
+
+
+@pytest.mark.parametrize(
+    "program",
+    [
+        HAAS.replace("M30\n", "") + PART,
+        HAAS.replace("M30", "/M30") + PART,
+        HAAS.replace("P500", "P500 L3") + PART,
+        HAAS.replace("M97 P500", "M97 P500\nG0 X58. M97 P500") + PART,
+        HAAS + PART.replace("M99", "M30"),
+        HAAS.replace("M97 P500", "M98 P500") + PART,
+    ],
+    ids=["also reached", "perhaps reached", "repeats", "moves", "ends", "another program"],
+)
+def test_parts_that_are_not_followed(program: str) -> None:
+    state = part_entry(program)
+    assert state.ended or state.position.x != 30.0
+    line = next(at for at, text in enumerate(program.splitlines()) if text.startswith("N500"))
+    interpreted = interpret(parse(read(program.encode()), SETTINGS.dialect), SETTINGS)
+    assert line not in interpreted.interpreter.entries

@@ -279,8 +279,12 @@ def _refuse_lines(interpreted: InterpretedProgram, edits: Sequence[Edit]) -> Non
 
 
 def _is_called(interpreted: InterpretedProgram, lines: set[int]) -> bool:
-    """True where a call by block number, or a cycle whose P or Q is a variable, may lead into the lines."""
-    sequences = (interpreted.program.block(line).sequence for line in lines)
+    """True where a call by block number, or a cycle whose P or Q is a variable, may lead into the lines.
+
+    A line that begins as its calls leave the control is no such line: its number stays where it was.
+    """
+    others = lines - interpreted.interpreter.entries.keys()
+    sequences = (interpreted.program.block(line).sequence for line in others)
     numbers = {sequence.number for sequence in sequences if sequence is not None}
     for effect in interpreted.effects:
         block = effect.block

@@ -7,13 +7,14 @@ known.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 
 from chipbreak.insertion.sure_effects import differing, set_by
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.flow import Flow
 from chipbreak.model.interpret import Interpreter
-from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.interpreted_program import InterpretedProgram, called_programs
 from chipbreak.model.modal import State
 from chipbreak.operations.main_program import calls_subprogram
 from chipbreak.operations.operations import calls_tool
@@ -113,13 +114,20 @@ def called_by(effect: BlockEffect) -> Iterator[_Key]:
     is_macro = "macro-call" in effect.non_modal or effect.after.modes.modal_macro == "on"
     if is_macro or (calls_subprogram(effect) and not effect.block.controls):
         number = effect.block.number("P")
-        is_local = effect.does("subprogram", "local-call")
-        yield "" if number is None or is_local else int(number)
+        if number is None:
+            yield ""
+        else:
+            yield _part(int(number)) if effect.does("subprogram", "local-call") else int(number)
+
+
+def _part(number: int) -> str:
+    """The key of the part of a program that its M97 calls; labels are in lower case."""
+    return f"N{number}"
 
 
 def _bodies(interpreted: InterpretedProgram) -> dict[_Key, range]:
-    """The lines of ``o<name> sub`` to ``endsub``, and of ``O1000`` to M99, without these."""
-    found: dict[_Key, range] = {}
+    """The lines of ``o<name> sub`` to ``endsub``, of ``O1000`` and of parts to M99, without these."""
+    found: dict[_Key, range] = _parts(interpreted)
     opened: tuple[_Key, int] | None = None
     for effect in interpreted.effects:
         line = effect.block.line
@@ -134,3 +142,10 @@ def _bodies(interpreted: InterpretedProgram) -> dict[_Key, range]:
         elif number is not None and not effect.block.controls:
             opened = int(number), line + 1
     return found
+
+
+def _parts(interpreted: InterpretedProgram) -> dict[_Key, range]:
+    """The parts of the programs that a number names alone."""
+    parts = [one for one in called_programs(interpreted) if one.is_part and one.returns]
+    counts = Counter(one.number for one in parts)
+    return {_part(one.number): range(one.first, one.last - 1) for one in parts if counts[one.number] == 1}

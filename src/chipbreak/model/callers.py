@@ -10,44 +10,62 @@
 
 A program that ends itself (M30) is one that is started, as the first one.  One that returns (M99) begins as
 its calls in this file leave the control, where these are once each, plain, and agree.  Nothing else is known
-of it: another file may call it.
+of it: another file may call it.  So does a part of a program from N1000 to M99 that ``M97 P1000`` calls.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
 from chipbreak.dialects.modes import Group
 from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.flow import sequence_lines
 from chipbreak.model.modal import NOWHERE, UNKNOWN, Position, Setting, State
 from chipbreak.model.paths import begins_program
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block
+from chipbreak.syntax.parse import Program as Text
 from chipbreak.text.named_tuple import NamedTuple
 
 _ONE_PROGRAM = 10_000  # P51234 calls O1234 five times
 _LONGEST = 5_000  # lines of a program that are looked through at each call
 _PLAIN_CALL = frozenset("NMPL")
-_ANY = -1  # the number of a call that may be of any program
+_WHOLE_FILE = -1  # where a program is called from anywhere
+_Key = tuple[int, int]
+_ANY: _Key = (_WHOLE_FILE, -1)  # what a call names that may be of any program
 # What a subprogram leaves in these is seen by the block behind its call; it is not followed there.
 _FOLLOWED_BEHIND: frozenset[Group] = frozenset({"motion"})
 
 
 class Program(NamedTuple):
-    """A program of a file: its number, the lines ``first`` to ``last`` (exclusive), how it ends."""
+    """A program of a file: its number, the lines ``first`` to ``last`` (exclusive), how it ends.
+
+    ``owner`` is the first line of the program whose part it is, -1 for one of its own.
+    """
 
     number: int
     first: int
     last: int
     returns: bool
     ends: bool
+    owner: int = _WHOLE_FILE
+
+    @property
+    def key(self) -> tuple[int, int]:
+        """What a call names: from where it can be called, and its number."""
+        return self.owner, self.number
+
+    @property
+    def is_part(self) -> bool:
+        """True for a part of a program, which nothing but that program calls."""
+        return self.owner != _WHOLE_FILE
 
 
 class Call(NamedTuple):
     """A call of a program in this file, and the state that it hands over; None where that is not known."""
 
-    number: int
+    key: _Key
     state: State | None
 
 
@@ -56,6 +74,46 @@ def programs_of(effects: Sequence[BlockEffect], settings: Settings, stop: int) -
     begins = [e for e in effects if _names(e.block) and begins_program(e.block, settings.dialect)]
     bounds = [*(effect.block.line for effect in begins[1:]), stop] if begins else []
     return [_program(effect, last, effects) for effect, last in zip(begins, bounds, strict=True)]
+
+
+def local_programs(text: Text, effects: Sequence[BlockEffect], programs: Sequence[Program]) -> list[Program]:
+    """The parts of the ``programs`` that calls of their own name by a block number, in order.
+
+    Each begins behind the end of another one, so that nothing but its calls leads into it.
+    """
+    calls = [effect for effect in effects if effect.does("subprogram", "local-call")]
+    if not calls:
+        return []
+    numbers = sequence_lines(text)
+    ended = {effect.block.line for effect in effects if effect.after.ended}
+    found: dict[int, Program] = {}
+    for call in calls:
+        owner = _owner(programs, call.block.line)
+        number = int(call.block.number("P") or 0)
+        behind = next((one.first for one in programs if one.first > owner), text.source.body.stop)
+        line = next((at for at in numbers.get(number, ()) if owner <= at < behind), None)
+        if line is not None and _last_block(text, line) in ended:
+            found[line] = _part(number, range(line, behind), effects, owner)
+    return [found[first] for first in sorted(found)]
+
+
+def _owner(programs: Sequence[Program], line: int) -> int:
+    """The first line of the program in which a line stands; 0 where none has a number."""
+    return max((one.first for one in programs if one.first <= line), default=0)
+
+
+def _last_block(text: Text, last: int) -> int | None:
+    """The last line before this one with something on it."""
+    lines = range(last - 1, text.source.body.start - 1, -1)
+    return next((line for line in lines if not text.block(line).is_empty), None)
+
+
+def _part(number: int, lines: range, effects: Sequence[BlockEffect], owner: int) -> Program:
+    inside = (effect for effect in effects if effect.block.line in lines)
+    how = next((e for e in inside if e.does("program", "end") or e.does("subprogram", "return")), None)
+    returns = how is not None and how.does("subprogram", "return")
+    last = lines.stop if how is None else how.block.line + 1
+    return Program(number, lines.start, last, returns, ends=False, owner=owner)
 
 
 def _names(block: Block) -> bool:
@@ -80,36 +138,63 @@ def entry_states(
 
     ``effects`` are those of blocks that are more than plain motion; ``block_at`` gives any block by its line.
     """
-    found = {one.first: initial for one in programs[1:] if one.ends}
-    by_number = {one.number: one for one in reversed(programs)}
-    calls = list(_calls(effects, by_number, block_at))
-    for number, one in by_number.items():
-        states = [call.state for call in calls if call.number in (number, _ANY)]
-        agreed = _agreed(states) if one.returns and one.first != programs[0].first else None
+    main = min((one.first for one in programs if not one.is_part), default=-1)
+    found = {one.first: initial for one in programs if one.ends and one.first != main}
+    by_key = {one.key: one for one in reversed(programs)}
+    calls = list(_calls(effects, by_key, block_at))
+    for key, one in by_key.items():
+        states = [call.state for call in calls if call.key in (key, _ANY)]
+        agreed = _agreed(states) if one.returns and one.first != main else None
         if agreed is not None:
             found[one.first] = agreed
     return found
 
 
+def lines_of_calls(
+    effects: Sequence[BlockEffect], programs: Sequence[Program], entries: Collection[int]
+) -> frozenset[int]:
+    """The lines of the calls of these programs, of those that return and begin in one of these lines."""
+    by_key = {one.key: one for one in reversed(programs)}
+    own = [one for one in programs if not one.is_part]
+    found = set()
+    for effect in filter(_may_call, effects):
+        number = effect.block.number("P")
+        called = None if number is None else _called(effect, int(number), by_key, own)
+        if called is not None and called.returns and called.first in entries:
+            found.add(effect.block.line)
+    return frozenset(found)
+
+
 def _calls(
-    effects: Sequence[BlockEffect], programs: Mapping[int, Program], block_at: Callable[[int], Block]
+    effects: Sequence[BlockEffect], programs: Mapping[_Key, Program], block_at: Callable[[int], Block]
 ) -> Iterator[Call]:
     """The calls of these programs in the order of the file."""
     since = _Since()
+    own = [one for one in programs.values() if not one.is_part]
     for effect in filter(_may_call, effects):
         number = effect.block.number("P")
         if number is None:
             yield Call(_ANY, None)
             continue
-        called = programs.get(int(number)) or programs.get(int(number) % _ONE_PROGRAM)
+        called = _called(effect, int(number), programs, own)
         if called is not None:
-            yield Call(called.number, since.handed_over(_state_of_call(effect, int(number))))
+            yield Call(called.key, since.handed_over(_state_of_call(effect, int(number))))
             since.has_called(effect.block.line, called, effects, block_at)
+
+
+def _called(
+    effect: BlockEffect, number: int, programs: Mapping[_Key, Program], own: Sequence[Program]
+) -> Program | None:
+    """The program that a block calls by its number; None for one that is not in this file."""
+    if effect.does("subprogram", "local-call"):
+        return programs.get((_owner(own, effect.block.line), number))
+    key = (_WHOLE_FILE, number)
+    return programs.get(key) or programs.get((_WHOLE_FILE, number % _ONE_PROGRAM))
 
 
 def _may_call(effect: BlockEffect) -> bool:
     is_macro = "macro-call" in effect.non_modal or effect.after.modes.modal_macro == "on"
-    return is_macro or effect.does("subprogram", "call")
+    return is_macro or effect.does("subprogram", "call", "local-call")
 
 
 def _says(body: range, letter: str, block_at: Callable[[int], Block]) -> bool:
@@ -120,8 +205,9 @@ def _state_of_call(effect: BlockEffect, number: int) -> State | None:
     """The state that a plain call of one pass hands over, None for any other."""
     block = effect.block
     is_plain = {word.address for word in block.words} <= _PLAIN_CALL and not (block.skip or block.has_macro)
-    is_once = number < 2 * _ONE_PROGRAM and block.number("L") in (None, 1.0)
-    does_nothing_else = len(block.numbers("M")) == 1 and effect.does("subprogram", "call")
+    is_local = effect.does("subprogram", "local-call")
+    is_once = (is_local or number < 2 * _ONE_PROGRAM) and block.number("L") in (None, 1.0)
+    does_nothing_else = len(block.numbers("M")) == 1 and effect.does("subprogram", "call", "local-call")
     return effect.before if is_plain and is_once and does_nothing_else else None
 
 

@@ -108,10 +108,10 @@ class Interpreter:
 
     def _begun(self, state: State, block: Block) -> State:
         """The state at a block with which another program or another path may begin."""
-        if block.is_empty:
-            return state
         if block.line in self.entries:
             state = self.entries[block.line]
+        elif block.is_empty:
+            return state
         elif state.ended or begins_program(block, self.dialect):
             initial = initial_state(self.settings)
             if state != initial:

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from chipbreak.dialects.modes import Motion
 from chipbreak.kinematics.floats import Floats
 from chipbreak.model.block_effect import BlockEffect
-from chipbreak.model.callers import entry_states, programs_of
+from chipbreak.model.callers import Program as Called
+from chipbreak.model.callers import entry_states, lines_of_calls, local_programs, programs_of
 from chipbreak.model.flow import Flow, read_flow
 from chipbreak.model.interpret import Interpreter, initial_state
 from chipbreak.model.modal import Position, State
@@ -51,7 +52,9 @@ class InterpretedProgram(NamedTuple):
     reached: dict[int, tuple[State, BlockEffect]]
 
     def before(self, line: int) -> State:
-        """The state before a line."""
+        """The state before a line; that of its calls where a program begins with it."""
+        if line in self.interpreter.entries:
+            return self.interpreter.entries[line]
         at = bisect_right(self.lines, line) - 1
         return self.skip(self.states[at], self.lines[at], line)
 
@@ -209,8 +212,8 @@ def interpret(
     if like is not None:
         entries = _entries_like(first, like)
         return _interpreted(program, settings, flow, entries) if entries else first
-    programs = programs_of(first.effects, settings, program.source.body.stop)
-    if len(programs) < 2:  # as nearly every file
+    programs = called_programs(first)
+    if not programs:  # as nearly every file
         return first
     interpreted = first
     not_followed: set[int] = set()
@@ -226,14 +229,29 @@ def interpret(
     return first
 
 
+def called_programs(interpreted: InterpretedProgram) -> list[Called]:
+    """The programs of a file and the parts that they call; empty where there is nothing but the first one."""
+    effects = interpreted.effects
+    own = programs_of(effects, interpreted.settings, interpreted.program.source.body.stop)
+    parts = local_programs(interpreted.program, effects, own)
+    return [*own, *parts] if parts or len(own) > 1 else []
+
+
+def followed_calls(interpreted: InterpretedProgram) -> frozenset[int]:
+    """The lines of the calls whose program, in this file, is known to begin as they leave the control."""
+    entries = interpreted.interpreter.entries
+    if not entries:
+        return frozenset()
+    return lines_of_calls(interpreted.effects, called_programs(interpreted), entries)
+
+
 def _entries_like(interpreted: InterpretedProgram, like: InterpretedProgram) -> dict[int, State]:
     """The states of another program's entries, by the lines in which its programs begin here."""
     known = like.interpreter.entries
     if not known:
         return {}
-    here, there = (
-        programs_of(one.effects, one.settings, one.program.source.body.stop) for one in (interpreted, like)
-    )
+    here = called_programs(interpreted)
+    there = called_programs(like)
     pairs = zip(here, there, strict=True) if len(here) == len(there) else ()
     return {mine.first: known[its.first] for mine, its in pairs if its.first in known}
 

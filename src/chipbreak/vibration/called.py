@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from chipbreak.dialects.modes import Group
 from chipbreak.insertion.subprograms import Subprograms, called_by
 from chipbreak.model.block_effect import BlockEffect
-from chipbreak.model.callers import programs_of
-from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.interpreted_program import InterpretedProgram, called_programs
 from chipbreak.model.words import codes_of
 from chipbreak.text.diagnostics import Diagnostic, Severity
 
@@ -108,12 +107,11 @@ def in_called_programs(interpreted: InterpretedProgram, chains: Sequence[Chain])
     entries = interpreted.interpreter.entries
     if not entries:
         return []
-    stop = interpreted.program.source.body.stop
-    programs = programs_of(interpreted.effects, interpreted.settings, stop)
     found = []
-    for one in programs:
+    for one in called_programs(interpreted):
         chain = next((c for c in chains if one.first <= c.first < one.last), None)
-        if one.returns and one.first in entries and chain is not None:
+        may_be_others = one.returns and not one.is_part
+        if may_be_others and one.first in entries and chain is not None:
             message = (
                 f"O{one.number:04d} vibrates with S, F and the start that its calls in this file give it"
             )

@@ -8,7 +8,7 @@ from collections.abc import Container, Mapping, Sequence
 from chipbreak.kinematics.sourced_value import SourcedValue
 from chipbreak.model.block_effect import CUTTING, BlockEffect
 from chipbreak.model.flow import CONTOUR_CYCLES
-from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.interpreted_program import InterpretedProgram, followed_calls
 from chipbreak.model.modal import State
 from chipbreak.operations.operations import Operation
 from chipbreak.settings.axis_words import AXES
@@ -139,6 +139,7 @@ class RequestReader:
         self.program = interpreted.program
         self.settings = interpreted.settings
         self.named_cycles = named_cycles
+        self.followed_calls = followed_calls(interpreted)
         self.scope = Scope(self.settings.vibration.only, operations)
         self.default = Wish("profile", profile_directive(interpreted.settings))
         self.wish = self.default
@@ -239,6 +240,12 @@ class RequestReader:
         by_word = self.settings.dialect.tool_by_word
         return effect.block.has("T") if by_word else effect.does("tool", "change")
 
+    def _pass_over(self, effect: BlockEffect) -> None:
+        """No cut; the profile asks the cuts of a program of this file where they stand, not at its call."""
+        line = effect.block.line
+        if self.wish.asked_by != "profile" or line not in self.followed_calls:
+            self.wish.pass_over(effect, is_named=line in self.named_cycles)
+
     def _cut(self, effect: BlockEffect) -> None:
         """A block under a wish: a cut is asked, and what the control moves by itself is noted."""
         is_back = self.path.is_way_back(effect.move)
@@ -246,7 +253,7 @@ class RequestReader:
         is_foreign = any(w.address in AXES for w in effect.unread) and effect.after.modes.motion in CUTTING
         is_cut = is_foreign if effect.move is None else effect.move.is_cut
         if not is_cut or effect.in_contour:
-            self.wish.pass_over(effect, is_named=effect.block.line in self.named_cycles)
+            self._pass_over(effect)
             return
         wish = self.wish
         line = effect.block.line
