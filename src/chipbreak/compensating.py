@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from chipbreak.cycles.nose_runs import Run, Written
 
 OFFSET_HERE = "CYC010"
+_OTHERS = "tools.other_nose_radius_mm, other_nose_tip"
 
 
 def offset_noses(
@@ -124,7 +125,11 @@ def _rewritten(unrolled: Unrolled, written: Sequence[Written], why: Mapping[int,
 
 def _note(interpreted: InterpretedProgram, edit: Edit) -> Diagnostic:
     """What the operator has to know: numbers of the control that count no more."""
+    from chipbreak.cycles.nose_runs import ASSUMED
+
     message = f"{edit.title}: the filter offsets this run, and the control no more"
+    if edit.title.endswith(ASSUMED):
+        message += f"; R and T are assumed ({_OTHERS}), for nothing says them of this offset"
     help_text = (
         "R and T of the offset screen, and wear of the nose that is entered there, change nothing here:"
     )

@@ -117,6 +117,11 @@ def test_the_worked_example() -> None:
         ("(OD FINISH NOSE R0.8 TIP DIRECTION 3)", ()),
         ("(NOSE RADIUS: 0.8 MM, TIP NO. 3)", ()),
         ("(NOSE R0.4 TIP 2)", NOSE),
+        ("(OD ROUGH RIGHT - 80 DEG.  INSERT - CNMG 12 04 08, TIP 3)", ()),
+        ("(CNMG120408)", NOSE[1:]),
+        ("(DCMT 11T308-PF)", NOSE[1:]),
+        ("(FINISHING VBMT R0.8)", NOSE[1:]),
+        ("(CNMG120412)", NOSE),
     ],
 )
 def test_who_says_the_nose(comment: str, profile: tuple[str, ...]) -> None:
@@ -265,3 +270,38 @@ def test_that_the_control_no_longer_offsets_is_said() -> None:
     own = PLAIN.replace("G42 G0", "G42.1 D1.6 L2 G0").replace("T0101", "G7 G18 G95\nT1 M6")
     result = chipbreak.rewrite(own.encode(), load("linuxcnc-lathe", ASKED[:-1]), allow_unbroken=True)
     assert not [d for d in result.diagnostics if d.code == "CYC010"]  # its block says the nose itself
+
+
+ASSUMED = ("tools.other_nose_radius_mm=0.8", "tools.other_nose_tip=3")
+
+
+def test_a_nose_that_is_assumed_is_called_so_and_offset_as_if_it_was_said() -> None:
+    assert kept(PLAIN, *ASSUMED) == kept(PLAIN, *NOSE)
+    result = chipbreak.rewrite(PLAIN.encode(), load("fanuc-lathe", [*ASKED, *ASSUMED]))
+    assert b"(CHIPBREAK COMPENSATED G42 R0.8 T3 ASSUMED)" in result.data
+    (said,) = [one for one in result.diagnostics if one.code == "CYC010"]
+    assert "assumed" in said.message
+    other = chipbreak.rewrite(PLAIN.encode(), load("fanuc-lathe", [*ASKED, *NOSE, *ASSUMED]))
+    assert b"ASSUMED" not in other.data
+
+
+@pytest.mark.parametrize(
+    ("said", "shown"), [("tools.nose_radius_mm.1=0.4", "R0.4 T3"), ("tools.nose_tip.1=8", "R0.8 T8")]
+)
+def test_what_is_said_of_an_offset_goes_before_what_is_assumed(said: str, shown: str) -> None:
+    """One of R and T is said, the other one is assumed."""
+    result = chipbreak.rewrite(PLAIN.encode(), load("fanuc-lathe", [*ASKED, *ASSUMED, said]))
+    assert f"G42 {shown} ASSUMED".encode() in result.data
+
+
+def test_an_assumed_tip_that_points_away_from_the_material_is_refused() -> None:
+    """An outer tool's tip in a bore; the way out of the message is tried."""
+    bore = (
+        "T0101\nG97 S800 M3\nG0 X20. Z5.\nG41 G0 X42. Z2.\nG1 X40. Z0. F0.2\nZ-20.\nX30. Z-30.\nZ-40.\nX18.\n"
+    )
+    bore += "G40 G0 X16. Z-38.\nZ5.\nM30\n"
+    refused = chipbreak.rewrite(bore.encode(), load("fanuc-lathe", [*ASKED, *ASSUMED]))
+    assert not refused.cuts
+    assert any("does not point at the material" in left.said.message for left in refused.left)
+    own = ("tools.nose_radius_mm.1=0.8", "tools.nose_tip.1=2")
+    assert chipbreak.rewrite(bore.encode(), load("fanuc-lathe", [*ASKED, *ASSUMED, *own])).cuts

@@ -76,6 +76,7 @@ AGAIN = MAIN.replace("M98 P0101\n", "M98 P0101\nG0 X60. Z2.\nM98 P0101\n")
         MAIN.replace("P0101", "P10101") + SUB,
         MAIN.replace("M98 P0101", "M98 P101 L1") + SUB,
         MAIN + SUB.replace("O0101\n", "O0101\n/M8\n"),
+        AGAIN.replace("G0 X60. Z2.\nM98", "G55\nG0 X60. Z2.\nM98") + SUB,
     ],
 )
 def test_calls_that_agree(program: str) -> None:

@@ -27,10 +27,14 @@ _NEAR = 2  # blocks before and behind
 
 
 class Nose(NamedTuple):
-    """The round nose of a turning tool: its radius [mm], and its tip number as its control counts them."""
+    """The round nose of a turning tool: its radius [mm], and its tip number as its control counts them.
+
+    ``is_assumed`` where nothing says them of this tool, and the profile of tools in general.
+    """
 
     radius_mm: float
     tip: int
+    is_assumed: bool = False
 
 
 class Offset(NamedTuple):
@@ -61,6 +65,8 @@ def offset_moves(moves: Sequence[Move], offset: Offset, words: AxisWords) -> lis
     """
     frame = offset.frame(words)
     segments = [segment_of(move, frame) for move in moves]
+    behind = zip(segments[1:], moves[1:], strict=True)
+    _refuse_unlikely_tip([one for one, move in behind if move.kind != "rapid"], offset)
     _refuse_way_in(moves[0], segments[0], offset)
     led = 0 if offset.rules.leads_in_by_itself else 1
     kept = [index for index in range(led, len(moves)) if segments[index].length_mm > _NOTHING_MM]
@@ -79,6 +85,21 @@ def offset_moves(moves: Sequence[Move], offset: Offset, words: AxisWords) -> lis
         [_motion(one.shifted(tip.t, tip.h), move) for one in made.get(index, [])]
         for index, move in enumerate(moves)
     ]
+
+
+def _refuse_unlikely_tip(cuts: Sequence[Segment], offset: Offset) -> None:
+    """An assumed tip that points away from the material of these cuts is that of another tool.
+
+    Errors: VIB040.
+    """
+    if not offset.nose.is_assumed:
+        return
+    tip = offset.tip
+    # The nose is on the left of each way, so the material is on the right.
+    towards = sum((one.end.h - one.start.h) * tip.t - (one.end.t - one.start.t) * tip.h for one in cuts)
+    if towards <= 0.0:
+        why = f"tip {offset.nose.tip}, which is assumed, does not point at the material here"
+        raise _refused(why, "say R and T of this offset in tools.nose_radius_mm and tools.nose_tip")
 
 
 def _pieces(shape: Sequence[Segment], offset: Offset) -> list[list[Segment]]:

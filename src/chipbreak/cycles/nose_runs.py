@@ -31,6 +31,7 @@ _KINDS = ("rapid", "line", "cw", "ccw")
 _GROUPS = frozenset({"motion", "compensation", "feed_mode", "speed_mode"})
 _SHAPE = frozenset("RIK")
 _HOME = frozenset({"home"})
+ASSUMED = "ASSUMED"  # behind a nose of which nothing says that it is this tool's
 
 
 class Run(NamedTuple):
@@ -95,7 +96,8 @@ def offset_run(interpreted: InterpretedProgram, run: Run, nose: Nose) -> Written
     for effect in effects:
         writer.write(effect)
     codes = {"left": "G41", "right": "G42"}
-    title = f"{codes[offset.side]} R{nose.radius_mm:g} T{nose.tip}"
+    assumed = f" {ASSUMED}" if nose.is_assumed else ""
+    title = f"{codes[offset.side]} R{nose.radius_mm:g} T{nose.tip}{assumed}"
     reason = f"a nose of {nose.radius_mm:g} mm with tip {nose.tip}, offset by the filter"
     promise = OffsetMoves(frame=offset.frame(settings.axis_words), motions=tuple(writer.motions))
     return Written(

@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
-from chipbreak.dialects.modes import Group
+from chipbreak.dialects.modes import UNSAID, Group
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.flow import sequence_lines
 from chipbreak.model.modal import NOWHERE, UNKNOWN, Position, Setting, State
@@ -259,8 +259,9 @@ def _agreed(states: Sequence[State | None]) -> State | None:
     known = [state for state in states if state is not None]
     if not known or len(known) < len(states):
         return None
-    first = _with_one_unknown(known[0])
-    for other in map(_with_one_unknown, known[1:]):
+    offsets = {state.modes.work_offset for state in known}
+    first, *others = map(_with_one_unknown, known if len(offsets) == 1 else map(_in_any_offset, known))
+    for other in others:
         if _but_values(first) != _but_values(other) or not _same(first.speed_limit, other.speed_limit):
             return None
         places = (a if a == b else UNKNOWN for a, b in zip(first.position, other.position, strict=True))
@@ -271,6 +272,11 @@ def _agreed(states: Sequence[State | None]) -> State | None:
             speed=first.speed if _same(first.speed, other.speed) else None,
         )
     return first
+
+
+def _in_any_offset(state: State) -> State:
+    """The state without the origin that its places count from: one program, called at several of them."""
+    return state._replace(modes=state.modes._replace(work_offset=UNSAID))
 
 
 def _with_one_unknown(state: State) -> State:

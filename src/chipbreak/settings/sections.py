@@ -320,6 +320,7 @@ class Tools(ValueRecord):
     """Files with tool data, the first that says something first; ``table_unit`` is that of ``tool.tbl``.
 
     ``nose_radius_mm`` and ``nose_tip`` are R and T of the offset screen, by the number of the offset.
+    ``other_nose_radius_mm`` and ``other_nose_tip`` are taken for offsets of which nothing says them: assumed.
     """
 
     files: tuple[str, ...] = ()
@@ -330,6 +331,8 @@ class Tools(ValueRecord):
     nose_tip: Mapping[str, int] = field(
         default_factory=FrozenTable, metadata={"at_least": 0, "below": 10, "table": True}
     )
+    other_nose_radius_mm: float | None = _above(None)
+    other_nose_tip: int | None = field(default=None, metadata={"at_least": 1, "below": 9})
 
 
 class Cycles(ValueRecord):

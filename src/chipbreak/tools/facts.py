@@ -26,6 +26,12 @@ _NOSE: Final = AnyCase(
 _NOSE_BEHIND: Final = AnyCase(
     rf"(?<![\w.])(?P<length>{_DECIMAL})\s*(?P<unit>MM\b|\"|IN\b)?\s*(?:TNR|NR|NOSE\s+RAD(?:IUS)?)\b"
 )
+# The designation of an insert ends with its corner: "CNMG 12 04 08", "DCMT 11T304" (ISO 1832, tenths of a
+# millimetre), "CNMG432" (ANSI B212.4, 1/64 in), and "VBMT R0.4" by hand.
+_INSERT: Final = r"\b[ACDEHKLMOPSTVW][A-GNOP][A-HJ-NU][AFGHJMNQRTUWX]"
+_METRIC_INSERT: Final = AnyCase(rf"{_INSERT}[\s-]?\d\d[\s-]?(?:\d\d|T\d)[\s-]?(?P<corner>\d\d)(?![\d.])")
+_INCH_INSERT: Final = AnyCase(rf"{_INSERT}[\s-]?\d\d(?:\.5)?(?P<corner>\d(?:\.5)?)(?![\d.])")
+_NOSE_OF_INSERT: Final = AnyCase(rf"{_INSERT}\s+R{_LENGTH}")
 _TIP: Final = AnyCase(
     r"\bTIP(?:\s+(?:NO\.?|NUMBER|DIRECTION|ORIENTATION))?\s*[:=#]?\s*T?(?P<tip>\d)(?![\d.])"
 )
@@ -56,8 +62,21 @@ def holder_said(text: str) -> Length | None:
 
 
 def nose_said(text: str) -> Length | None:
-    """The nose radius of a turning tool, as a comment names it."""
-    return _length(_NOSE.search(text[:LONGEST_TEXT]) or _NOSE_BEHIND.search(text[:LONGEST_TEXT]))
+    """The nose radius of a turning tool, as a comment names it, or the designation of its insert."""
+    text = text[:LONGEST_TEXT]
+    return _length(_NOSE.search(text) or _NOSE_BEHIND.search(text)) or _corner_of_insert(text)
+
+
+def _corner_of_insert(text: str) -> Length | None:
+    by_hand = _length(_NOSE_OF_INSERT.search(text))
+    if by_hand is not None:
+        return by_hand
+    metric = _METRIC_INSERT.search(text)
+    inch = _INCH_INSERT.search(text)
+    found = Length(float(metric["corner"]) / 10.0, "mm") if metric else None
+    if found is None and inch is not None:
+        found = Length(float(inch["corner"]) / 64.0, "in")
+    return found if found is not None and found.value > 0.0 else None
 
 
 def tip_said(text: str) -> int | None:

@@ -1,7 +1,7 @@
 """The round nose of the tool under G41 and G42: its radius and tip number, from whoever says them first.
 
 Words of the block (LinuxCNC's ``G42.1 D0.8 L2``) come before the profile, that before files of tools, and
-these before comments.
+these before comments.  What the profile says of all other tools comes last, and is called assumed.
 """
 
 from __future__ import annotations
@@ -40,7 +40,10 @@ def nose_of(interpreted: InterpretedProgram, line: int, table: ToolTable) -> Nos
         known = table.get(row.tool)
         radius_mm = known.corner_radius_mm if radius_mm is None else radius_mm
         tip = known.nose_tip if tip is None else tip
-    return _checked(radius_mm, tip, row)
+    is_assumed = radius_mm is None or tip is None
+    radius_mm = tools.other_nose_radius_mm if radius_mm is None else radius_mm
+    tip = tools.other_nose_tip if tip is None else tip
+    return _checked(radius_mm, tip, row)._replace(is_assumed=is_assumed)
 
 
 def says_its_nose(block: Block) -> bool:
@@ -55,7 +58,10 @@ def _checked(radius_mm: float | None, tip: int | None, row: _Row) -> Nose:
     if missing:
         why = f"the {' and the '.join(missing)} of offset {row.number} {_verb(missing)} not known"
         help_text = "give them as on the offset screen, for this offset: tools.nose_radius_mm."
-        help_text += f"{row.number} = 0.8 and tools.nose_tip.{row.number} = 3 in the profile"
+        help_text += (
+            f"{row.number} = 0.8 and tools.nose_tip.{row.number} = 3 in the profile; where all turning"
+        )
+        help_text += " tools are alike, tools.other_nose_radius_mm and tools.other_nose_tip"
         raise _refused(why, help_text)
     assert radius_mm is not None
     assert tip is not None
