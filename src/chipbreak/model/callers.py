@@ -82,19 +82,22 @@ def local_programs(text: Text, effects: Sequence[BlockEffect], programs: Sequenc
     Each begins behind the end of another one, so that nothing but its calls leads into it.
     """
     calls = [effect for effect in effects if effect.does("subprogram", "local-call")]
-    if not calls:
-        return []
-    numbers = sequence_lines(text)
+    numbers = sequence_lines(text) if calls else {}
     ended = {effect.block.line for effect in effects if effect.after.ended}
     found: dict[int, Program] = {}
     for call in calls:
-        owner = _owner(programs, call.block.line)
         number = int(call.block.number("P") or 0)
-        behind = next((one.first for one in programs if one.first > owner), text.source.body.stop)
-        line = next((at for at in numbers.get(number, ()) if owner <= at < behind), None)
-        if line is not None and _last_block(text, line) in ended:
-            found[line] = _part(number, range(line, behind), effects, owner)
+        lines = _lines_of_owner(programs, call.block.line, text.source.body.stop)
+        first = next((line for line in numbers.get(number, ()) if line in lines), None)
+        if first is not None and _last_block(text, first) in ended:
+            found[first] = _part(number, range(first, lines.stop), effects, lines.start)
     return [found[first] for first in sorted(found)]
+
+
+def _lines_of_owner(programs: Sequence[Program], line: int, stop: int) -> range:
+    """The lines of the program in which a line stands; ``stop`` is behind the last one of the file."""
+    owner = _owner(programs, line)
+    return range(owner, next((one.first for one in programs if one.first > owner), stop))
 
 
 def _owner(programs: Sequence[Program], line: int) -> int:
