@@ -10,12 +10,15 @@ import click
 import pytest
 
 from chipbreak.cli import cli
+from chipbreak.settings.schema import schema_of_profiles
 
 CHECKOUT = Path(__file__).parents[1]
 DOCS = CHECKOUT / "docs"
 PAGES = sorted([*DOCS.glob("*.md"), *CHECKOUT.glob("*.md"), CHECKOUT / "samples" / "README.md"])
 _LINK = re.compile(r"(?<!!)\[[^\]]+\]\(([^)\s]+)\)")
 _FENCE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
+# Parts of the program and of its samples that are written like keys.
+_NO_KEYS = {"passes.base", "planner.trace", "tools.magazine"}
 _COMMAND = re.compile(r"^ {4}(?:\$ )?(chipbreak [^\n]*)$", re.MULTILINE)
 
 
@@ -44,6 +47,27 @@ def test_every_page_is_reached_from_the_index_and_the_site() -> None:
     assert set(listed) == names
     assert len(listed) == len(set(listed))
     assert names - {"index.md"} <= linked
+
+
+def keys_of_profiles() -> set[str]:
+    """Every key as it is written with its sections; an axis is X."""
+    found = set()
+    sections = schema_of_profiles()["properties"]
+    for name, section in sections.items():
+        for key, value in section.get("properties", {}).items():
+            found |= {f"{name}.{key}", *(f"{name}.{key}.{inner}" for inner in value.get("properties", {}))}
+    return found
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_key_of_a_profile_that_a_page_names_is_one(page: Path) -> None:
+    known = keys_of_profiles()
+    sections = sorted({key.partition(".")[0] for key in known})
+    named = re.findall(
+        rf"(?<![\w./-])((?:{'|'.join(sections)})\.(?!(?:md|c)\b)[\w.]*\w)", page.read_text("utf-8")
+    )
+    wrong = {key for key in named if re.sub(r"^axes\.[A-Z]\b", "axes.X", key) not in known | _NO_KEYS}
+    assert not wrong
 
 
 def commands() -> list[tuple[str, str]]:

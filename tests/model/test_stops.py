@@ -116,6 +116,7 @@ def test_a_wrong_letter_in_plain_moves_is_found() -> None:
         (b"$120=500", "does not say it (axes.X.max_acceleration_mm_s2)"),
         (b"$112=3000.000", ""),
         (b"$102=400", "has 250"),
+        (b"$398=35", "has 100 (planner.look_ahead_blocks)"),
         (b"$32=1", ""),
     ],
 )

@@ -92,6 +92,7 @@ GRBLHAL_LATHE = GRBL._replace(
     name="grblhal-lathe",
     title="grblHAL, lathe",
     is_lathe=True,
+    settings=FrozenTable({**_SETTINGS, 398: "planner.look_ahead_blocks"}),
     g_codes=_CODES
     | table(
         motion={
