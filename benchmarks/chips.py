@@ -75,7 +75,7 @@ def main() -> int:
         print("LinuxCNC's simulated machine cannot be started here", file=sys.stderr)
         return 2
     jobs = [job for job in grid() if job.breaks and only in str(job)]
-    naive, ours = run(jobs, *NAIVE, slowly=True), run(jobs, slowly=True)
+    naive, ours = run(jobs, *NAIVE, speed=1.0), run(jobs, speed=1.0)
     print("| " + " | ".join(HEAD) + " |\n|" + "---|" * len(HEAD))
     for columns in map(row, jobs, naive, ours):
         print("| " + " | ".join(columns) + " |")

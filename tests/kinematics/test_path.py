@@ -56,6 +56,7 @@ def test_an_arc_ends_where_its_block_says_though_that_is_beside_the_circle() -> 
     assert math.dist(path.points(np.array([path.length_mm - 1e-6]))[0], end) > 0.003
 
 
+@pytest.mark.few(50)
 @given(
     radius=st.floats(0.5, 40.0),
     first=st.floats(-math.pi, math.pi),
@@ -175,6 +176,7 @@ def test_a_radius_short_by_rounding_is_half_a_circle() -> None:
     assert path.length_mm == pytest.approx(5.0015 * math.pi, rel=1e-3)
 
 
+@pytest.mark.few(50)
 @given(
     st.lists(st.floats(-1.0, 3.0), min_size=1, max_size=30),
     st.lists(st.floats(-5.0, 60.0), unique=True, max_size=15),

@@ -140,6 +140,7 @@ def test_older_passes_shorten_the_cut_where_the_stroke_is_large() -> None:
 # --- breaking against the closed form --------------------------------------------------------------------
 
 
+@pytest.mark.few(50)
 @given(per_rev=st.floats(0.2, 6.0), rho=st.floats(0.2, 6.0), alpha=st.floats(0.3, 0.85))
 def test_margin_of_the_triangle_is_its_closed_form(per_rev: float, rho: float, alpha: float) -> None:
     expected = rho * largest_drop("triangle", per_rev, alpha)
@@ -149,6 +150,7 @@ def test_margin_of_the_triangle_is_its_closed_form(per_rev: float, rho: float, a
     assert got.breaks == (expected > 1)
 
 
+@pytest.mark.few(50)
 @given(per_rev=st.floats(0.3, 10.5), rho=st.floats(0.2, 6.0))
 def test_margin_of_the_sine_is_its_closed_form(per_rev: float, rho: float) -> None:
     expected = rho * largest_drop("sine", per_rev)
@@ -269,6 +271,7 @@ def test_a_whole_cut_keeps_its_margin(form: Any) -> None:
     assert 1.2 * 0.97 < found.margin <= 1.2 + 1e-9
 
 
+@pytest.mark.few(50)
 @given(
     per_rev=st.floats(0.3, 4.0),
     ticks=st.integers(4, 9),

@@ -247,6 +247,7 @@ CUTS = st.builds(
 )
 
 
+@pytest.mark.few(50)
 @given(cut=CUTS, share=st.floats(0.1, 0.9), per_stroke=st.booleans())
 def test_every_cut_stays_inside_and_ends_exactly(
     cut: WaveformParameters, share: float, per_stroke: bool

@@ -39,24 +39,44 @@ def is_broken(
     ``points`` are machine coordinates [mm].  The spindle turns from ``begin_deg`` to ``end_deg`` (one or n
     of them, the second not smaller; left out: it stands), counted the way M3 turns it.
     """
-    x, y, z = points.T
     if beam.is_blocked or tool.is_missing:
-        return np.full(x.shape, beam.is_blocked)
+        return np.full(len(points), beam.is_blocked)
+    x, y, z = points.T
     height = beam.z_mm - (z - tool.gauge_mm)
-    if len(z) == 0 or np.all(height < 0.0):
-        return np.zeros(x.shape, np.bool_)
-    if np.all(z == z[0]):
-        height = height[:1]  # most moves are level, and one look at the tool is enough for them
     off = beam.y_mm - y
-    last_deg = begin_deg if end_deg is None else end_deg
-    front = tool.reach_between(height, begin_deg, last_deg, 90.0)
-    back = tool.reach_between(height, begin_deg, last_deg, -90.0)
-    reach = np.where(off >= 0.0, front, back)
     aside = np.abs(beam.x_mm - x)
     nearest = np.hypot(off, np.maximum(aside - beam.focus_half_mm, 0.0))
-    farthest = np.hypot(off, aside + beam.focus_half_mm)
-    found: NDArray[np.bool_] = (nearest <= reach + _EXACT_MM) & (farthest >= tool.hollow(height) - _EXACT_MM)
+    found = np.zeros(len(points), np.bool_)
+    # Most of a long way is farther off than any tool reaches, and needs no look at the edges.
+    near = np.flatnonzero((height >= 0.0) & (nearest <= tool.farthest_mm + _EXACT_MM))
+    if len(near):
+        angles = (_at(begin_deg, near), _at(begin_deg if end_deg is None else end_deg, near))
+        reach = _reach(tool, height[near], off[near] >= 0.0, *angles)
+        farthest = np.hypot(off[near], aside[near] + beam.focus_half_mm)
+        in_hollow = farthest < tool.hollow(height[near]) - _EXACT_MM
+        found[near] = (nearest[near] <= reach + _EXACT_MM) & ~in_hollow
     return found
+
+
+def _at(angle_deg: ArrayLike, places: NDArray[np.intp]) -> NDArray[np.float64]:
+    """The angles at some of the points; one angle holds for all."""
+    angle = np.asarray(angle_deg, np.float64)
+    return angle[places] if angle.ndim and len(angle) > 1 else angle
+
+
+def _reach(
+    tool: SimulatedTool,
+    height: NDArray[np.float64],
+    is_front: NDArray[np.bool_],
+    begin_deg: NDArray[np.float64],
+    end_deg: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """How far the tool reaches toward the beam, from the side on which it is."""
+    if np.all(height == height[0]):
+        height = height[:1]  # most moves are level, and one look at the tool is enough for them
+    sides = [toward for toward, seen in ((90.0, is_front), (-90.0, ~is_front)) if seen.any()]
+    reached = [tool.reach_between(height, begin_deg, end_deg, toward) for toward in sides]
+    return np.where(is_front, reached[0], reached[-1])
 
 
 @dataclass

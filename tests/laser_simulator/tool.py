@@ -9,6 +9,8 @@ from __future__ import annotations
 import enum
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -40,6 +42,14 @@ class Chip:
     height_mm: float
     depth_mm: float
     extent_mm: float = 1.0
+
+
+class _Edges(NamedTuple):
+    """Edges at n heights: farthest reach (teeth, n), its angle from a direction, what is solid (n,)."""
+
+    reach_mm: Floats
+    off_deg: Floats
+    solid_mm: Floats
 
 
 @dataclass(frozen=True)
@@ -76,6 +86,11 @@ class SimulatedTool:
     def gauge_mm(self) -> float:
         """From the spindle nose to the tip."""
         return self.holder_mm + self.length_mm
+
+    @property
+    def farthest_mm(self) -> float:
+        """No place of the tool is farther from the spindle's axis."""
+        return self.radius_mm + self.runout_mm
 
     def profile(self, height_mm: ArrayLike) -> Floats:
         """Radius [mm] at heights above the tip, without chips; minus infinity below the tip."""
@@ -134,17 +149,25 @@ class SimulatedTool:
         height = np.asarray(height_mm, np.float64)
         begin = np.asarray(begin_deg, np.float64)
         turn = np.asarray(end_deg, np.float64) - begin
+        edges = (
+            self._edges(height, toward_deg) if height.size > 1 else _level(self, height.item(), toward_deg)
+        )
+        best = (edges.reach_mm * _most(edges.off_deg - begin, turn)).max(axis=0)
+        solid = edges.solid_mm
+        if self.runout_mm:
+            solid = solid + self.runout_mm * _most(self.runout_deg - toward_deg - begin, turn)
+        return np.where(height >= 0.0, np.maximum(best, solid), NO_TOOL)
+
+    def _edges(self, height: Floats, toward_deg: float) -> _Edges:
+        """Where the edges stand at heights (n,) with the spindle at 0."""
         whole = np.where(height >= 0.0, self.profile(height), 0.0)
+        radius = np.array([self._chipped(tooth, height, whole) for tooth in range(self.teeth)])
+        angle = np.array([self.tooth_angle(tooth, height) for tooth in range(self.teeth)])
+        about = np.radians(angle - toward_deg)
         runout = np.radians(self.runout_deg - toward_deg)
-        best = self._core_at(height) * whole + self.runout_mm * _most(np.degrees(runout) - begin, turn)
-        for tooth in range(self.teeth):
-            radius = self._chipped(tooth, height, whole)
-            about = np.radians(self.tooth_angle(tooth, height) - toward_deg)
-            x = radius * np.cos(about) + self.runout_mm * np.cos(runout)
-            y = radius * np.sin(about) + self.runout_mm * np.sin(runout)
-            reached = np.hypot(x, y) * _most(np.degrees(np.arctan2(y, x)) - begin, turn)
-            best = np.maximum(best, reached)
-        return np.where(height >= 0.0, best, NO_TOOL)
+        x = radius * np.cos(about) + self.runout_mm * np.cos(runout)
+        y = radius * np.sin(about) + self.runout_mm * np.sin(runout)
+        return _Edges(np.hypot(x, y), np.degrees(np.arctan2(y, x)), self._core_at(height) * whole)
 
     def envelope(self, height_mm: ArrayLike) -> Floats:
         """Radius [mm] that the turning tool sweeps at heights."""
@@ -184,8 +207,16 @@ class SimulatedTool:
         return share
 
 
-def _most(off_deg: Floats, turn_deg: Floats) -> Floats:
+@lru_cache(maxsize=4096)
+def _level(tool: SimulatedTool, height_mm: float, toward_deg: float) -> _Edges:
+    """The edges at one height: a move that is level asks for the same ones again and again."""
+    return tool._edges(np.array([height_mm]), toward_deg)
+
+
+def _most(off_deg: ArrayLike, turn_deg: Floats) -> Floats:
     """The largest cosine of an angle that goes down from ``off_deg`` by ``turn_deg`` (>= 0)."""
+    if np.all(turn_deg >= 360.0):
+        return np.ones_like(off_deg, np.float64)
     first = np.mod(off_deg, 360.0)
     ends = np.maximum(np.cos(np.radians(first)), np.cos(np.radians(first - turn_deg)))
     most: Floats = np.where(turn_deg >= first, 1.0, ends)

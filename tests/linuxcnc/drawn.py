@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import astuple, dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -22,6 +22,7 @@ from chipbreak.vibration.measure import CutReport
 from . import machine
 from .chips import Floats, Leg, Point, chips, follow, vibration
 from .machine import Run
+from .settled import SPEEDS, UNSETTLED, Seen, is_settled, tries_of
 
 MM_PER_INCH = 25.4
 
@@ -309,6 +310,11 @@ class Kept:
         }
         return [name for name, kept in found.items() if not kept]
 
+    def is_like(self, other: Kept) -> bool:
+        """The same figures; of one sample more or less they would be others."""
+        pairs = zip(astuple(self), astuple(other), strict=True)
+        return all(math.isclose(one, two, abs_tol=1e-9) for one, two in pairs)
+
 
 def kept(cut: Cut, promise: CutReport, time_s: Floats, points_mm: Floats) -> Kept:
     """Judge a motion, (n,) and (n, 2) of X as a radius and Z, from the last moment at rest to the first."""
@@ -382,21 +388,24 @@ def in_record(cut: Cut, result: chipbreak.Result, run: Run) -> Kept:
 
 
 class Ran(NamedTuple):
-    """A cut that was run, and what it kept."""
+    """A cut that was run, what it kept, and whether that says something about the cut."""
 
     cut: Cut
     breaks: bool
     kept: Kept
     errors: tuple[str, ...]
+    is_settled: bool = True
 
     @property
     def misses(self) -> list[str]:
         """What it did not keep."""
-        return [*self.kept.misses(), *self.errors]
+        found = [*self.kept.misses(), *self.errors]
+        return found if self.is_settled else [*found, UNSETTLED]
 
-
-def _runs_again(ran: Ran | None) -> bool:
-    return ran is None or bool(ran.misses)
+    def is_like(self, other: Seen) -> bool:
+        """Both were the same motion, as far as it was judged."""
+        assert isinstance(other, Ran)
+        return self.errors == other.errors and self.kept.is_like(other.kept)
 
 
 def _result(cut: Cut) -> chipbreak.Result | None:
@@ -408,35 +417,36 @@ def _result(cut: Cut) -> chipbreak.Result | None:
     return result if result.cuts else None
 
 
-def _run_at(waiting: Sequence[tuple[Cut, chipbreak.Result]], speed: float) -> dict[int, Ran]:
-    """What ran, by seed: all cuts of one machine at a time."""
-    kinds = [(cut.machine, 1.0 if "dwell" in cut.kind else speed) for cut, _ in waiting]
-    done: dict[int, Ran] = {}
-    for kind in dict.fromkeys(kinds):
-        group = [pair for pair, its in zip(waiting, kinds, strict=True) if its == kind]
-        done |= {ran.cut.seed: ran for ran in _run_group(group, *kind)}
+def _run_at(waiting: Mapping[Cut, chipbreak.Result], speed: float) -> dict[Cut, Ran]:
+    """What ran: all cuts of one machine at a time."""
+    kinds = {cut: (cut.machine, 1.0 if "dwell" in cut.kind else speed) for cut in waiting}
+    done: dict[Cut, Ran] = {}
+    for kind in dict.fromkeys(kinds.values()):
+        group = [(cut, result) for cut, result in waiting.items() if kinds[cut] == kind]
+        done |= {ran.cut: ran for ran in _run_group(group, *kind)}
     return done
 
 
-def run_cuts(
-    cuts: Sequence[Cut], *, speeds: Sequence[float] = (1.0, 0.5, 0.25)
-) -> tuple[list[Ran], list[Cut]]:
+def run_cuts(cuts: Sequence[Cut], *, speeds: Sequence[float] = SPEEDS) -> tuple[list[Ran], list[Cut]]:
     """Filter and run cuts, a start of the machine for all of one machine; those run, and those refused.
 
-    On a busy computer the machine waits for its program now and then; what missed something is run again,
-    slower.  A dwell is waited for by the clock on the wall, so its cuts are not slowed down.
+    A dwell is waited for by the clock on the wall: its cuts are not slowed down, and their last run counts.
     """
-    results = [(cut, _result(cut)) for cut in cuts]
-    refused = [cut for cut, result in results if result is None]
-    waiting = [(cut, result) for cut, result in results if result is not None]
-    done: dict[int, Ran] = {}
-    for speed in speeds:
-        done |= _run_at(waiting, speed)
-        waiting = [pair for pair in waiting if _runs_again(done.get(pair[0].seed))]
-    unseen = [str(cut) for cut, _ in waiting if cut.seed not in done]
+    results = {cut: _result(cut) for cut in cuts}
+    refused = [cut for cut, result in results.items() if result is None]
+    waiting = {cut: result for cut, result in results.items() if result is not None}
+    tries = tries_of(
+        list(waiting), lambda some, speed: _run_at({cut: waiting[cut] for cut in some}, speed), speeds
+    )
+    unseen = [str(cut) for cut, found in tries.items() if not found]
     if unseen:
         raise machine.MachineError(f"never ran: {unseen}")
-    return list(done.values()), refused
+    return [_verdict(found) for found in tries.values()], refused
+
+
+def _verdict(tries: Sequence[Ran]) -> Ran:
+    last = tries[-1]
+    return last._replace(is_settled=is_settled(tries) or "dwell" in last.cut.kind)
 
 
 def _run_group(group: Sequence[tuple[Cut, chipbreak.Result]], one: Machine, speed_up: float) -> Iterator[Ran]:

@@ -43,6 +43,7 @@ def check(data: bytes, *, lathe: bool) -> str:
     return "changed"
 
 
+@pytest.mark.few(40)
 @pytest.mark.linuxcnc
 @given(st.integers(0, 2**32 - 1))
 @hypothesis_settings(max_examples=EXAMPLES)

@@ -135,15 +135,16 @@ def outcome(job: Job, result: chipbreak.Result, run: machine.Run) -> Outcome:
     return Outcome(job, promise, part[:, 0] - part[0, 0], along, float(off.max()), float(gap), run.errors)
 
 
-def run(jobs: Sequence[Job], *sets: str, slowly: bool = False) -> list[Outcome]:
+def run(jobs: Sequence[Job], *sets: str, speed: float | None = None) -> list[Outcome]:
     """Filter and run; one start of the machine for each acceleration and speed of the simulation.
 
     LinuxCNC reads several blocks in a millisecond on the wall.  Where the sped-up machine has to wait for
-    them, it stops between blocks that it would have run into each other; ``slowly`` does not speed it up.
+    them, it stops between blocks that it would have run into each other; ``speed`` is that of the clock, 1
+    for the wall's.
     """
     results = [job.filtered(*sets) for job in jobs]
     kinds = [
-        (job.acceleration_mm_s2, 1.0 if slowly else _speed_up(result))
+        (job.acceleration_mm_s2, speed or _speed_up(result))
         for job, result in zip(jobs, results, strict=True)
     ]
     done: dict[int, Outcome] = {}
@@ -219,3 +220,18 @@ def grid() -> list[Job]:
         Job(BORING, 1250, "N1.5 Q0.9", 20000, sine, breaks=False),
     ]
     return jobs + weak
+
+
+def few_of_the_grid() -> list[Job]:
+    """As few of them as have every shape and every setting that is in the grid, and a weak one."""
+    few: list[Job] = []
+    left = {what for job in grid() for what in _what_it_shows(job)}
+    while left:
+        best = max(grid(), key=lambda job: len(left & _what_it_shows(job)))
+        few.append(best)
+        left -= _what_it_shows(best)
+    return few
+
+
+def _what_it_shows(job: Job) -> set[object]:
+    return {job.shape.name, job.breaks, *job.sets}

@@ -32,7 +32,7 @@ def written(tmp_path: Path) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("seed", [2, 3])
+@pytest.mark.parametrize("seed", [pytest.param(2, marks=pytest.mark.long), 3])
 def test_cuts_on_a_measured_machine_are_as_promised(seed: int, tmp_path: Path) -> None:
     draw = np.random.default_rng(seed)
     _, machine = drawn_machine(draw)

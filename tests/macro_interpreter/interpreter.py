@@ -130,6 +130,8 @@ class Interpreter:
 
     def _words(self, block: Block, at: int, depth: int) -> int | None:
         """Calls, returns, and the codes of a block."""
+        if not block.words:
+            return at + 1
         codes = {(word.address, word.number) for word in block.words}
         words = [(word, self._word(word, is_dwell=("G", 4.0) in codes)) for word in block.words]
         codes = {(word.address, value) for word, value in words if word.address in "GM"}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 from chipbreak.units import MM_PER_INCH
 from macro_interpreter.expressions import Value
 from macro_interpreter.faults import VARIABLE, fault
@@ -14,6 +16,11 @@ SINGLE_BLOCK, OVERRIDE = 3003, 3004
 # Argument letters of G65, specification I.
 _LETTERS, _NUMBERS = "ABCIJKDEFHMQRSTUVWXYZ", (*range(1, 10), 11, 13, *range(17, 27))
 ARGUMENTS = dict(zip(_LETTERS, _NUMBERS, strict=True))
+
+
+@cache
+def _numbers(ranges: tuple[tuple[int, int], ...]) -> frozenset[int]:
+    return frozenset(number for first, last in ranges for number in range(first, last + 1))
 
 
 class Variables:
@@ -52,7 +59,7 @@ class Variables:
             raise fault(VARIABLE, f"#{number} cannot be written here")
 
     def _is_common(self, number: int) -> bool:
-        return any(first <= number <= last for first, last in self.machine.control.commons)
+        return number in _numbers(self.machine.control.commons)
 
     def _system(self, number: int) -> Value:
         if 1000 <= number <= 1031:

@@ -7,6 +7,7 @@ angles by the spindle.  A beam that has moved with the heat of the machine chang
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ import pytest
 from chipbreak.dialects.check_programs import O_WORDS
 from laser_simulator.tool import Chip
 from linuxcnc import laser
+from longer import short_where
 
 from .cases import BULL, STRAIGHT
 from .lc_stand import LC_SETTINGS, alarms, subroutines
@@ -26,6 +28,7 @@ WORN = STRAIGHT.real(chips=(Chip(2, 2.0, 0.015, 2.2),))
 SHORTER = STRAIGHT.real(length_mm=50.97)
 NEW = STRAIGHT.real(phase_deg=70.0, length_mm=50.6)
 WARM = replace(BEAM, y_mm=BEAM.y_mm + 0.2, z_mm=BEAM.z_mm - 0.15)
+FEW = ((BEAM, "D1."), (WARM, "D0."), (WARM, "D2."))
 SMALL_STORE = replace(SETTINGS, store_last=SETTINGS.store_first + 95)
 
 
@@ -53,8 +56,9 @@ def stand() -> Stand:
     return stand
 
 
-@pytest.mark.parametrize("depth", ["D0.", "D1.", "D2."])
-@pytest.mark.parametrize("moved", [BEAM, WARM])
+@pytest.mark.parametrize(
+    ("moved", "depth"), short_where(product([BEAM, WARM], ["D0.", "D1.", "D2."]), lambda case: case in FEW)
+)
 def test_what_chips_on_a_workpiece_between_is_found(stand: Stand, moved: object, depth: str) -> None:
     stand.station.beam = moved  # type: ignore[assignment]
     assert calibrate(stand) == ""
@@ -144,7 +148,8 @@ def test_what_another_program_left_there_is_no_edge(values: tuple[float | None, 
 
 
 @pytest.mark.linuxcnc("machine")
-def test_all_of_it_on_the_simulated_linuxcnc(tmp_path: Path) -> None:
+@pytest.mark.parametrize("count", [5, pytest.param(9, marks=pytest.mark.long)])
+def test_all_of_it_on_the_simulated_linuxcnc(tmp_path: Path, count: int) -> None:
     start = "M68 E0 Q0\no<cb_calibrate> call [2]\n"
     data = STRAIGHT.data(1, O_WORDS)
     traced = f"{data}\no<cb_trace> call [1] [4] [5000] [2] [0.02] [14] [1]\n(debug, traced)\nM2\n"
@@ -166,10 +171,10 @@ def test_all_of_it_on_the_simulated_linuxcnc(tmp_path: Path) -> None:
         ["114 TOOL 1 LOCKED SISTER 14"],
         [], [],
         ["116 TOOL 1 EDGE NOT AS STORED 0.030 LIMIT 0.020"],
-    ]  # fmt: skip
+    ][:count]  # fmt: skip
     runs = laser.run_until(
         lambda runs: alarms(runs) == expected,
-        [f"\n{piece}".encode() for piece in pieces],
+        [f"\n{piece}".encode() for piece in pieces[:count]],
         tools=[BAR, GOOD, CHIPPED, replace(CHIPPED, length_mm=50.97)],
         beam=BEAM,
         subroutines=subroutines(LC_SETTINGS, tmp_path),

@@ -8,6 +8,7 @@ simulation for every tool whose measures lie on whole micrometres.
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -52,7 +53,8 @@ def test_every_block_of_a_macro_is_read(tmp_path: Path) -> None:
         assert set(called) <= set(names)
 
 
-# All tools take four minutes.  Without CHIPBREAK_ALL_TOOLS these are left out, each much like another.
+# All tools take four minutes.  Without CHIPBREAK_ALL_TOOLS the long test leaves these out: each is much
+# like another.
 WITH_A_TWIN = {
     *("good bull nose", "diameter OD-0.498", "ball, runout"),
     *("drill, too long", "wrong tool, longer", "broken off"),
@@ -64,20 +66,41 @@ WITH_A_TWIN = {
 
 
 GROUPS = 4  # machines that run side by side
+# Each check of each macro says no once, and yes once.
+FEW = (
+    ("good flat end mill", "runout 0.006", "length L+0.000", "length L+3.001"),
+    ("diameter OD-0.500", "ball, a little longer", "missing tool", "beam blocked"),
+    ("chip: 0.03 on one of four",),
+)
 
 
-@pytest.mark.linuxcnc("machine")
-@pytest.mark.parametrize("group", range(GROUPS))
-def test_every_tool_gets_the_verdict_of_the_fanuc_macros(group: int) -> None:
-    left_out = set() if os.environ.get("CHIPBREAK_ALL_TOOLS") else WITH_A_TWIN
-    assert left_out <= {case.name for case in CASES}
-    cases = [case for case in CASES if case.name not in left_out][group::GROUPS]
+def verdicts_are_those_expected(cases: Sequence[Case]) -> None:
     expected = {case.name: (case.expected, case.rough, case.finish) for case in cases}
     assert verdicts(cases, expected) == expected
 
 
 @pytest.mark.linuxcnc("machine")
-@pytest.mark.parametrize("before", ["G20 G91 G94 G64 G55 S700 F30", "G20 G91 G93 G64 G55 S700"])
+@pytest.mark.parametrize("names", FEW, ids=lambda names: names[0])
+def test_a_tool_gets_the_verdict_of_the_fanuc_macros(names: tuple[str, ...]) -> None:
+    cases = [case for case in CASES if case.name in names]
+    assert len(cases) == len(names)
+    verdicts_are_those_expected(cases)
+
+
+@pytest.mark.long
+@pytest.mark.linuxcnc("machine")
+@pytest.mark.parametrize("group", range(GROUPS))
+def test_every_tool_gets_the_verdict_of_the_fanuc_macros(group: int) -> None:
+    left_out = set() if os.environ.get("CHIPBREAK_ALL_TOOLS") else WITH_A_TWIN
+    assert left_out <= {case.name for case in CASES}
+    verdicts_are_those_expected([case for case in CASES if case.name not in left_out][group::GROUPS])
+
+
+@pytest.mark.linuxcnc("machine")
+@pytest.mark.parametrize(
+    "before",
+    ["G20 G91 G94 G64 G55 S700 F30", pytest.param("G20 G91 G93 G64 G55 S700", marks=pytest.mark.long)],
+)
 def test_everything_in_force_is_as_it_was(tmp_path: Path, before: str) -> None:
     feed = "" if "G93" in before else " #<_feed>"  # in G93 each move has its own
     shown = f"(debug, #<_metric> #<_absolute> #<_rpm> #5220 #<_units_per_minute> #<_inverse_time>{feed})"

@@ -101,17 +101,20 @@ def test_every_second_workpiece_until_a_tool_with_a_sister_fails(tmp_path: Path)
 
 
 @pytest.mark.linuxcnc("machine")
-def test_the_same_on_the_simulated_linuxcnc(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "which", [slice(1, 2), pytest.param(slice(3), marks=pytest.mark.long)], ids=["few", "all"]
+)
+def test_the_same_on_the_simulated_linuxcnc(tmp_path: Path, which: slice) -> None:
     before, middle, after = parts(tmp_path, "linuxcnc-mill")
     before = "M68 E0 Q0\n" + before.replace("T1 M6\n", "T1 M6\nM68 E0 Q1\n")
     programs = [
         before + middle + after,
         f"{before}M68 E0 Q2\n{middle}{after}",
         f"{before}{middle}M68 E0 Q2\n{after}",
-    ]
+    ][which]
     folder = tmp_path / "subs"
     folder.mkdir()
-    expected = [[], ["106 TOOL 1 CHIP 0.030 LIMIT 0.020"], []]
+    expected = [[], ["106 TOOL 1 CHIP 0.030 LIMIT 0.020"], []][which]
     runs = laser.run_until(
         lambda runs: alarms(runs) == expected,
         [program.encode() for program in programs],

@@ -7,6 +7,7 @@ import re
 import pytest
 
 import chipbreak
+from longer import short_where
 
 SHAPES = {
     "line": "G0 X20. Z2.\nG1 Z-20. {}",
@@ -42,6 +43,10 @@ _LARGER = re.compile(r"Q ([0-9.]+) with the same S, N and f")
 _LOWER = re.compile(r"N ([0-9.]+) f ([0-9.]+) Hz \(S [0-9.]+\) with the same feed and stroke")
 
 
+# Here the ways out take many tries; an arc on LinuxCNC is looked at in any case.
+SLOW = (("trapezoid", "arc"), ("stopping", "arc"))
+
+
 def run(control: str, program: str, *sets: str) -> chipbreak.Result:
     profile, *own = CONTROLS[control]
     limits = [f"axes.{axis}.max_acceleration_mm_s2=2000" for axis in "XZ"]
@@ -69,7 +74,9 @@ def ways_of(wish: str, text: str) -> list[tuple[str, tuple[str, ...]]]:
     return ways
 
 
-@pytest.mark.parametrize(("control", "shape", "speed", "feed", "wish"), REFUSALS)
+@pytest.mark.parametrize(
+    ("control", "shape", "speed", "feed", "wish"), short_where(REFUSALS, lambda case: case[:2] not in SLOW)
+)
 def test_what_is_named_works(control: str, shape: str, speed: int, feed: float, wish: str) -> None:
     program = program_of(control, shape, speed, feed, wish)
     with pytest.raises(chipbreak.ProgramRejectedError) as caught:

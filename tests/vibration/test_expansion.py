@@ -290,6 +290,7 @@ def on_path(shape: Shape, cut: list[Move]) -> tuple[np.ndarray, np.ndarray, floa
     return ends[best] + share[rows, best] * lengths[best], off[rows, best], float(ends[-1])
 
 
+@pytest.mark.few(30)
 @given(shapes())
 @hypothesis_settings(max_examples=80)
 def test_any_cut_stays_on_its_path_and_in_its_time(shape: Shape) -> None:
@@ -361,6 +362,7 @@ def test_the_time_of_a_move_that_rounds_to_nothing_is_kept() -> None:
     assert times(cut)[-1] == pytest.approx(arc_mm, rel=0.001)
 
 
+@pytest.mark.few(15)
 @given(shapes().filter(lambda s: s.incremental))
 @hypothesis_settings(max_examples=40)
 def test_incremental_words_sum_exactly(shape: Shape) -> None:
@@ -384,6 +386,7 @@ def test_incremental_words_sum_exactly(shape: Shape) -> None:
     assert total == wanted
 
 
+@pytest.mark.few(15)
 @given(shapes())
 @hypothesis_settings(max_examples=40)
 def test_the_control_is_as_it_was_at_every_line_of_the_original(shape: Shape) -> None:
