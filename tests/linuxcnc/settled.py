@@ -1,6 +1,7 @@
 """Stalled runs of the simulated machine told from wrong programs.
 
-A computer that is busy holds up the part of LinuxCNC that reads the program.  Where the next block comes late
+The machine goes before all else on this computer (machine.py), but not where that is not allowed.  There a
+computer that is busy holds up the part of LinuxCNC that reads the program.  Where the next block comes late
 the machine slows down before it, without standing still and without a word.  So a run that missed something
 counts only when another one was the same: a wrong program is wrong in the same way each time, a stalled one
 is not, and runs again, slower.
