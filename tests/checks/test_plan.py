@@ -447,6 +447,29 @@ def test_a_part_that_always_runs_or_leaves_all_as_it_was_is_in_nobodys_way(
     assert "CHIP CHECK T1 W0.05" in result.titles
 
 
+@pytest.mark.parametrize(
+    ("profile", "opened", "closed"),
+    [
+        ("fanuc-mill", "WHILE [#1 LT 3] DO1", "END1"),
+        ("fanuc-mill", "N50", "IF [#1 LT 3] GOTO 50"),
+        ("linuxcnc-mill", "o10 while [#1 LT 3]", "o10 endwhile"),
+    ],
+)
+@pytest.mark.parametrize(("inside", "is_known"), [("", True), ("S1000\n", True), ("S800\n", False)])
+def test_a_loop_hides_the_speed_only_where_it_sets_another(
+    profile: str, opened: str, closed: str, inside: str, is_known: bool
+) -> None:
+    """The first cut stands in the loop, and the spindle has to turn again behind the check that follows."""
+    head = "G21 G90 G17\nT1 M6\nS1000 M3\nG0 X1. Y2.\nG43 Z15. H1\n(ROUGH)\n"
+    loop = f"{opened}\nG0 X3. Y4. Z2.\nG1 Z-1. F100.\nG0 Z15.\n{inside}#1=[#1+1]\n{closed}\n"
+    again = "G0 X1. Y2. Z15.\n(FINISH)\nG0 X3. Y4.\nG1 Z-1. F100.\nG0 Z15.\nM30\n"
+    result = filtered((head + loop + again).encode(), profile)
+    check(result)
+    checks = ["CALIBRATE", "TOOL CHECK T1, TRACE T1", "CHIP CHECK T1 W0.02", "CHIP CHECK T1 W0.05"]
+    assert (result.titles == checks) is is_known
+    assert ("CHK003" in result.codes) is not is_known
+
+
 @pytest.mark.parametrize("opened", ["o10 if [#1 EQ 0]", "o10 while [#1 EQ 0]", "o10 do", "o10 repeat [2]"])
 def test_a_part_that_is_never_closed_is_no_trouble(opened: str) -> None:
     check(filtered(maybe(opened, "M8", "G91").encode(), "linuxcnc-mill"))

@@ -248,8 +248,8 @@ def test_what_loses_the_position(line: str, known: str, profile: str) -> None:
     assert known == "XZ" or state.unknown_why != State(Modes()).unknown_why, "the reason is remembered"
 
 
-def test_a_jump_target_forgets_feed_and_speed_too() -> None:
-    state = after("G97 S500 M3\nG0 X20. Z2. F.1\nGOTO100\nN100\n")
+def test_a_jump_target_forgets_feed_and_speed_that_not_all_ways_bring() -> None:
+    state = after("G97 S500 M3\nG0 X20. Z2. F.1\nIF[#1EQ1]GOTO100\nS600 F.2\nN100\n")
     assert place(state) == (None, None, None)
     assert (state.feed, state.speed) == (None, None)
     assert "jump" in state.unknown_why

@@ -11,13 +11,22 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from chipbreak.insertion.subprograms import Subprograms
 from chipbreak.insertion.sure_effects import differing, set_by
+from chipbreak.model.arrivals import runs_at_least_once
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.main_program import MainProgram
-from chipbreak.syntax.nodes import Number
+from chipbreak.syntax.nodes import Control
 from chipbreak.text.named_tuple import NamedTuple
 
-_OPENERS = {"O-IF": "O-ENDIF", "O-REPEAT": "O-ENDREPEAT", "O-DO": "O-WHILE", "DO": "END"}
+_OPENERS = {
+    "O-IF": "O-ENDIF",
+    "O-REPEAT": "O-ENDREPEAT",
+    "O-DO": "O-WHILE",
+    "O-WHILE": "O-ENDWHILE",
+    "DO": "END",
+}
+# Where ways meet that bring different speeds, the model knows none: that is seen without this.
+_SEEN = frozenset({"S"})
 _EXITS = frozenset({"O-ELSE", "O-ELSEIF", "O-BREAK", "O-CONTINUE", "O-RETURN", "GOTO"})
 
 
@@ -58,21 +67,14 @@ def nests_of(interpreted: InterpretedProgram) -> Iterator[Nest]:
                 yield Nest(first, line, is_optional)
             elif keyword in _OPENERS:
                 closer = label if keyword == "O-DO" else ""
-                opened.append((_OPENERS[keyword], closer, line, _may_never_run(effect, keyword)))
-            elif keyword == "O-WHILE":
-                opened.append(("O-ENDWHILE", "", line, True))
+                opened.append((_OPENERS[keyword], closer, line, _may_never_run(effect, control)))
     for _, _, line, is_optional in opened:
         yield Nest(line, interpreted.program.source.body.stop, is_optional)
 
 
-def _may_never_run(effect: BlockEffect, keyword: str) -> bool:
-    controls = effect.block.controls
-    if keyword == "DO":
-        return any(control.keyword == "WHILE" for control in controls)
-    if keyword == "O-REPEAT":
-        times = [one for control in controls for one in control.arguments]
-        return not (times and isinstance(times[0], Number) and times[0].value >= 1.0)
-    return keyword == "O-IF"
+def _may_never_run(effect: BlockEffect, opener: Control) -> bool:
+    has_condition = any(control.keyword == "WHILE" for control in effect.block.controls)
+    return has_condition or not runs_at_least_once(opener)
 
 
 def jumps_of(interpreted: InterpretedProgram) -> tuple[int, int] | None:
@@ -103,14 +105,13 @@ def optional_parts(
         inner = interpreted.effects[bisect_left(lines, nest.first) : bisect_right(lines, nest.last)]
         ways = {control.keyword for effect in inner for control in effect.block.controls}
         if ways & _EXITS:
-            parts.append(Part(nest.first, nest.last, _all_set(inner, interpreted)))
+            parts.append(Part(nest.first, nest.last, _all_set(inner, interpreted) - _SEEN))
         elif nest.is_optional:
-            # A loop and a branch end with a speed that is not known: that is seen without this.
-            sets = differing(inner[0].before, inner[-1].after) - {"S"}
+            sets = differing(inner[0].before, inner[-1].after) - _SEEN
             parts.append(Part(nest.first, nest.last, sets))
     if jumps and any(target > min(jump_lines(interpreted)) for target in interpreted.flow.targets):
         passed = [effect for effect in interpreted.effects if jumps[0] <= effect.block.line <= jumps[1]]
-        parts.append(Part(*jumps, _all_set(passed, interpreted)))
+        parts.append(Part(*jumps, _all_set(passed, interpreted) - _SEEN))
     return sorted(parts, key=lambda part: part.last)
 
 

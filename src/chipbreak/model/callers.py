@@ -160,7 +160,7 @@ def lines_of_calls(
     by_key = {one.key: one for one in reversed(programs)}
     own = [one for one in programs if not one.is_part]
     found = set()
-    for effect in filter(_may_call, effects):
+    for effect in filter(_calls_by_number, effects):
         number = effect.block.number("P")
         called = None if number is None else _called(effect, int(number), by_key, own)
         if called is not None and called.returns and called.first in entries:
@@ -174,7 +174,7 @@ def _calls(
     """The calls of these programs in the order of the file."""
     since = _Since()
     own = [one for one in programs.values() if not one.is_part]
-    for effect in filter(_may_call, effects):
+    for effect in filter(_calls_by_number, effects):
         number = effect.block.number("P")
         if number is None:
             yield Call(_ANY, None)
@@ -195,7 +195,13 @@ def _called(
     return programs.get(key) or programs.get((_WHOLE_FILE, number % _ONE_PROGRAM))
 
 
-def _may_call(effect: BlockEffect) -> bool:
+def may_call(effect: BlockEffect) -> bool:
+    """True for a block that calls something, whatever it is."""
+    by_label = any(control.keyword == "O-CALL" for control in effect.block.controls)
+    return by_label or _calls_by_number(effect)
+
+
+def _calls_by_number(effect: BlockEffect) -> bool:
     is_macro = "macro-call" in effect.non_modal or effect.after.modes.modal_macro == "on"
     return is_macro or effect.does("subprogram", "call", "local-call")
 

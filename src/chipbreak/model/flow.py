@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.base import NON_MODAL
+from chipbreak.model.arrivals import Arrivals, Jump, at_nests, at_targets
 from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.parse import Program
 from chipbreak.text.frozen_table import FrozenTable
@@ -47,12 +48,14 @@ class Flow(NamedTuple):
     ``contours``  [first, last] lines of shapes that G70 to G73 before them call by P and Q: no moves there
     ``missing``   the ends of shapes that are not in the program
     ``finishes``  line of a finishing cycle -> the last F and S of its shape, those that it says
+    ``arrivals``  where other ways come in -> these ways; to a place that is not named they are not known
     """
 
     targets: frozenset[int]
     contours: tuple[_LineRange, ...]
     missing: tuple[MissingNumber, ...] = ()
     finishes: Mapping[int, Mapping[str, str]] = FrozenTable()
+    arrivals: Arrivals = FrozenTable()
 
     @property
     def is_straight(self) -> bool:
@@ -79,11 +82,16 @@ class _Cycle(NamedTuple):
 
 def read_flow(program: Program, dialect: Dialect) -> Flow:
     """Find the jumps and the contours of a program."""
-    jumps: set[int | None] = set()
+    jumps: list[Jump] = []
     cycles: list[_Cycle] = []
+    ruled: list[Block] = []
+    called: set[int] = set()
     for block in program.event_blocks():
-        jumps.update(_jumps_of(block))
         cycles += _cycles_of(block, dialect)
+        called.update(_called_numbers(block, dialect))
+        if block.controls:
+            jumps += _jumps_of(block)
+            ruled.append(block)
     numbers = sequence_lines(program) if jumps or cycles else {}
     shapes = [_shape(cycle, numbers) for cycle in cycles]
     contours = _merged(_passed_over(cycles, shapes))
@@ -93,7 +101,9 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
         for cycle, shape in zip(cycles, shapes, strict=True)
         if cycle.finishes and not isinstance(shape, MissingNumber) and (said := _last_said(program, shape))
     }
-    return Flow(_targets(jumps, numbers), contours, missing, FrozenTable(finishes))
+    arrivals = FrozenTable({**at_nests(ruled), **dict(at_targets(jumps, numbers, called))})
+    targets = _targets({jump.number for jump in jumps}, numbers)
+    return Flow(targets, contours, missing, FrozenTable(finishes), arrivals)
 
 
 def _passed_over(
@@ -122,12 +132,19 @@ def contour_calls(program: Program, dialect: Dialect) -> list[ContourCall]:
     ]
 
 
-def _jumps_of(block: Block) -> Iterator[int | None]:
-    """The numbers that a block jumps to, None for one that the machine works out."""
+def _jumps_of(block: Block) -> Iterator[Jump]:
+    """The jumps of a block."""
     for control in block.controls:
         if control.keyword == "GOTO":
             number = control.label.strip("Nn")
-            yield int(number) if number.isdigit() else None
+            yield Jump(block.line, int(number) if number.isdigit() else None)
+
+
+def _called_numbers(block: Block, dialect: Dialect) -> Iterator[int]:
+    """The block numbers that a call or a return may name: ``M99 P100``, ``M98 P2000 Q100``, ``M97 P100``."""
+    codes = [dialect.m_codes.get(int(number)) for number in block.numbers("M")]
+    if any(code is not None and code.group == "subprogram" for code in codes):
+        yield from (int(word.number) for word in block.words_of("PQH") if word.number is not None)
 
 
 def _targets(jumps: set[int | None], numbers: Mapping[int, Sequence[int]]) -> frozenset[int]:

@@ -13,12 +13,13 @@ from collections.abc import Mapping
 
 from chipbreak.dialects.base import MCode
 from chipbreak.dialects.modes import UNSAID, Group, Motion
+from chipbreak.model.arrivals import CarriedTo, Place, met
 from chipbreak.model.block_effect import CUTTING, BlockEffect, Move
 from chipbreak.model.codes import LOSES, BlockCodes, read_codes
 from chipbreak.model.cutting_speed import cutting_speed_of
 from chipbreak.model.flow import Flow
 from chipbreak.model.m_codes import m_code
-from chipbreak.model.modal import LOOPED, UNKNOWN, UNREAD, Position, Setting, State
+from chipbreak.model.modal import CALLED, LOOPED, UNKNOWN, UNREAD, Position, Setting, State
 from chipbreak.model.motion import move_of
 from chipbreak.model.paths import (
     CALLERS_STATE,
@@ -53,6 +54,7 @@ _PLAIN_MOTIONS: tuple[Motion, ...] = ("rapid", "line", "cw", "ccw")
 _CENTRE_LETTERS = frozenset(CENTRES)
 _ARC_LETTERS = _CENTRE_LETTERS | {"R"}
 _NO_ENTRIES: Mapping[int, State] = FrozenTable({})
+_NOTHING: CarriedTo = FrozenTable({})
 
 
 def initial_state(settings: Settings) -> State:
@@ -68,6 +70,7 @@ class Interpreter:
     """Reads blocks under one profile.  Holds no state of its own.
 
     ``entries`` are the states in which programs behind the first one of a file begin, by line.
+    ``carried`` is what the ways bring that meet at a place; where it says nothing, they may bring anything.
     """
 
     def __init__(
@@ -76,11 +79,13 @@ class Interpreter:
         flow: Flow,
         source: Source | None = None,
         entries: Mapping[int, State] = _NO_ENTRIES,
+        carried: CarriedTo = _NOTHING,
     ) -> None:
         self.settings = settings
         self.flow = flow
         self.source = source
         self.entries = entries
+        self.carried = carried
         self.dialect = settings.dialect
         self.number_rule = settings.number_rule
         self.axis_letters = frozenset(settings.axis_words.axes)
@@ -90,7 +95,7 @@ class Interpreter:
         """What a block does."""
         state = self._begun(state, block)
         if block.line in self.flow.targets:
-            state = state.forgotten(JUMPED)
+            state = self._arrived(state, Place(block.line, is_behind=False), JUMPED)
         if block.opaque:
             return BlockEffect(block, state, state.forgotten(f"line {self._user_line(block)} {UNREAD}"))
         if block.is_empty:
@@ -258,13 +263,19 @@ class Interpreter:
         for control in block.controls:
             if control.keyword in ("WHILE", "DO", "END") or control.keyword.startswith("O-"):
                 called = control.keyword == "O-CALL"
-                why = "a subprogram moves the tool" if called else LOOPED
-                state = state.lost(why) if called else state.forgotten(why)
+                here = Place(block.line, is_behind=True)
+                state = state.lost(CALLED) if called else self._arrived(state, here, LOOPED)
             if control.keyword == "O-SUB":
                 why = CALLERS_STATE.format(line=self._user_line(block))
                 state = state.forgotten(why)._replace(spindle_why=why)
         calls = any(code.group == "subprogram" and code.value != "return" for code in functions)
-        return state.lost("a subprogram moves the tool") if calls else state
+        return state.lost(CALLED) if calls else state
+
+    def _arrived(self, state: State, place: Place, why: str) -> State:
+        """The state at a place to which other ways lead than the one from above, which brings ``state``."""
+        arrival = self.flow.arrivals.get(place)
+        from_above = arrival is None or arrival.from_above
+        return met(state, self.carried.get(place), why, from_above=from_above)
 
     def _other_spindles(self, after: State, before: State, block: Block, codes: BlockCodes) -> State:
         """What is left of the spindle where another path, or a choice of spindle, comes between."""

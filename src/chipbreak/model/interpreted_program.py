@@ -7,7 +7,7 @@ between two of them is skipped over: its end needs only the last word of each ax
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Mapping
 
 import numpy as np
@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from chipbreak.dialects.modes import Motion
 from chipbreak.kinematics.floats import Floats
+from chipbreak.model.arrivals import Carried, CarriedTo, Place, carried_by, not_known
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.callers import Program as Called
-from chipbreak.model.callers import entry_states, lines_of_calls, local_programs, programs_of
+from chipbreak.model.callers import entry_states, lines_of_calls, local_programs, may_call, programs_of
 from chipbreak.model.flow import Flow, read_flow
 from chipbreak.model.interpret import Interpreter, initial_state
 from chipbreak.model.modal import Position, State
@@ -208,10 +209,10 @@ def interpret(
     begin as they did there.
     """
     flow = read_flow(program, settings.dialect)
-    first = _interpreted(program, settings, flow, {})
+    first = _settled(program, settings, flow, {})
     if like is not None:
         entries = _entries_like(first, like)
-        return _interpreted(program, settings, flow, entries) if entries else first
+        return _settled(program, settings, flow, entries) if entries else first
     programs = called_programs(first)
     if not programs:  # as nearly every file
         return first
@@ -225,7 +226,7 @@ def interpret(
         entries = {line: state for line, state in entries.items() if line not in not_followed}
         if entries == before:
             return interpreted
-        interpreted = _interpreted(program, settings, flow, entries)
+        interpreted = _settled(program, settings, flow, entries)
     return first
 
 
@@ -256,10 +257,43 @@ def _entries_like(interpreted: InterpretedProgram, like: InterpretedProgram) -> 
     return {mine.first: known[its.first] for mine, its in pairs if its.first in known}
 
 
-def _interpreted(
+def _settled(
     program: Program, settings: Settings, flow: Flow, entries: Mapping[int, State]
 ) -> InterpretedProgram:
-    interpreter = Interpreter(settings, flow, program.source, entries)
+    """Interpreted again until each way brings what the time before took it to bring.
+
+    The first time nothing has come by any of them yet.
+    """
+    carried: CarriedTo = dict.fromkeys(flow.arrivals, ())
+    for _ in range(_MOST_ROUNDS):
+        interpreted = _interpreted(program, settings, flow, entries, carried)
+        found = _carried(interpreted) if carried else carried
+        if found == carried:
+            return interpreted
+        carried = found
+    return _interpreted(program, settings, flow, entries, {})
+
+
+def _carried(interpreted: InterpretedProgram) -> CarriedTo:
+    """What each way brings."""
+    calls = [effect.block.line for effect in interpreted.effects if may_call(effect)]
+
+    def brought_to(place: Place, way: Place) -> Carried:
+        _, effect = interpreted.reached[way.line]
+        state = effect.after if way.is_behind else effect.before
+        goes_back_over_a_call = bisect_left(calls, place.line) < bisect_right(calls, way.line)
+        return not_known(state) if goes_back_over_a_call else carried_by(state)
+
+    return {
+        place: tuple(brought_to(place, way) for way in arrival.ways)
+        for place, arrival in interpreted.flow.arrivals.items()
+    }
+
+
+def _interpreted(
+    program: Program, settings: Settings, flow: Flow, entries: Mapping[int, State], carried: CarriedTo
+) -> InterpretedProgram:
+    interpreter = Interpreter(settings, flow, program.source, entries, carried)
     interpreted = InterpretedProgram(program, settings, flow, interpreter, [], [], [], {})
     state = initial_state(settings)
     line = program.source.body.start

@@ -23,6 +23,8 @@ NOWHERE = Position(UNKNOWN, UNKNOWN, UNKNOWN)
 # Why nothing is known at the ends of a loop or a branch, and behind a line (the number stands before it).
 LOOPED = "a loop or a branch arrives here"
 UNREAD = "cannot be read"
+# Why the position is not known behind a call.
+CALLED = "a subprogram moves the tool"
 
 
 class Setting(NamedTuple):

@@ -1,0 +1,231 @@
+"""By which ways a program comes to a block that is reached from elsewhere than the block above it.
+
+::
+
+    N10 G0 X0            GOTO 10 further down comes here
+    WHILE[#1LT3]DO1      the first pass comes from above, each further one from END1
+    G1 X5.
+    END1                 behind it the program goes on from the WHILE
+
+A way says only where the program comes from.  Which F and S it brings is known once the program is
+interpreted: where all ways bring the same, they are known behind the meeting too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from chipbreak.model.modal import Setting, State
+from chipbreak.syntax.nodes import Block, Control, Number
+from chipbreak.text.named_tuple import NamedTuple
+
+_BRANCH = "O-IF"
+_CLOSERS: Mapping[str, str] = {
+    "O-IF": "O-ENDIF",
+    "O-REPEAT": "O-ENDREPEAT",
+    "O-DO": "O-WHILE",
+    "O-WHILE": "O-ENDWHILE",
+    "WHILE": "END",
+    "DO": "END",
+}
+_ARMS = frozenset({"O-ELSE", "O-ELSEIF"})
+_LEAVES = frozenset({"O-BREAK", "O-CONTINUE"})
+_GOES_ELSEWHERE = _LEAVES | {"O-RETURN"}
+
+
+class Place(NamedTuple):
+    """Before a line, or behind what its block does."""
+
+    line: int
+    is_behind: bool
+
+
+class Arrival(NamedTuple):
+    """The ways that meet at a place; ``from_above``: the block above is one of them, beside ``ways``."""
+
+    ways: tuple[Place, ...]
+    from_above: bool = True
+
+
+class Jump(NamedTuple):
+    """A GOTO in a line, and the block number that it jumps to, None where the machine works that out."""
+
+    line: int
+    number: int | None
+
+
+class Carried(NamedTuple):
+    """F and S as a way brings them, and the modes by which their numbers are read."""
+
+    feed: Setting | None
+    speed: Setting | None
+    read_by: tuple[str, str, str]
+
+
+Arrivals = Mapping[Place, Arrival]
+CarriedTo = Mapping[Place, tuple[Carried, ...]]
+
+
+# --- the ways ------------------------------------------------------------------------------------------
+def at_targets(
+    jumps: Sequence[Jump], numbers: Mapping[int, Sequence[int]], called: Collection[int]
+) -> Iterator[tuple[Place, Arrival]]:
+    """The ways to the numbered lines that a GOTO reaches; none where the machine works out a number.
+
+    ``called`` are numbers that calls and returns name (``M99 P100``): nothing is said of these.
+    """
+    ways: dict[int, list[Place]] = {}
+    for jump in jumps:
+        if jump.number is None:
+            return
+        ways.setdefault(jump.number, []).append(Place(jump.line, is_behind=True))
+    for number in ways.keys() - called:
+        for line in numbers.get(number, ()):
+            yield Place(line, is_behind=False), Arrival(tuple(ways[number]))
+
+
+@dataclass(eq=False, repr=False)
+class _Nest:
+    """A loop or a branch while it is read.
+
+    ``test``   the line that the program leaves for the next arm, where its condition is not met
+    ``arms``   where arms of a branch end, without the last one
+    ``leaves`` where the loop is left or begun again (``break``, ``continue``)
+    """
+
+    keyword: str
+    label: str
+    first: int
+    runs_at_least_once: bool
+    test: int | None
+    arms: list[Place] = field(default_factory=list)
+    leaves: list[Place] = field(default_factory=list)
+
+
+def at_nests(blocks: Iterable[Block]) -> dict[Place, Arrival]:
+    """The ways to the ends of loops and branches; empty where these are not nested properly."""
+    reader = _NestReader()
+    is_proper = all(reader.read(control, block.line) for block in blocks for control in _controls(block))
+    return reader.found if is_proper and not reader.opened else {}
+
+
+def _controls(block: Block) -> Iterator[Control]:
+    """The control words of a block; ``WHILE[...]DO1`` is one, with the label of its DO."""
+    named = {control.keyword: control for control in block.controls}
+    if "DO" in named:
+        yield named["DO"]._replace(keyword="WHILE" if "WHILE" in named else "DO")
+    yield from (control for control in block.controls if control.keyword not in ("DO", "WHILE"))
+
+
+class _NestReader:
+    """One walk over the control words: what is ``opened``, and the ways ``found`` so far."""
+
+    def __init__(self) -> None:
+        self.opened: list[_Nest] = []
+        self.found: dict[Place, Arrival] = {}
+
+    def read(self, control: Control, line: int) -> bool:
+        """Take in a control word; False where nothing is open that it belongs to."""
+        keyword = control.keyword
+        if self._innermost(control, _CLOSERS.get) == keyword:
+            self.found.update(_closed(self.opened.pop(), line))
+            return True
+        if keyword in _CLOSERS:
+            label = control.label.lower()
+            self.opened.append(_Nest(keyword, label, line, runs_at_least_once(control), line))
+            return True
+        if keyword in _ARMS:
+            return self._innermost(control, str) == _BRANCH and self._next_arm(keyword, line)
+        if keyword in _GOES_ELSEWHERE:
+            return self._leave(control, line)
+        return keyword not in _CLOSERS.values()
+
+    def _innermost(self, control: Control, says: Callable[[str], str | None]) -> str | None:
+        """What the keyword of the innermost opening says, None where that has another label."""
+        nest = self.opened[-1] if self.opened else None
+        return says(nest.keyword) if nest is not None and nest.label == control.label.lower() else None
+
+    def _next_arm(self, keyword: str, line: int) -> bool:
+        """``else``, ``elseif``: reached from the last condition that was not met."""
+        branch = self.opened[-1]
+        if branch.test is None:
+            return False
+        branch.arms.append(Place(line, is_behind=False))
+        ways = (Place(branch.test, is_behind=True),)
+        self.found[Place(line, is_behind=True)] = Arrival(ways, from_above=False)
+        branch.test = None if keyword == "O-ELSE" else line
+        return True
+
+    def _leave(self, control: Control, line: int) -> bool:
+        """``break``, ``continue``, ``return``: nobody comes to what stands behind, which is just read on."""
+        self.found[Place(line, is_behind=True)] = Arrival(())
+        left = [nest for nest in self.opened if nest.label == control.label.lower()]
+        for nest in left:
+            nest.leaves.append(Place(line, is_behind=False))
+        return bool(left) or control.keyword not in _LEAVES
+
+
+def _closed(nest: _Nest, last: int) -> Iterator[tuple[Place, Arrival]]:
+    """The ways to the first and behind the last line of a loop or a branch."""
+    begin = Place(nest.first, is_behind=True)
+    end = Place(last, is_behind=True)
+    if nest.keyword == _BRANCH:
+        past = [] if nest.test is None else [Place(nest.test, is_behind=True)]
+        yield begin, Arrival(())
+        yield end, Arrival((*nest.arms, *past))
+        return
+    yield begin, Arrival((Place(last, is_behind=False), *nest.leaves))
+    if nest.keyword in ("O-WHILE", "WHILE"):  # it is left where its condition stands
+        yield end, Arrival((begin, *nest.leaves), from_above=False)
+    else:
+        yield end, Arrival((*nest.leaves, *(() if nest.runs_at_least_once else (begin,))))
+
+
+def runs_at_least_once(opener: Control) -> bool:
+    """False where the condition or the count of a loop or a branch may let nothing of it run."""
+    if opener.keyword != "O-REPEAT":
+        return opener.keyword in ("DO", "O-DO")
+    times = opener.arguments
+    return bool(times) and isinstance(times[0], Number) and times[0].value >= 1.0
+
+
+# --- what they bring -----------------------------------------------------------------------------------
+def carried_by(state: State) -> Carried:
+    """F and S of a state; one that cannot be known is None."""
+    modes = state.modes
+    return Carried(_known(state.feed), _known(state.speed), (modes.units, modes.feed_mode, modes.speed_mode))
+
+
+def not_known(state: State) -> Carried:
+    """The same where what is called on the way may have said others."""
+    return carried_by(state._replace(feed=None, speed=None))
+
+
+def _known(setting: Setting | None) -> Setting | None:
+    return None if setting is None or math.isnan(setting.value) else setting
+
+
+def met(state: State, carried: Sequence[Carried] | None, why: str, *, from_above: bool) -> State:
+    """The state where ways meet; ``carried`` is what the other ones bring, None where they are not known.
+
+    Empty where nothing has come by them yet.
+    """
+    after = state.forgotten(why)
+    if carried is None:
+        return after
+    ways = [carried_by(state), *carried] if from_above or not carried else [*carried]
+    if any(way.read_by != ways[0].read_by for way in ways):
+        return after
+    return after._replace(
+        feed=_common([way.feed for way in ways]), speed=_common([way.speed for way in ways])
+    )
+
+
+def _common(settings: Sequence[Setting | None]) -> Setting | None:
+    """The setting that all bring, None where they differ; it counts as made where the first of them was."""
+    made = [setting for setting in settings if setting is not None]
+    if len(made) < len(settings) or len({(one.value, one.text, one.units) for one in made}) > 1:
+        return None
+    return min(made, key=lambda one: one.line)

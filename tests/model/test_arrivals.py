@@ -1,0 +1,233 @@
+"""F and S where ways meet: what all bring is known, and what is called known is what each visit has."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import pytest
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+
+from chipbreak import load
+from chipbreak.model.interpreted_program import InterpretedProgram, interpret
+from chipbreak.model.modal import State
+from chipbreak.syntax.parse import parse
+from chipbreak.text.source import read
+from macro_interpreter import Interpreter, Library, Machine
+
+FANUC = "fanuc-mill"
+LINUXCNC = "linuxcnc-mill"
+
+
+def interpreted(program: str, profile: str) -> InterpretedProgram:
+    settings = load(profile)
+    return interpret(parse(read(program.encode(), "ways.nc"), settings.dialect), settings)
+
+
+def known(state: State) -> tuple[str, str]:
+    """The texts of F and S, empty where they are not known."""
+    return tuple("" if one is None else one.text for one in (state.feed, state.speed))  # type: ignore[return-value]
+
+
+def at_mark(program: str, profile: str) -> tuple[str, str]:
+    """F and S in front of the block ``(HERE)``."""
+    (line,) = (number for number, text in enumerate(program.split("\n")) if "(HERE)" in text)
+    return known(interpreted(program, profile).before(line))
+
+
+@pytest.mark.parametrize(
+    ("profile", "program", "expected"),
+    [
+        pytest.param(FANUC, "WHILE[#1LT3]DO1\n(HERE)\n#1=#1+1\nEND1", ("100.", "900"), id="in a loop"),
+        pytest.param(FANUC, "WHILE[#1LT3]DO1\n#1=#1+1\nEND1\n(HERE)", ("100.", "900"), id="behind a loop"),
+        pytest.param(FANUC, "WHILE[#1LT3]DO1\n(HERE)\nS500\nEND1", ("100.", ""), id="the loop sets S"),
+        pytest.param(FANUC, "WHILE[#1LT3]DO1\nS500\nEND1\n(HERE)", ("100.", ""), id="or runs not once"),
+        pytest.param(FANUC, "WHILE[#1LT3]DO1\nF100.\nS900\n(HERE)\nEND1", ("100.", "900"), id="the same"),
+        pytest.param(FANUC, "WHILE[#1LT3]DO1\nF80.\nF100.\nEND1\n(HERE)", ("100.", "900"), id="given back"),
+        pytest.param(FANUC, "WHILE[#1LT3]DO1\nG95 F.1\nG94\nEND1\n(HERE)", ("", "900"), id="ended by G95"),
+        pytest.param(FANUC, "N10\n(HERE)\nG4 X1.\nIF[#1EQ2]GOTO10", ("100.", "900"), id="a jump back"),
+        pytest.param(FANUC, "N10\n(HERE)\nS500\nIF[#1EQ2]GOTO10", ("100.", ""), id="a jump back with S"),
+        pytest.param(FANUC, "IF[#1EQ2]GOTO10\nS500\nN10\n(HERE)", ("100.", ""), id="a jump over S"),
+        pytest.param(FANUC, "IF[#1EQ2]GOTO10\nS900\nN10\n(HERE)", ("100.", "900"), id="over the same S"),
+        pytest.param(FANUC, "S#5\nN10\n(HERE)\nIF[#1EQ2]GOTO10", ("100.", ""), id="a variable"),
+        pytest.param(FANUC, "GOTO#1\nN10\n(HERE)", ("", ""), id="a jump that is worked out"),
+        pytest.param(FANUC, "GOTO10\nN10\n(HERE)\nM99 P10", ("", ""), id="a return comes in as well"),
+        pytest.param(FANUC, "N10\n(HERE)\nM98 P7\nGOTO10", ("", ""), id="a call on the way back"),
+        pytest.param(FANUC, "M98 P7\nN10\n(HERE)\nGOTO10", ("100.", "900"), id="a call before it"),
+        pytest.param(FANUC, "WHILE[#1LT3]DO1\n(HERE)\nEND2", ("", ""), id="not nested"),
+        pytest.param(FANUC, "WHILE[#1LT3]DO1\n(HERE)", ("", ""), id="not closed"),
+        pytest.param(FANUC, "DO1\n(HERE)\nS900\nEND1", ("100.", "900"), id="for ever"),
+        pytest.param(
+            FANUC,
+            "WHILE[#1LT3]DO1\n(HERE)\nN20\nWHILE[#2LT3]DO2\nIF[#2EQ1]GOTO20\nEND2\nEND1",
+            ("100.", "900"),
+            id="nests and jumps",
+        ),
+        pytest.param(
+            FANUC,
+            "WHILE[#1LT3]DO1\n(HERE)\nWHILE[#2LT3]DO2\nWHILE[#3LT3]DO3\nS1\nEND3\nEND2\nEND1",
+            ("100.", ""),
+            id="from three loops further in",
+        ),
+        pytest.param(LINUXCNC, "o1 if [#1 EQ 2]\n(HERE)\nS500\no1 endif", ("100.", "900"), id="in a branch"),
+        pytest.param(LINUXCNC, "o1 if [#1]\nS500\no1 endif\n(HERE)", ("100.", ""), id="behind one with S"),
+        pytest.param(LINUXCNC, "o1 if [#1]\nS500\no1 else\n(HERE)\no1 endif", ("100.", "900"), id="else"),
+        pytest.param(
+            LINUXCNC,
+            "o1 if [#1]\nS500\no1 else\nS500\no1 endif\n(HERE)",
+            ("100.", "500"),
+            id="both say it",
+        ),
+        pytest.param(
+            LINUXCNC,
+            "o1 if [#1]\nS500\no1 elseif [#2]\nS500\no1 endif\n(HERE)",
+            ("100.", ""),
+            id="neither condition may be met",
+        ),
+        pytest.param(
+            LINUXCNC, "o1 repeat [3]\nS500\no1 endrepeat\n(HERE)", ("100.", "500"), id="once or more"
+        ),
+        pytest.param(LINUXCNC, "o1 repeat [#3]\nS500\no1 endrepeat\n(HERE)", ("100.", ""), id="or not"),
+        pytest.param(LINUXCNC, "o1 do\nS500\no1 while [#1 LT 3]\n(HERE)", ("100.", "500"), id="do"),
+        pytest.param(
+            LINUXCNC,
+            "o1 do\no2 if [#1]\no1 break\no2 endif\nS500\no1 while [#1]\n(HERE)",
+            ("100.", ""),
+            id="do, left before S",
+        ),
+        pytest.param(
+            LINUXCNC,
+            "o1 while [#1]\n(HERE)\no2 if [#1]\nF5\no1 continue\no2 endif\no1 endwhile",
+            ("", "900"),
+            id="continue",
+        ),
+        pytest.param(LINUXCNC, "o1 while [#1]\n(HERE)\no<x> call\no1 endwhile", ("", ""), id="with a call"),
+        pytest.param(
+            LINUXCNC,
+            "o1 while [#1]\nS500\no2 if [#1]\no1 break\no2 endif\nS900\no1 endwhile\n(HERE)",
+            ("100.", ""),
+            id="left with another S",
+        ),
+        pytest.param(
+            LINUXCNC,
+            "o1 do\nS500\no2 if [#1]\no1 continue\no2 endif\nS900\no1 while [#1]\n(HERE)",
+            ("100.", ""),
+            id="to the end with another S",
+        ),
+        pytest.param(
+            LINUXCNC,
+            "o1 if [#1]\nS500\no1 elseif [#2]\n(HERE)\no1 endif",
+            ("100.", "900"),
+            id="elseif",
+        ),
+        pytest.param(LINUXCNC, "o1 else\n(HERE)", ("", ""), id="no branch"),
+        pytest.param(LINUXCNC, "o1 break\n(HERE)", ("", ""), id="no loop"),
+        pytest.param(
+            LINUXCNC, "o1 if [#1]\no1 else\no1 else\n(HERE)\no1 endif", ("", ""), id="one arm too many"
+        ),
+    ],
+)
+def test_what_all_ways_bring_is_known(profile: str, program: str, expected: tuple[str, str]) -> None:
+    assert at_mark(f"G94 S900 M3 F100.\n{program}\nM30\n", profile) == expected
+
+
+def test_where_ways_do_not_settle_nothing_is_known() -> None:
+    """Each jump brings a change one label further up, and there are more labels than rounds."""
+    labels = range(1, 30)
+    links = [f"N{n + 100}\nIF[#1EQ2]GOTO{n + 99}" for n in labels]
+    program = "\n".join(["G94 S900 F100.", "N100\n(HERE)", *links, "S500", "IF[#1EQ1]GOTO129", "M30", ""])
+    assert at_mark(program, FANUC) == ("", "")
+
+
+# --- programs at random, run by the tests' own control ----------------------------------------------------
+@dataclass
+class Recorder(Machine):
+    """A machine that writes down at each move F, S and the place in X, which is a mark of its own."""
+
+    visits: list[tuple[float, float, float]] = field(default_factory=list)
+    words: dict[str, float] = field(default_factory=dict)
+
+    def move(self, target: tuple[float, float, float], feed_mm_min: float = 0.0) -> None:
+        self.visits.append((target[0], self.words.get("F", 0.0), self.words.get("S", 0.0)))
+        super().move(target, feed_mm_min)
+
+
+_SETS = st.sampled_from(["S500", "S900", "F80.", "F100.", "(-)"])
+Tree = str | tuple[str, list["Tree"], list["Tree"]]  # type: ignore[misc]
+_TREES = st.recursive(
+    st.lists(_SETS, max_size=2),
+    lambda inner: st.lists(
+        st.one_of(_SETS, st.tuples(st.sampled_from(["while", "over", "back", "either"]), inner, inner)),
+        max_size=4,
+    ),
+    max_leaves=8,
+)
+
+
+class _Writer:
+    """A tree of parts as a program; each line of it is followed by a move to a place of its own."""
+
+    def __init__(self) -> None:
+        self.marks = itertools.count(1)
+        self.numbers = itertools.count(10, 10)
+        self.counters = itertools.count(101)
+
+    def lines(self, parts: list[Tree], depth: int = 1) -> Iterator[str]:
+        yield f"G1 X{next(self.marks)}."
+        for part in parts:
+            if isinstance(part, str):
+                yield part
+            else:
+                kind, one, other = part
+                kind = "back" if kind == "while" and depth > 3 else kind
+                yield from getattr(self, f"_{kind}")(one, other, depth)
+            yield f"G1 X{next(self.marks)}."
+
+    def _while(self, one: list[Tree], _: list[Tree], depth: int) -> Iterator[str]:
+        counter = f"#{next(self.counters)}"
+        yield from (f"{counter}=0", f"WHILE[{counter}LT[#100MOD3]]DO{depth}", "#100=#100+1")
+        yield from self.lines(one, depth + 1)
+        yield from (f"{counter}={counter}+1", f"END{depth}")
+
+    def _over(self, one: list[Tree], _: list[Tree], depth: int) -> Iterator[str]:
+        number = next(self.numbers)
+        yield from ("#100=#100+1", f"IF[[#100MOD2]EQ1]GOTO{number}")
+        yield from self.lines(one, depth)
+        yield f"N{number}"
+
+    def _back(self, one: list[Tree], _: list[Tree], depth: int) -> Iterator[str]:
+        number, counter = next(self.numbers), f"#{next(self.counters)}"
+        yield from (f"{counter}=0", f"N{number}")
+        yield from self.lines(one, depth)
+        yield from (f"{counter}={counter}+1", f"IF[{counter}LT2]GOTO{number}")
+
+    def _either(self, one: list[Tree], other: list[Tree], depth: int) -> Iterator[str]:
+        number, end = next(self.numbers), next(self.numbers)
+        yield from ("#100=#100+1", f"IF[[#100MOD2]EQ1]GOTO{number}")
+        yield from self.lines(one, depth)
+        yield from (f"GOTO{end}", f"N{number}")
+        yield from self.lines(other, depth)
+        yield f"N{end}"
+
+
+@given(_TREES, st.integers(0, 5))
+@hypothesis_settings(max_examples=150)
+def test_what_is_called_known_is_what_the_control_has_at_each_visit(trees: list[Tree], start: int) -> None:
+    body = "\n".join(_Writer().lines(trees))
+    program = f"G90 G94 G97 S900 M3 F100.\n#100={start}\n{body}\nM30\n"
+    machine = Recorder()
+    control = Interpreter(Library(), machine, most_blocks=20_000)
+    machine.words = control.modes.words
+    assert control.run(program).alarm == 0
+    ours = interpreted(program, FANUC)
+    for line, text in enumerate(program.split("\n")):
+        if not text.startswith("G1 X"):
+            continue
+        feed, speed = ours.effect(line).before.feed, ours.effect(line).before.speed
+        for at, real_feed, real_speed in machine.visits:
+            if at == float(text[4:]):
+                assert feed is None or feed.value == real_feed, (program, line)
+                assert speed is None or speed.value == real_speed, (program, line)
