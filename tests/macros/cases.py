@@ -128,6 +128,15 @@ CHIPS = [
     _chip("broken off", FLAT, None, rough="NO CONTACT", finish="NO CONTACT", length_mm=35.0),
 ]
 CASES = CHECKS + CHIPS
+# Each much like another.
+WITH_A_TWIN = {
+    *("good bull nose", "diameter OD-0.498", "ball, runout"),
+    *("drill, too long", "wrong tool, longer", "broken off"),
+    *("diameter OD+0.498 with a wide runout limit", "good single flute", "good reamer"),
+    *("chip: none", "chip: 0.03 on a helix", "chip: exactly 0.05", "chip: 0.049", "chip: at the top"),
+    *("chip: at the lower end", "chip: too small on a ball", "chip: on a bull nose", "chip: on a reamer"),
+    *("chip: shortened by 0.019", "chip: on a drill"),
+}
 
 
 def verdict_table() -> str:

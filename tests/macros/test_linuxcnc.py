@@ -16,7 +16,7 @@ import pytest
 from chipbreak.dialects.check_programs import O_WORDS
 from linuxcnc import laser, rs274
 
-from .cases import CASES, STRAIGHT, Case
+from .cases import CASES, STRAIGHT, WITH_A_TWIN, Case
 from .lc_stand import LC_SETTINGS, subroutines, verdicts
 from .stand import BAR, BEAM
 
@@ -53,18 +53,6 @@ def test_every_block_of_a_macro_is_read(tmp_path: Path) -> None:
         assert set(called) <= set(names)
 
 
-# All tools take four minutes.  Without CHIPBREAK_ALL_TOOLS the long test leaves these out: each is much
-# like another.
-WITH_A_TWIN = {
-    *("good bull nose", "diameter OD-0.498", "ball, runout"),
-    *("drill, too long", "wrong tool, longer", "broken off"),
-    *("diameter OD+0.498 with a wide runout limit", "good single flute", "good reamer"),
-    *("chip: none", "chip: 0.03 on a helix", "chip: exactly 0.05", "chip: 0.049", "chip: at the top"),
-    *("chip: at the lower end", "chip: too small on a ball", "chip: on a bull nose", "chip: on a reamer"),
-    *("chip: shortened by 0.019", "chip: on a drill"),
-}
-
-
 GROUPS = 4  # machines that run side by side
 # Each check of each macro says no once, and yes once.
 FEW = (
@@ -91,6 +79,7 @@ def test_a_tool_gets_the_verdict_of_the_fanuc_macros(names: tuple[str, ...]) -> 
 @pytest.mark.linuxcnc("machine")
 @pytest.mark.parametrize("group", range(GROUPS))
 def test_every_tool_gets_the_verdict_of_the_fanuc_macros(group: int) -> None:
+    # All tools take four minutes.
     left_out = set() if os.environ.get("CHIPBREAK_ALL_TOOLS") else WITH_A_TWIN
     assert left_out <= {case.name for case in CASES}
     verdicts_are_those_expected([case for case in CASES if case.name not in left_out][group::GROUPS])
