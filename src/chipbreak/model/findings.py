@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator
 
+from chipbreak.model.code_systems import codes_of_another_system
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.setting_lines import other_settings
 from chipbreak.model.stops import stops
@@ -29,6 +30,7 @@ def findings(
         *feeds_in_other_units(interpreted),
         *(one for line, one in missing_numbers(interpreted) if line not in without_contour),
         *other_settings(interpreted),
+        *codes_of_another_system(interpreted),
         *stops(interpreted),
     ]
 
