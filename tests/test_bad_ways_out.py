@@ -187,11 +187,15 @@ def ways_of(stem: str) -> list[Way]:
     return [("G1 Z-30.", "G0 X20. Z2.\nG1 Z-30.")] if stem.startswith("start-not-known") else []
 
 
-def cases() -> list[tuple[str, Way]]:
-    return [(file.stem, way) for file in FILES for way in ways_of(file.stem)]
+# The first way out of each; the others in the long form.
+CASES = [
+    pytest.param(file.stem, way, id=f"{file.stem}-{way}", marks=pytest.mark.long if at else ())
+    for file in FILES
+    for at, way in enumerate(ways_of(file.stem))
+]
 
 
-@pytest.mark.parametrize(("stem", "way"), cases(), ids=str)
+@pytest.mark.parametrize(("stem", "way"), CASES)
 def test_the_way_out_works(stem: str, way: Way) -> None:
     text = next(file for file in FILES if file.stem == stem).read_text("latin-1")
     _, _, _, profile, sets = expectation(text)

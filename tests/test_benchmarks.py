@@ -70,7 +70,7 @@ def test_a_case_runs(case: str, tmp_path: Path, run: Callable[..., Run]) -> None
 def test_another_chipbreak_runs_in_turn(tmp_path: Path, run: Callable[..., Run]) -> None:
     results = tmp_path / "results.json"
     other = str(warm_command())
-    done = run("--quick", "--smaller", "1000", "--before", other, "--json", str(results))
+    done = run("--quick", "--smaller", "5000", "--before", other, "--json", str(results))
     assert done.returncode == 0, done.stdout + done.stderr
     rows = json.loads(results.read_text())["cases"]["before"]["rows"]
     ours = ["pass-through", "modal", "expansion", "small", "help"]
@@ -86,7 +86,7 @@ def test_bytes_that_another_chipbreak_writes_are_compared(tmp_path: Path, run: C
     other = tmp_path / "chipbreak"
     other.write_text('#!/bin/sh\nfor last; do :; done\ncase " $* " in *" -o "*) echo else >"$last";; esac\n')
     other.chmod(0o755)
-    done = run("--quick", "--smaller", "1000", "--before", str(other))
+    done = run("--quick", "--smaller", "5000", "--before", str(other))
     assert done.stdout.count("OTHER BYTES") == 4
 
 

@@ -93,17 +93,27 @@ def test_a_reader_that_leaves_is_no_fault(unbuffered: str) -> None:
     assert process.returncode == 1
 
 
-@pytest.mark.parametrize(
-    "name", ["\udcff.nc", "\u8ef8.nc", "a b.nc"], ids=["no UTF-8", "Japanese", "a space"]
-)
-@pytest.mark.parametrize("command", ["filter", "explain", "check", "restore", "diff", "verify"])
+_ODD_NAMES = {"no UTF-8": "\udcff.nc", "Japanese": "\u8ef8.nc", "a space": "a b.nc"}
+_NAMED = [
+    pytest.param(
+        name,
+        command,
+        id=f"{command}-{what}",
+        marks=() if command == "filter" or what == "no UTF-8" else pytest.mark.long,
+    )
+    for command in ("filter", "explain", "check", "restore", "diff", "verify")
+    for what, name in _ODD_NAMES.items()
+]
+
+
+@pytest.mark.parametrize(("name", "command"), _NAMED)
 def test_any_file_name_and_a_terminal_that_knows_ascii_only(name: str, command: str, tmp_path: Path) -> None:
     file = tmp_path / name
     data = warm(["filter", *KNOWN], WORKED).stdout if command == "verify" else WORKED
     file.write_bytes(data)
     profile = [] if command in ("diff", "restore") else KNOWN
     second = [str(file)] if command == "diff" else []
-    run = cold if command == "filter" else warm
+    run = cold if command == "filter" and not name.isprintable() else warm
     done = run([command, *profile, str(file), *second], env={"PYTHONIOENCODING": "ascii", "LC_ALL": "C"})
     assert done.returncode == 0
     assert done.stderr == b""

@@ -19,7 +19,7 @@ import pytest
 import chipbreak
 from chipbreak import whole_files
 from chipbreak.streams import keep_file, read_input, replace_file
-from warm import clean_environment, warm
+from warm import clean_environment, interruptible, warm
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 
@@ -62,10 +62,11 @@ def names(folder: Path) -> list[str]:
 # --- killed -----------------------------------------------------------------------------------------------
 
 
-def test_killed_at_some_moments(tmp_path: Path) -> None:
+@pytest.mark.parametrize("writings", [6, pytest.param(20, marks=pytest.mark.long)])
+def test_killed_at_some_moments(writings: int, tmp_path: Path) -> None:
     import random
 
-    for kill, runs in ((faults.kill_whole_runs, 2), (faults.kill_writing, 20)):
+    for kill, runs in ((faults.kill_whole_runs, 2), (faults.kill_writing, writings)):
         found = kill(tmp_path, runs, random.Random(1))
         assert found["old"] + found["new"] == runs
         assert not [key for key in found if key.isupper() and found[key]], found
@@ -104,7 +105,9 @@ def test_an_interrupted_run_says_what_is_written(tmp_path: Path) -> None:
         (tmp_path / name).write_bytes(PROGRAM[:-4] + b"G0 Z2.\nG1 Z-3. F0.05 N1.5\n" * count + b"M30\n")
     old = (tmp_path / "b.nc").read_bytes()
     line = [sys.executable, "-m", "chipbreak", "filter", "-q", "-p", "generic-lathe", "-i", "a.nc", "b.nc"]
-    with subprocess.Popen(line, cwd=tmp_path, stderr=subprocess.PIPE) as process:
+    with interruptible():
+        process = subprocess.Popen(line, cwd=tmp_path, stderr=subprocess.PIPE)
+    with process:
         end = time.monotonic() + 30
         while b"CHIPBREAK" not in (tmp_path / "a.nc").read_bytes():
             assert time.monotonic() < end

@@ -11,11 +11,9 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 
-import pytest
-
 import chipbreak
 from chipbreak import cli
-from test_layers import MODULES, own_imports
+from test_layers import MODULES, own_imports, trees
 
 # Where a run of the product begins: the command line with its commands, which it imports by name when one is
 # called, ``python -m chipbreak``, and the public functions.
@@ -59,11 +57,6 @@ def used(tree: ast.Module) -> Iterator[str]:
 
 
 @cache
-def trees() -> dict[str, ast.Module]:
-    return {name: ast.parse(file.read_bytes()) for name, file in MODULES.items()}
-
-
-@cache
 def said() -> set[str]:
     """Every name that some module says."""
     return {word for tree in trees().values() for word in used(tree)}
@@ -80,12 +73,13 @@ def test_every_module_is_reached() -> None:
     assert not left, f"no import leads to {sorted(left)}: what only tests use belongs into tests/"
 
 
-@pytest.mark.parametrize("name", MODULES)
-def test_every_function_is_used(name: str) -> None:
-    tree = trees()[name]
-    handed_over = {node.name for node in tree.body if is_command(node)}
-    left = set(defined(tree)) - said() - CALLED_FROM_OUTSIDE - SAID_FOR_THE_READER - handed_over
-    assert not left, f"{name} defines {sorted(left)}, which nothing in the package uses"
+def test_every_function_is_used() -> None:
+    left = {}
+    for name, tree in trees().items():
+        handed_over = {node.name for node in tree.body if is_command(node)}
+        left[name] = set(defined(tree)) - said() - CALLED_FROM_OUTSIDE - SAID_FOR_THE_READER - handed_over
+    unused = {name: names for name, names in left.items() if names}
+    assert not unused, "modules that define what nothing in the package uses"
 
 
 def test_what_is_not_reached_is_found() -> None:

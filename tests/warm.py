@@ -14,13 +14,15 @@ import json
 import os
 import runpy
 import shlex
+import signal
 import socket
 import subprocess
 import sys
 import tempfile
 import time
 import traceback
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -32,6 +34,16 @@ _REQUEST_BYTES = 1 << 20
 def clean_environment(**more: str) -> dict[str, str]:
     """The environment without what a user may have said to chipbreak."""
     return {key: value for key, value in os.environ.items() if not key.startswith("CHIPBREAK")} | more
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Processes that start here take Ctrl-C, even where a shell runs the tests with that ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def cold(

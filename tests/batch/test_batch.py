@@ -102,7 +102,10 @@ def test_a_program_that_kills_every_process_is_lost_alone() -> None:
     assert len(results) == 6
 
 
-@pytest.mark.parametrize("comes_back", [True, False], ids=["once", "every-time"])
+@pytest.mark.parametrize(
+    "comes_back",
+    [pytest.param(True, id="once"), pytest.param(False, id="every-time", marks=pytest.mark.long)],
+)
 def test_a_worker_of_a_cluster_that_dies(
     comes_back: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -233,7 +233,7 @@ def shape_of(steps: list[tuple[int, int, int]]) -> list[Step]:
     ]
 
 
-@pytest.mark.few(40)
+@pytest.mark.few(20)
 @settings(max_examples=MANY)
 @given(STEPS, st.sampled_from(sorted(PLACES)), st.integers(150, 4000), st.integers(600, 5000))
 def test_the_region_of_any_contour(

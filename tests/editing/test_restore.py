@@ -95,15 +95,22 @@ def test_lower_case_is_kept_readable_only_where_the_control_takes_it() -> None:
     assert b"HEX" in there_and_back(CUT.replace(b"N1.5", b"f62.5"))
 
 
-@pytest.mark.parametrize("end", [b"\n", b"\r\n"])
-@pytest.mark.parametrize("limit", [60, 75, 80])
-@pytest.mark.parametrize("number", [b"", b"N12345678901234 "])
+# Half of them, so that any two of the three are met together; the others in the long form.
+_LIMITS = [
+    pytest.param(limit, end, number, marks=pytest.mark.long if (at + len(end) + bool(number)) % 2 else ())
+    for at, limit in enumerate((60, 75, 80))
+    for end in (b"\n", b"\r\n")
+    for number in (b"", b"N12345678901234 ")
+]
+
+
+@pytest.mark.parametrize(("limit", "end", "number"), _LIMITS)
 def test_no_line_around_a_cut_is_longer_than_the_control_takes(limit: int, end: bytes, number: bytes) -> None:
     settings = chipbreak.load("generic-lathe", [f"control.max_line_chars={limit}"])
     cut = number + b"G1 Z-1. F0.05 N1.5"
     for comment in (b"", b" (X)"):
         cuts = [cut.ljust(size - len(comment)) + comment for size in range(30, 90)]
-        blocks = [block for one in cuts for block in (b"G0 X20. Z2.", one)]
+        blocks = [block for one in cuts for block in (b"G0 X20. Z0.", one)]
         result = chipbreak.rewrite(end.join([b"G97 S3000 M3", *blocks, b"M30", b""]), settings)
         parts = result.data.split(b"(CHIPBREAK BEGIN VIB")[1:]
         assert len(parts) == len(cuts)

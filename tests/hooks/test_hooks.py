@@ -20,7 +20,7 @@ import chipbreak
 from chipbreak.cli import cli
 from chipbreak.hook_commands import _NAMES
 from chipbreak.hooks.write import HOOKS
-from warm import warm_text
+from warm import interruptible, warm_text
 
 PROGRAM = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nM30\n"
 WRONG = PROGRAM.replace(b"N1.5", b"N2")
@@ -282,7 +282,9 @@ def test_a_program_that_is_written_is_filtered(tmp_path: Path) -> None:
     for name in ("in", "out"):
         (tmp_path / name).mkdir()
     command = [sys.executable, "-m", "chipbreak", "hooks", "watch", "-p", "generic-lathe", "in", "-o", "out"]
-    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as watcher:
+    with interruptible():
+        process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    with process as watcher:
         assert watcher.stderr is not None
         threading.Timer(60.0, watcher.kill).start()  # nobody waits for a line that never comes
         assert watcher.stderr.readline().startswith("watching in")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -22,10 +23,11 @@ TESTS = Path(__file__).parents[1]
 FILES = sorted(
     [*(TESTS / "cases").rglob("*.nc"), *(TESTS / "bad").glob("*.nc"), *TESTS.glob("../samples/*.nc")]
 )
-PROFILES = ("fanuc-lathe", "fanuc-mill", "linuxcnc-mill")
+PROFILES = ("fanuc-lathe", pytest.param("fanuc-mill", marks=pytest.mark.long), "linuxcnc-mill")
 LINES = 20_000
 
 
+@cache
 def programs(profile: str) -> list[tuple[InterpretedProgram, MainProgram]]:
     settings = chipbreak.load(profile)
     found = []

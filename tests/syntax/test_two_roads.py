@@ -180,7 +180,7 @@ def test_tricky_lines_are_read_alike(dialect: Dialect, text: str) -> None:
 
 
 @every_grammar
-@pytest.mark.few(20)
+@pytest.mark.few(15)
 @given(st.one_of(good_lines, lines, set_off_lines))
 @example("X\x001")
 @example("N10 /2 N20 X1")
@@ -189,7 +189,7 @@ def test_regular_expression_and_grammar_agree(dialect: Dialect, text: str) -> No
 
 
 @every_grammar
-@pytest.mark.few(20)
+@pytest.mark.few(15)
 @given(st.text("GNXYFR0123456789.+-= \t/,;()\0", max_size=14))
 def test_they_agree_on_every_order_of_the_signs_of_a_block(dialect: Dialect, text: str) -> None:
     compare_regular_expression_and_grammar(text, dialect)
@@ -211,7 +211,7 @@ def test_most_of_the_corpus_needs_no_grammar(dialect: Dialect, corpus_lines: lis
 
 
 @every_grammar
-@pytest.mark.few(20)
+@pytest.mark.few(15)
 @given(st.one_of(programs, st.lists(set_off_lines).map(lambda parts: "\n".join(parts).encode("latin-1"))))
 def test_shapes_and_blocks_agree(dialect: Dialect, data: bytes) -> None:
     compare_shapes(read(data), dialect)
@@ -280,7 +280,7 @@ def plain_blocks(draw: st.DrawFn) -> tuple[str, Shape]:
 
 
 @every_grammar
-@pytest.mark.few(20)
+@pytest.mark.few(15)
 @given(plain_blocks())
 def test_every_plain_block_is_found(dialect: Dialect, case: tuple[str, Shape]) -> None:
     text, shape = case
@@ -291,6 +291,7 @@ def test_every_plain_block_is_found(dialect: Dialect, case: tuple[str, Shape]) -
 
 
 @every_grammar
+@pytest.mark.few(8)
 @settings(max_examples=30)
 @given(st.lists(plain_blocks(), min_size=1, max_size=5))
 def test_words_hold_the_numbers_of_blocks_of_any_shape(
@@ -305,7 +306,7 @@ def test_words_hold_the_numbers_of_blocks_of_any_shape(
 
 
 @every_grammar
-@pytest.mark.few(20)
+@pytest.mark.few(15)
 @given(
     st.lists(st.sampled_from(PLAIN_LETTERS), min_size=1, max_size=4, unique=True),
     st.lists(st.lists(number, min_size=4, max_size=4), min_size=1, max_size=5),
