@@ -1,7 +1,8 @@
 # Two commands do everything on a machine that has only Python (3.11 or newer) and make:
 #   make demo    set up, filter a turning program, explain it and show what changed
-#   make test    set up and run all tests: the same ones every time
-# and one that is never the same:
+#   make test    set up and run the tests: the same ones every time
+# one that looks at many more cases of the same, and one that is never the same:
+#   make test-long
 #   make fuzz    search with new seeds for FUZZ_SECONDS
 PYTHON ?= python3
 VENV ?= .venv
@@ -13,7 +14,7 @@ FUZZ_SECONDS ?= 120
 # Runs on simulated machines wait more than they compute.
 WORKERS := $(shell $(PYTHON) -c 'import os; print(2 * (os.cpu_count() or 1))')
 
-.PHONY: lock machine-test real-control demo test check-table fuzz lint man site cookbook diagnostics test-pythons hooks bench wheel release-dry-run clean
+.PHONY: test-long lock machine-test real-control demo test check-table fuzz lint man site cookbook diagnostics test-pythons hooks bench wheel release-dry-run clean
 
 $(BIN)/chipbreak: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -57,8 +58,14 @@ FAST := tests/test_advise.py tests/test_api.py tests/test_bad.py tests/test_boun
 test: $(VENV)/.dev lint
 	@sh tests/linuxcnc/install.sh
 	@sh tests/klipper/install.sh $(VENV)/klipper
-	$(BIN)/pytest -n auto --dist worksteal --cov --cov-report= $(FAST)
-	$(BIN)/pytest -n $(WORKERS) --dist worksteal $(FAST:%=--ignore=%)
+	$(BIN)/pytest -n auto --dist worksteal -m "not long" --cov --cov-report= $(FAST)
+	$(BIN)/pytest -n $(WORKERS) --dist worksteal -m "not long" $(FAST:%=--ignore=%)
+
+# What "make test" has a choice of: every tool, every drawn cut, every program.
+test-long: $(VENV)/.dev
+	@sh tests/linuxcnc/install.sh
+	@sh tests/klipper/install.sh $(VENV)/klipper
+	$(BIN)/pytest -n $(WORKERS) --dist worksteal -m long
 
 # Faults, tools, controls, units and speeds: the macros and numpy must say the same (some minutes).
 check-table: $(VENV)/.dev
@@ -77,7 +84,7 @@ lint: $(VENV)/.dev
 	$(BIN)/complexipy --failed --color no $(CODE)
 
 test-pythons:
-	sh tests/pythons.sh $(VENV) $(FAST)
+	sh tests/pythons.sh $(VENV) -m "not long" $(FAST)
 
 # Checks before every commit, with the tools of this environment.
 hooks: $(VENV)/.dev
