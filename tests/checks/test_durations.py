@@ -12,6 +12,7 @@ from beam import BEAM
 from chipbreak.checks.calls import CallValues, CheckKind
 from chipbreak.checks.durations import check_s
 from chipbreak.report.build import report_of
+from chipbreak.report.model import Report
 from chipbreak.tools.data import ToolData
 from macros.stand import SETTINGS, Nominal, Stand
 
@@ -52,3 +53,31 @@ def test_explain_says_the_seconds_and_their_share() -> None:
     assert f"CALIBRATE (about {report.checks[0].duration_s:.0f} s): " in text
     makers = chipbreak.load("haas-mill")
     assert "about" not in str(report_of(chipbreak.rewrite(SAMPLE.read_bytes(), makers), makers))
+
+
+@pytest.mark.parametrize(
+    ("setting", "sets"),
+    [
+        ("macros.gap_ms=15", GAP),
+        ("checks.trace_height_mm=5", ("checks.trace_height_mm=5",)),
+        ("checks.depth=breakage", ("checks.depth=breakage",)),
+    ],
+)
+def test_what_makes_long_checks_shorter_is_said_with_the_time_that_it_makes(
+    setting: str, sets: tuple[str, ...]
+) -> None:
+    def report(*more: str) -> Report:
+        settings = chipbreak.load("fanuc-mill", [*BEAM, *more])
+        return report_of(chipbreak.rewrite(SAMPLE.read_bytes(), settings), settings)
+
+    by_setting = sum(check.duration_s or 0.0 for check in report(*sets).checks)
+    text = str(report())
+    assert f"  about {by_setting:.0f} s with {setting}" in text
+    assert f"with {setting}" not in str(report(*sets))
+
+
+def test_checks_that_are_short_need_no_advice() -> None:
+    settings = chipbreak.load("fanuc-mill", [*BEAM, *GAP, "checks.depth=breakage", "checks.only=[3]"])
+    report = report_of(chipbreak.rewrite(SAMPLE.read_bytes(), settings), settings)
+    assert report.checks
+    assert " s with " not in str(report)

@@ -62,9 +62,13 @@ def _edit(checks: Sequence[PlannedCheck], settings: Settings) -> Edit:
         leaves_coolant=point.coolant != point.state.coolant,
         leaves_feed=not is_same(blocks.before.feed, blocks.now.feed),
     )
-    known = [check.duration_s for check in checks if check.duration_s is not None]
     edit = Edit(point.line, point.line, tuple(blocks.texts), title, reason, promise)
-    return edit._replace(duration_s=sum(known)) if known else edit
+    known = [check.duration_s for check in checks if check.duration_s is not None]
+    if not known:
+        return edit
+    settings_s = zip(*(check.otherwise_s for check in checks), strict=True)  # the same ones for each check
+    otherwise_s = tuple((rows[0][0], sum(seconds for _, seconds in rows)) for rows in settings_s)
+    return edit._replace(duration_s=sum(known), otherwise_s=otherwise_s)
 
 
 class _Blocks:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Final
 
 from chipbreak.checks.calls import DEPTHS, CallValues, CheckKind
@@ -26,11 +27,29 @@ _SCAN_S: Final = 2.0
 _SCAN_SHARE, _STEP_SHARE = 0.8, 0.9
 _FEWEST_TEETH: Final = 4  # where nobody has said how many there are
 _FEWEST_RPM: Final = 1000.0
+# What is offered where checks take long.
+_GAP_MS: Final = 15.0
+_LOW_MM: Final = 5.0
 
 
 def check_s(kind: CheckKind, values: CallValues, settings: Settings) -> float:
     """About how long a check takes [s]."""
     return _RULES[kind](values, settings)
+
+
+def otherwise_s(kind: CheckKind, values: CallValues, settings: Settings) -> tuple[tuple[str, float], ...]:
+    """Settings that can make checks shorter, as they are written, with the time of this one by each [s]."""
+    gap = replace(settings, macros=replace(settings.macros, gap_ms=settings.macros.gap_ms or _GAP_MS))
+    height_mm = values.height_mm and min(values.height_mm, _LOW_MM)
+    low = values._replace(height_mm=height_mm)
+    # Where the length alone counts, no edge is stored.
+    stored_mm = 0.0 if kind is CheckKind.TRACE else values.height_mm
+    length = values._replace(depth=DEPTHS.index("breakage"), height_mm=stored_mm)
+    return (
+        (f"macros.gap_ms={_GAP_MS:g} and a barrier that notices a missing edge", check_s(kind, values, gap)),
+        (f"checks.trace_height_mm={_LOW_MM:g}, where no tool cuts higher", check_s(kind, low, settings)),
+        ("checks.depth=breakage, which looks at the length alone", check_s(kind, length, settings)),
+    )
 
 
 def _turns_s(values: CallValues, turns: float) -> float:

@@ -15,7 +15,7 @@ from itertools import groupby
 
 from chipbreak.checks.calls import DEPTHS, CallSet, CallValues, CheckKind, calls_of, check_blocks
 from chipbreak.checks.clashes import clash_of
-from chipbreak.checks.durations import check_s
+from chipbreak.checks.durations import check_s, otherwise_s
 from chipbreak.checks.findings import NO_BEAM, NO_SAFE_POINT, NO_SHAPE, Findings
 from chipbreak.checks.limits import Uses, limit_before
 from chipbreak.checks.not_checked import WholeProgram, say_what_is_not_checked
@@ -38,7 +38,8 @@ from chipbreak.tools.tips import Tip, tip_of
 class PlannedCheck(NamedTuple):
     """A check that will be inserted; ``limit_mm`` is the W of a CHIP CHECK.
 
-    ``duration_s`` is about how long it takes, None where its programs are not ours.
+    ``duration_s`` is about how long it takes, None where its programs are not ours; ``otherwise_s`` how long
+    with each of a few settings.
     """
 
     kind: CheckKind
@@ -49,6 +50,7 @@ class PlannedCheck(NamedTuple):
     reason: str
     limit_mm: float | None = None
     duration_s: float | None = None
+    otherwise_s: tuple[tuple[str, float], ...] = ()
 
 
 def plan_checks(
@@ -294,6 +296,7 @@ class _Planner:
                     wish.reason,
                     wish.values.limit_mm,
                     check_s(wish.kind, wish.values, self.settings) if self.is_built_in else None,
+                    otherwise_s(wish.kind, wish.values, self.settings) if self.is_built_in else (),
                 )
             )
         return True

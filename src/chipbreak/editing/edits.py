@@ -42,7 +42,8 @@ class Edit(NamedTuple):
 
     ``title`` names the change in the program itself, ``reason`` explains it to the user, ``promise`` is what
     must hold of it in the bytes that were written.  ``pass_name`` is filled in by who asked the pass.
-    ``duration_s`` is about how long the programs take that the edit calls, None where nobody knows.
+    ``duration_s`` is about how long the programs take that the edit calls, None where nobody knows;
+    ``otherwise_s`` are settings, as they are written, with which they would take another time.
     """
 
     first: int
@@ -53,6 +54,7 @@ class Edit(NamedTuple):
     promise: Promise
     pass_name: str = ""
     duration_s: float | None = None
+    otherwise_s: tuple[tuple[str, float], ...] = ()
 
     def __repr__(self) -> str:
         return f"<Edit of {self.pass_name or 'no pass yet'}, lines {self.first} to {self.last}: {self.title}>"

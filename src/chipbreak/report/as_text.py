@@ -30,6 +30,8 @@ _OTHER_STROKE = 0.03  # of the planned stroke, from which on the reached one is 
 _MUCH_THICKER = 1.01
 _LEAST_DRIFT_STEPS = 0.001
 _MOST_UNTIMED = 20
+_LONG_CHECKS_S = 120.0  # together, from which on settings are named by which they take less
+_MUCH_SHORTER = 0.8
 _MEMBERS = {"tool": "the tool (tool post)", "work": "the work (spindle carrier)"}
 
 
@@ -60,6 +62,7 @@ def _lines_of(report: Report) -> Iterator[str]:
         yield f"  {number}. {_operation(operation)}"
     yield ""
     yield f"Tool checks: {len(report.checks) or 'none'}{_together(report)}"
+    yield from _shorter(report)
     for check in report.checks:
         yield f"  {_check(check)}"
     if report.time is not None:
@@ -162,6 +165,17 @@ def _together(report: Report) -> str:
         return said
     share = whole / report.time.after_s
     return f"{said}, {100.0 * share:z.0f} % of the filtered program ({report.time.after_s:z.0f} s)"
+
+
+def _shorter(report: Report) -> Iterator[str]:
+    """Settings by which long checks would take less."""
+    whole_s = sum(check.duration_s or 0.0 for check in report.checks)
+    if whole_s < _LONG_CHECKS_S:
+        return
+    for setting in report.checks[0].otherwise_s:
+        seconds = sum(check.otherwise_s[setting] for check in report.checks)
+        if seconds < _MUCH_SHORTER * whole_s:
+            yield f"  about {seconds:z.0f} s with {setting}"
 
 
 def _cut(cut: ExplainedCut) -> Iterator[str]:

@@ -49,6 +49,7 @@ def report_of(result: Result, settings: Settings) -> Report:
                 reason=source.meant(edit.reason),
                 is_at_end=edit.first == source.line_count,
                 duration_s=edit.duration_s,
+                otherwise_s=dict(edit.otherwise_s),
             )
             for edit in checks
         ),

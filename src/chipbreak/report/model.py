@@ -7,7 +7,7 @@ user's file.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any
 
 from chipbreak.kinematics.chip_model import Verdict
@@ -180,7 +180,8 @@ class ExplainedOperation:
 class ExplainedCheck:
     """A tool check that is inserted before ``line``, or behind the last one where ``is_at_end``.
 
-    ``duration_s`` is about how long it takes, None where nobody knows.
+    ``duration_s`` is about how long it takes, None where nobody knows; ``otherwise_s`` how long by other
+    settings, each as it is written.
     """
 
     line: int
@@ -188,6 +189,7 @@ class ExplainedCheck:
     reason: str
     is_at_end: bool
     duration_s: float | None = None
+    otherwise_s: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
