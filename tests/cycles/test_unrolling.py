@@ -448,14 +448,23 @@ def test_where_the_next_move_counts_on_the_modal_code_the_cycle_stays_and_the_wa
     assert b"(CHIPBREAK UNROLLED G71 P10 Q20)" in output
 
 
-def test_a_cycle_with_which_a_subprogram_begins_does_not_start_where_the_program_before_it_ended() -> None:
-    """Called by its block number, nobody knows from where: the place behind M30 is not that of the call."""
-    body = "G71 U1.5 R.5\nG71 P1 Q2 U.3 W.1 F.2\nN1 G0 X20. Z1.\nG1 Z-15. F.1\nN2 X48.\nM99\n"
-    main = "T0101\nG97 S800 M3\nG0 X50. Z2.\nM97 P1000\nG0 X100. Z100.\nM30\n"
-    program = f"{main}N1000 {body}".encode()
+PART = "N1000 G71 U1.5 R.5\nG71 P1 Q2 U.3 W.1 F.2\nN1 G0 X20. Z1.\nG1 Z-15. F.1\nN2 X48.\nM99\n"
+
+
+@pytest.mark.parametrize("times", ["", " L2"])
+def test_a_cycle_with_which_a_part_begins_does_not_start_where_the_program_before_it_ended(
+    times: str,
+) -> None:
+    """It starts where its call stands, X50 and not X100; called twice, nobody knows where the second time."""
+    main = f"T0101\nG97 S800 M3\nG0 X50. Z2.\nM97 P1000{times}\nG0 X100. Z100.\nM30\n"
+    program = f"{main}{PART}".encode()
     result = chipbreak.rewrite(program, load("fanuc-lathe", ALWAYS))
-    assert result.data == program
-    assert any("where this cycle starts is not known" in one.message for one in result.diagnostics)
+    if times:
+        assert result.data == program
+        assert any("where this cycle starts is not known" in one.message for one in result.diagnostics)
+    else:
+        assert b"(PASS 1 LEVEL 1.5 MM BELOW THE START)\nG0 Z2.1\nG0 X47.\n" in result.data
+        assert chipbreak.restore(result.data) == program
 
 
 COMPENSATED = CYCLE.replace(b"N10 G0 X16.", b"N10 G0 G42 X16.").replace(b"G0 X100.", b"G40 G0 X100.")
@@ -498,3 +507,64 @@ def test_a_cycle_that_runs_while_the_spindle_stands_is_no_cut() -> None:
     assert [one.code for one in result.diagnostics] == ["VIB065"]
     with pytest.raises(ProgramRejectedError):
         filtered(program.replace(b"F0.3\n", b"F0.3 N1.5\n", 1), "vibration.n=1.5")
+
+
+BEHIND_THE_END = b"""G21 G40 G99
+T0101
+G97 S1200 M3
+G0 X52. Z2.
+G71 U2. R0.5
+G71 P10 Q20 U0.4 W0.1 F0.3
+G70 P10 Q20
+G1 X50.
+G0 X100. Z100.
+M30
+N10 G0 X16. F0.1
+G1 Z-15.
+X30. Z-30.
+N20 X52.
+"""
+
+
+@pytest.mark.parametrize("options", [ALWAYS, ["vibration.n=1.5"]], ids=str)
+def test_a_finishing_cycle_that_stays_does_not_keep_the_passes_where_nothing_comes_to_its_contour(
+    options: list[str],
+) -> None:
+    """The cut behind it says no F, so it stays, with its contour behind M30; the passes do not need it."""
+    result = chipbreak.rewrite(BEHIND_THE_END, load("fanuc-lathe", options))
+    assert b"UNROLLED G71" in result.data
+    assert b"\nG70 P10 Q20\n" in result.data
+    assert result.data.endswith(BEHIND_THE_END[BEHIND_THE_END.index(b"N10") :])
+    assert chipbreak.restore(result.data) == BEHIND_THE_END
+    assert chipbreak.rewrite(result.data, load("fanuc-lathe", options)).data == result.data
+    assert bool(result.cuts) is (options != ALWAYS)
+    said = [one for one in result.diagnostics if one.code == "CYC007"]
+    assert len(said) == (options == ALWAYS), "of the finishing cycle, where it was asked"
+
+
+def test_a_contour_on_the_way_of_the_program_keeps_the_passes_and_it_is_said_because_of_which_cycle() -> None:
+    program = CYCLE.replace(b"G0 X100.", b"G1 X50.\nG0 X100.")
+    result = chipbreak.rewrite(program, load("fanuc-lathe", ["vibration.n=1.5"]))
+    assert result.data == program
+    (said,) = [one for one in result.diagnostics if one.code == "CYC007"]
+    assert said.place is not None and said.place.line == 6
+    assert said.message.startswith(
+        "the cycle in line 11 needs the same contour and cannot be written out: G1 X50."
+    )
+
+
+@pytest.mark.parametrize("control", ["fanuc-lathe", "haas-lathe"])
+def test_the_finishing_cycle_that_stays_finds_what_it_would_have_found(control: str) -> None:
+    """Place, F, S and modes before it are those of the original."""
+    settings = load(control, ALWAYS)
+    written = chipbreak.rewrite(BEHIND_THE_END, settings).data
+    states = []
+    for program in (BEHIND_THE_END, written):
+        interpreted = interpret(parse(read(program), settings.dialect), settings)
+        line = program.decode().splitlines().index("G70 P10 Q20")
+        states.append(interpreted.before(line))
+    assert states[1].position[::2] == (26.0, 2.0)
+    assert states[0].modes == states[1].modes
+    for name in ("feed", "speed"):
+        before, after = (getattr(state, name) for state in states)
+        assert before.text.rstrip(".") == after.text.rstrip(".")

@@ -164,14 +164,26 @@ def _add_contours(plan: UnrollPlan, interpreted: InterpretedProgram, wanted: set
         lines = [one.line for one in group if one.line in wanted]
         if not lines:
             continue
-        edits, refused = _edits_of_group(interpreted, group, starts)
-        if refused is None:
-            plan.edits.extend(edits)
-            plan.notes.extend(_repeated(interpreted, group))
-            plan.notes.extend(_under_compensation(interpreted, group, starts))
+        try:
+            edits, stay = _edits_of_group(interpreted, group, starts)
+        except _GroupError as error:
+            refused = error.refused
+            if refused.line not in wanted:
+                refused = _because_of_another(interpreted, refused, lines[0])
+            plan.refused.append(refused._replace(others=tuple(lines)))
             continue
-        said = refused.line if refused.line in wanted else lines[0]
-        plan.refused.append(refused._replace(line=said, others=tuple(lines)))
+        plan.edits.extend(edits)
+        plan.refused.extend(one for one in stay if one.line in wanted)
+        plan.notes.extend(_repeated(interpreted, group))
+        plan.notes.extend(_under_compensation(interpreted, group, starts))
+
+
+def _because_of_another(interpreted: InterpretedProgram, refused: Refused, line: int) -> Refused:
+    """Why the cycle in a line stays: another one has the same contour, over which nothing else passes."""
+    error = refused.error
+    other = interpreted.program.source.place(refused.line).line
+    message = f"the cycle in line {other} needs the same contour and cannot be written out: {error.message}"
+    return Refused(line, RefusalError(error.code, message, error.help))
 
 
 def _repeated(interpreted: InterpretedProgram, group: Sequence[ContourCall]) -> Iterator[Refused]:
@@ -249,22 +261,47 @@ def _first_line(interpreted: InterpretedProgram, one: ContourCall) -> int:
         return one.line
 
 
+class _GroupError(Exception):
+    """The cycle because of which none of a contour is written out."""
+
+    def __init__(self, line: int, error: RefusalError) -> None:
+        super().__init__(error.message)
+        self.refused = Refused(line, error)
+
+
 def _edits_of_group(
     interpreted: InterpretedProgram, group: Sequence[ContourCall], starts: Mapping[int, State]
-) -> tuple[list[UnrolledEdit], Refused | None]:
-    """The edits of all cycles of a contour, or the first of them that cannot be written out."""
+) -> tuple[list[UnrolledEdit], list[Refused]]:
+    """The edits of all cycles of a contour, and the finishing cycles that stay with it.
+
+    Errors: _GroupError for the first one that cannot be written out, and cannot stay alone.
+    """
     edits = []
+    stay = []
+    for one in group:
+        try:
+            edits.append(_edit_of_call(interpreted, one, starts[one.line]))
+        except RefusalError as error:
+            if not _may_stay_alone(interpreted, one):
+                raise _GroupError(one.line, error) from None
+            stay.append(Refused(one.line, error))
     line = group[0].line
     try:
-        for one in group:
-            line = one.line
-            edits.append(_edit_of_call(interpreted, one, starts[line]))
-        line = group[0].line
-        edits.append(_contour_edit(interpreted, group, starts[line]))
+        if not stay:
+            edits.append(_contour_edit(interpreted, group, starts[line]))
         _refuse_lines(interpreted, [one.edit for one in edits])
     except RefusalError as error:
-        return [], Refused(line, error)
-    return [one._replace(group=line) for one in edits], None
+        raise _GroupError(line, error) from None
+    return [one._replace(group=line) for one in edits], stay
+
+
+def _may_stay_alone(interpreted: InterpretedProgram, one: ContourCall) -> bool:
+    """True for a finishing cycle whose contour stands behind an end, where nothing but a cycle comes to it.
+
+    Its blocks can stay when the roughing before it is written out.
+    """
+    is_finish = kind_of(interpreted.program.block(one.line), interpreted.settings) == "finish"
+    return is_finish and one.first is not None and interpreted.before(one.first).ended
 
 
 def _refuse_lines(interpreted: InterpretedProgram, edits: Sequence[Edit]) -> None:
