@@ -157,3 +157,27 @@ def test_a_new_file_gets_the_mode_of_new_files_and_an_old_one_keeps_its_own(
         os.umask(before)
     modes = {name: (tmp_path / name).stat().st_mode & 0o777 for name in ("old.nc", "new.nc")}
     assert modes == {"old.nc": 0o640, "new.nc": 0o666 & ~mask}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a terminal of Unix")
+@pytest.mark.parametrize("is_terminal", [True, False])
+def test_a_terminal_is_told_what_is_waited_for(is_terminal: bool, tmp_path: Path) -> None:
+    import pty
+
+    program = b"G97 S3000 M3\nG0 X20. Z2.\nM30\n"
+    ours, theirs = pty.openpty() if is_terminal else os.pipe()[::-1]
+    try:
+        os.write(ours, program + b"\x04" * is_terminal)
+        if not is_terminal:
+            os.close(ours)
+        command = [sys.executable, "-m", "chipbreak", "filter", "-p", "generic-lathe"]
+        done = subprocess.run(
+            command, stdin=theirs, capture_output=True, check=False, cwd=tmp_path, timeout=60
+        )
+    finally:
+        os.close(theirs)
+        if is_terminal:
+            os.close(ours)
+    assert done.returncode == 0
+    assert done.stdout == program
+    assert (b"waiting for a program from the keyboard" in done.stderr) == is_terminal

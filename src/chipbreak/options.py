@@ -184,9 +184,10 @@ def settings_of_filtered(asked: Asked, source: str, program: ProgramFile) -> Set
     stamp = None if asked.profile is not None else stamp_of(program.data + (program.beside or b""))
     if stamp is None:
         return settings_of(asked, source)
+    stamped = asked._replace(sets=("output.stamp=true", *asked.sets))  # for there is one
     for profile in _profiles_called(stamp.profile, source):
         try:
-            settings = settings_for(asked._replace(profile=profile), source)
+            settings = settings_for(stamped._replace(profile=profile), source)
         except SettingsError:
             continue
         if fingerprint(settings) == stamp.fingerprint:
@@ -306,9 +307,26 @@ def rewrite_program(program: ProgramFile, settings: Settings, source: str, asked
                 beside=program.beside,
                 allow_unbroken=asked.allow_unbroken,
                 messages=asked.messages,
+                progress=_progress(),
             )
         ),
     )
+
+
+def _progress() -> Callable[[int], None] | None:
+    """What LinuxCNC's AXIS reads of a filter while it runs; nobody else sets the variable."""
+    if "AXIS_PROGRESS_BAR" not in os.environ:
+        return None
+    most = -1
+
+    def tell(percent: int) -> None:
+        nonlocal most
+        if percent > most:  # a stage may be gone through again
+            most = percent
+            complain(f"FILTER_PROGRESS={percent}")
+
+    tell(0)
+    return tell
 
 
 def verify_program(program: ProgramFile, settings: Settings, source: str, asked: Asked) -> Result:

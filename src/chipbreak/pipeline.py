@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import cache, partial
 from typing import TYPE_CHECKING
@@ -43,6 +43,13 @@ from chipbreak.vibration.left_cut import LeftCut
 
 if TYPE_CHECKING:
     from chipbreak.vibration.measure import CutReport
+
+# About how much of a run is done behind each stage [%], measured on long programs.
+_INTERPRETED = 5
+_UNROLLED = 15
+_PLANNED = 60
+_WRITTEN = 65
+_LOOKED_AFTER = 99
 
 
 class Result(NamedTuple):
@@ -94,12 +101,14 @@ def rewrite(
     beside: bytes | None = None,
     allow_unbroken: bool = False,
     messages: bool = False,
+    progress: Callable[[int], None] | None = None,
 ) -> Result:
     """Filter a program.
 
     A program that was filtered before is put back first, so a second run with the same profile changes
     nothing.  ``beside`` is the file beside such a program, where its brackets were left out of it.
-    ``messages``: warnings are written into the program as comments for the operator.
+    ``messages``: warnings are written into the program as comments for the operator.  ``progress`` is told
+    about how much is done [%], once a stage.
 
     Raises ProgramRejectedError when it has an error in it, and SelfCheckError when the result does
     not do what was promised; then nothing may be written.  Raises SettingsError for a profile whose rules or
@@ -107,7 +116,9 @@ def rewrite(
     """
     refuse_utf_16(data, name)
     source = restore(with_brackets(data, name, beside))
-    result = _run(source, settings, None, RunOptions(allow_unbroken, messages))
+    options = RunOptions(allow_unbroken, messages)
+    options = options if progress is None else options._replace(progress=progress)
+    result = _run(source, settings, None, options)
     return result._replace(changed=(result.data, result.beside) != (data, beside))
 
 
@@ -144,6 +155,7 @@ def _filtered_again(source: Source, output: bytes, settings: Settings) -> Result
 def _run(source: Source, settings: Settings, output: bytes | None, options: RunOptions) -> Result:
     """All stages on an unfiltered source; ``output`` is the program to judge, None to write one."""
     whole = _Whole.of(interpret(parse(source, settings.dialect), settings))
+    options.progress(_INTERPRETED)
     passes = passes_of(settings)
     idle: dict[int, RefusalError] = {}
     idle_runs: dict[int, RefusalError] = {}
@@ -152,6 +164,7 @@ def _run(source: Source, settings: Settings, output: bytes | None, options: RunO
         unrolled = unroll(whole.interpreted, whole.main, whole.operations, idle)
         unrolled = offset_noses(unrolled, tools, idle_runs)
         _reject_wrong(unrolled.diagnostics)
+        options.progress(_UNROLLED)
         context = _context(whole, unrolled, options)
         context, tried = _settled(context, passes, output)
         # What is written out to vibrate and does not, stays.  Each round leaves one more of it.
@@ -233,6 +246,7 @@ def _tried(context: Context, passes: Sequence[Pass], output: bytes | None) -> _T
     interpreted = context.interpreted
     diagnostics = findings(interpreted, context.named_cycles)
     planned = _planned(passes, context)
+    context.options.progress(_PLANNED)
     diagnostics += [diagnostic for one in planned for diagnostic in one.diagnostics]
     # Of two insertions before one line, what was planned later stands first.
     edits = [edit for one in reversed(planned) for edit in one.edits]
@@ -243,7 +257,9 @@ def _tried(context: Context, passes: Sequence[Pass], output: bytes | None) -> _T
     source = interpreted.program.source
     if output is None:
         output = b"".join(render(interpreted.program, edits, context.settings)) if edits else source.data
+    context.options.progress(_WRITTEN)
     kept = verify(interpreted, output, edits) if edits or output != source.data else []
+    context.options.progress(_LOOKED_AFTER)
     return _Tried(edits, diagnostics, [cut for one in planned for cut in one.left], output, kept)
 
 

@@ -128,6 +128,10 @@ def read_input(source: str) -> bytes:
 
     A long program is worth collecting garbage for, which the command line leaves off.
     """
+    if source == "-" and sys.stdin is not None and sys.stdin.isatty():
+        complain(
+            "waiting for a program from the keyboard, up to Ctrl-D (Windows: Ctrl-Z, Enter); or name a file"
+        )
     data = _read(source)
     if len(data) > _LONG_BYTES:
         gc.enable()

@@ -81,6 +81,11 @@ def test_linuxcnc_opens_what_comes_out(tmp_path: Path) -> None:
     assert "VIB079 UNPROVEN" in done.stdout
     assert chipbreak.restore(done.stdout.encode()) == PROGRAM
     assert done.stdout.encode().endswith(result.data[-200:])
+    progress = [int(n) for n in re.findall(r"^FILTER_PROGRESS=(\d+)$", done.stderr, re.MULTILINE)]
+    assert progress[0] == 0
+    assert progress[-1] > 90
+    assert len(progress) > 3
+    assert progress == sorted(set(progress))
     (tmp_path / "a part.nc").write_bytes(WRONG)
     done = run(str(script), str(tmp_path / "a part.nc"), cwd=tmp_path)
     assert done.returncode == 3

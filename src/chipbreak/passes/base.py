@@ -23,15 +23,21 @@ from chipbreak.tools.merge import ToolTable
 from chipbreak.vibration.left_cut import LeftCut
 
 
+def _nobody_waits(_percent: int) -> None:
+    """For runs that nobody looks at."""
+
+
 class RunOptions(NamedTuple):
     """What the user wants of this run, whatever the machine.
 
     ``allow_unbroken``: cuts that do not break their chips are let pass, with a warning.  ``messages``: the
-    warnings are written into the program, for the operator.
+    warnings are written into the program, for the operator.  ``progress`` is told about how much is done [%];
+    a run that goes back to an earlier stage says so.
     """
 
     allow_unbroken: bool = False
     messages: bool = False
+    progress: Callable[[int], None] = _nobody_waits
 
 
 _NO_OPTIONS = RunOptions()
