@@ -9,9 +9,10 @@ edge.  ``M66 P0 L0`` reads the barrier, ``M19 R`` turns the spindle at once.
 
 The part of LinuxCNC that reads the program looks at the motion's status without a lock.  Where the motion is
 held up between taking a command and saying that it moves, the reader takes the move for done: it goes on
-before a probe has ended ("Queue is not empty after probing"), or reads the barrier too early.  A realtime
-kernel does not hold it up; a busy or virtual computer does, the more often the faster the clock.  So the
-wall's speed is the judge, and :func:`run_until` gets there only when a faster run has not done as expected.
+before a probe has ended ("Queue is not empty after probing"), or reads the barrier too early.  Where
+priorities are allowed the motion goes before the reader (``clock.c``); elsewhere a busy computer holds it up,
+and a virtual one now and then in any case, the more often the faster the clock.  So the wall's speed is the
+judge, and :func:`run_until` gets there only when a faster run has not done as expected.
 """
 
 from __future__ import annotations
