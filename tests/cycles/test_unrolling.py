@@ -568,3 +568,13 @@ def test_the_finishing_cycle_that_stays_finds_what_it_would_have_found(control: 
     for name in ("feed", "speed"):
         before, after = (getattr(state, name) for state in states)
         assert before.text.rstrip(".") == after.text.rstrip(".")
+
+
+def test_a_depth_that_is_more_than_there_is_to_take_is_said() -> None:
+    """18 mm from the start to the contour, less an allowance of 0.2 mm."""
+    for depth, is_said in ((b"20.", True), (b"17.9", True), (b"17.8", False), (b"2.", False)):
+        result = chipbreak.rewrite(CYCLE.replace(b"U2.", b"U" + depth), load("fanuc-lathe", ALWAYS))
+        said = [one for one in result.diagnostics if one.code == "CYC011"]
+        assert bool(said) is is_said
+        assert not said or (said[0].place is not None and said[0].place.line == 6)
+        assert not said or "17.8 mm that there is" in said[0].message

@@ -52,6 +52,8 @@ from chipbreak.text.named_tuple import NamedTuple
 BAD_ALLOWANCE = "CYC005"
 REPEATED_NUMBER = "CYC008"
 UNDER_COMPENSATION = "CYC009"
+DEEPER_THAN_ALL = "CYC011"
+_SAME_MM = 1e-6
 _MOST_LINES_BETWEEN = 2000
 _MOST_PASSES = 500
 _NARROW_STEPS = 8  # of the output; the digits blur what is shorter
@@ -174,8 +176,24 @@ def _add_contours(plan: UnrollPlan, interpreted: InterpretedProgram, wanted: set
             continue
         plan.edits.extend(edits)
         plan.refused.extend(one for one in stay if one.line in wanted)
+        plan.notes.extend(_deeper_than_all(edits))
         plan.notes.extend(_repeated(interpreted, group))
         plan.notes.extend(_under_compensation(interpreted, group, starts))
+
+
+def _deeper_than_all(edits: Iterable[UnrolledEdit]) -> Iterator[Refused]:
+    """For cycles whose one pass takes all there is: more than a depth of U20 for U2. would be meant to."""
+    for one in edits:
+        promise = one.edit.promise
+        if not isinstance(promise, UnrolledRoughing):
+            continue
+        cycle = promise.cycle
+        deepest_mm = cycle.start.h - min(min(s.start.h, s.end.h) for s in cycle.rough_contour)
+        if cycle.depth_mm > deepest_mm + _SAME_MM:
+            message = f"the depth of a pass, {cycle.depth_mm:g} mm, is more than the {deepest_mm:.4g} mm that"
+            message += " there is to take: one pass takes all of it"
+            help_text = "check its unit and its point; a depth of what there is says the same"
+            yield Refused(one.edit.last - 1, RefusalError(DEEPER_THAN_ALL, message, help_text))
 
 
 def _because_of_another(interpreted: InterpretedProgram, refused: Refused, line: int) -> Refused:

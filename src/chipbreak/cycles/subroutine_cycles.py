@@ -133,8 +133,9 @@ def _refuse_state(state: State, block: Block) -> None:
     foreign = next((word for word in block.words if word.address not in _WORDS), None)
     why = ""
     if foreign is not None or block.has_macro or block.skip or len(block.numbers("G")) > 1:
-        why = "the cycle does not stand alone in its block, with plain numbers"
-    elif state.modes.compensation != "off":
+        alone = "the cycle does not stand alone in its block, with plain numbers"
+        raise RefusalError(UNREAD_FORM, alone, "write it so, with the numbers themselves")
+    if state.modes.compensation != "off":
         why = "nose compensation is in force at this cycle"
     if why:
         raise RefusalError(UNREAD_FORM, why, "write G40 and a move to its start before the cycle")
