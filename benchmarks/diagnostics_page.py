@@ -8,10 +8,11 @@ them is filtered, and program and message stand on the page as they are.
 from __future__ import annotations
 
 import re
+import shlex
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import chipbreak
 
@@ -36,11 +37,16 @@ it, one with what is said of it. The message at the machine names the numbers of
 
 
 class Text(NamedTuple):
-    """What the file says of a code; ``way_out`` may be empty where an example has one."""
+    """What the file says of a code.
+
+    ``way_out`` may be empty where a program of tests/bad has one; ``example`` is an :class:`Example` where
+    none of them can show the code.
+    """
 
     severity: str
     meaning: str
     way_out: str = ""
+    example: dict[str, Any] | None = None
 
 
 class Section(NamedTuple):
@@ -52,7 +58,7 @@ class Section(NamedTuple):
 
 
 class Example(NamedTuple):
-    """A program that is refused: its text without the line that says so, and the options it is read with."""
+    """A program of which something is said, and the options it is read with."""
 
     name: str
     text: str
@@ -62,17 +68,16 @@ class Example(NamedTuple):
     @property
     def options(self) -> str:
         """The options as they are typed."""
-        return " ".join((f"-p {self.profile}", *(f"--set {one}" for one in self.sets)))
+        return " ".join((f"-p {self.profile}", *(f"--set {shlex.quote(one)}" for one in self.sets)))
 
     def said(self, code: str) -> str:
         """The message with this code.  ValueError where it is not said."""
-        try:
-            chipbreak.rewrite(self.text.encode(), chipbreak.load(self.profile, self.sets), self.name)
-        except chipbreak.ProgramRejectedError as error:
-            for found in error.diagnostics:
-                if found.code == code:
-                    return found.render()
-        message = f"{self.name} is not refused with {code}"
+        at = CHECKOUT / self.profile
+        settings = chipbreak.load(at if at.is_file() else self.profile, self.sets)
+        for found in chipbreak.check(self.text.encode(), settings, self.name):
+            if found.code == code:
+                return found.render()
+        message = f"{code} is not said of {self.name}"
         raise ValueError(message)
 
 
@@ -88,8 +93,13 @@ def sections() -> list[Section]:
 
 
 def examples() -> dict[str, Example]:
-    """For each code the shortest of the refused programs that can be printed."""
-    found: dict[str, Example] = {}
+    """For each code its own example, or the shortest of the refused programs that can be printed."""
+    found = {
+        code: Example("part.nc", one["program"], one["profile"], tuple(one.get("sets", ())))
+        for section in sections()
+        for code, text in section.codes.items()
+        if (one := text.example) is not None
+    }
     for file in sorted(BAD.glob("*.nc"), key=lambda file: (file.stat().st_size, file.name)):
         code, example = _example(file)
         if all(letter == "\n" or letter.isprintable() for letter in example.text) and example.text.isascii():
