@@ -117,7 +117,8 @@ def _drawn_cuts(run: _Run) -> Iterator[str]:
     others = len(run.report.cuts) - min(len(numbers), _MOST_DRAWN)
     if others:
         why = "they are like these, or there are too many"
-        yield f'<p class="about">{others} more cuts are not drawn: {why}.</p>'
+        more = "1 more cut is" if others == 1 else f"{others} more cuts are"
+        yield f'<p class="about">{more} not drawn: {why}.</p>'
 
 
 def _unlike(cuts: Sequence[ExplainedCut]) -> list[int]:

@@ -10,6 +10,7 @@ from chipbreak.vibration.machine import numbers_at
 from chipbreak.vibration.measure import CutReport
 
 UNPROVEN = "VIB079"
+_CUTS = {1: "this cut", 2: "this and one more cut"}
 
 
 def unproven(interpreted: InterpretedProgram, reports: Sequence[CutReport]) -> list[Diagnostic]:
@@ -18,7 +19,7 @@ def unproven(interpreted: InterpretedProgram, reports: Sequence[CutReport]) -> l
     if not cuts:
         return []
     axes = sorted({axis for cut in cuts for axis in cut.plan.chain.axes})
-    said = "this cut" if len(cuts) == 1 else f"this and {len(cuts) - 1} more cuts"
+    said = _CUTS.get(len(cuts), f"this and {len(cuts) - 1} more cuts")
     message = (
         f"unproven: chips of {said} would break on a control that follows the blocks exactly; the profile"
         " does not say what this one makes of them (planner.model)"
