@@ -100,7 +100,7 @@ def at_mark(program: str, profile: str) -> tuple[str, str]:
         ),
         pytest.param(
             LINUXCNC,
-            "o1 while [#1]\n(HERE)\no2 if [#1]\nF5\no1 continue\no2 endif\no1 endwhile",
+            "o1 while [#1]\n(HERE)\no2 if [#1]\nF5\no1 continue\no2 endif\nF100.\no1 endwhile",
             ("", "900"),
             id="continue",
         ),
@@ -110,6 +110,12 @@ def at_mark(program: str, profile: str) -> tuple[str, str]:
             "o1 while [#1]\nS500\no2 if [#1]\no1 break\no2 endif\nS900\no1 endwhile\n(HERE)",
             ("100.", ""),
             id="left with another S",
+        ),
+        pytest.param(
+            LINUXCNC,
+            "o1 while [#1]\n(HERE)\no2 if [#1]\nS500\no1 break\no2 endif\nS900\no1 endwhile",
+            ("100.", "900"),
+            id="what leaves does not come again",
         ),
         pytest.param(
             LINUXCNC,

@@ -92,7 +92,8 @@ class _Nest:
 
     ``test``   the line that the program leaves for the next arm, where its condition is not met
     ``arms``   where arms of a branch end, without the last one
-    ``leaves`` where the loop is left or begun again (``break``, ``continue``)
+    ``leaves`` where the loop is left (``break``)
+    ``again``  where the rest of a pass is left out (``continue``)
     """
 
     keyword: str
@@ -102,6 +103,7 @@ class _Nest:
     test: int | None
     arms: list[Place] = field(default_factory=list)
     leaves: list[Place] = field(default_factory=list)
+    again: list[Place] = field(default_factory=list)
 
 
 def at_nests(blocks: Iterable[Block]) -> dict[Place, Arrival]:
@@ -163,7 +165,8 @@ class _NestReader:
         self.found[Place(line, is_behind=True)] = Arrival(())
         left = [nest for nest in self.opened if nest.label == control.label.lower()]
         for nest in left:
-            nest.leaves.append(Place(line, is_behind=False))
+            ways = nest.again if control.keyword == "O-CONTINUE" else nest.leaves
+            ways.append(Place(line, is_behind=False))
         return bool(left) or control.keyword not in _LEAVES
 
 
@@ -176,11 +179,12 @@ def _closed(nest: _Nest, last: int) -> Iterator[tuple[Place, Arrival]]:
         yield begin, Arrival(())
         yield end, Arrival((*nest.arms, *past))
         return
-    yield begin, Arrival((Place(last, is_behind=False), *nest.leaves))
+    yield begin, Arrival((Place(last, is_behind=False), *nest.again))
     if nest.keyword in ("O-WHILE", "WHILE"):  # it is left where its condition stands
         yield end, Arrival((begin, *nest.leaves), from_above=False)
     else:
-        yield end, Arrival((*nest.leaves, *(() if nest.runs_at_least_once else (begin,))))
+        past = [] if nest.runs_at_least_once else [begin]
+        yield end, Arrival((*nest.leaves, *nest.again, *past))
 
 
 def runs_at_least_once(opener: Control) -> bool:
