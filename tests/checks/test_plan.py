@@ -274,6 +274,29 @@ def test_no_safe_border() -> None:
     assert message.endswith("cutter compensation (G41, G42) is on")
 
 
+def test_a_beam_that_cannot_be_measured_at_the_start_is_measured_later() -> None:
+    """The first tool comes down where the operator left X and Y; the second one is sent to a place."""
+    first = "T1 M6\nS1000 M3\nG43 Z15. H1\nG0 X1. Y2.\nG1 Z-1. F100.\nG0 Z15.\n"
+    first += "M5\nG28 G91 Z0.\nG90\nG49\n"
+    calls = (
+        'calls.counting={calibrate="G65 P9810 K{every}", tool_check="G65 P9811 T{tool} K{every}", '
+        'chip_check="G65 P9813 T{tool} W{limit} K{every}"}'
+    )
+    options = (calls, "checks.calls=counting", "checks.every=3")
+    result = run(first, visit(2, "FINISH"), visit(1, "FINISH"), options=options)
+    assert result.titles[:3] == ["TOOL CHECK T1", "CHIP CHECK T1 W0.02, CALIBRATE", "TOOL CHECK T2"]
+    assert "".join(result.titles).count("CALIBRATE") == 1
+    said = result.output.decode()  # nobody has counted this workpiece before T2
+    assert said.index("P9811 T1 K1") < said.index("P9810 K3") < said.index("P9811 T2 K3")
+    assert said.index("P9810 K3") < said.index("P9811 T1 K3")
+    message = only_code(result, "CHK002")
+    assert "CALIBRATE before T1, which is measured by the beam as it was last found, if ever; " in message
+    assert "rely on where X is" in message
+    only_one = run(first)
+    assert only_one.titles[0] == "TOOL CHECK T1, TRACE T1"
+    assert "CALIBRATE before T1" in only_code(only_one, "CHK002")
+
+
 def test_no_speed_at_the_first_cut() -> None:
     """TRACE takes the speed of TOOL CHECK, and the tool data that came with it: alone it would only alarm."""
     result = run(visit(1, "ADAPTIVE1", "FINISH", speed=""))

@@ -135,8 +135,8 @@ class _Planner:
             calls_in_line=self.calls.in_line,
         )
         self.plate = touch_plate_of(settings)
-        # How many workpieces a check is for; the control counts them where the beam is measured.
-        self.every = self.checks.every
+        # How many workpieces a check is for; the control counts them where the beam is measured, not before.
+        self.every = 1
         self.uses = Uses(operations, interpreted)
         self.call_lines: list[int | None] = []  # of each operation: where its tool was called
         for operation in operations:
@@ -161,8 +161,8 @@ class _Planner:
             if tool is None or call is None or not self._is_wanted(tool):
                 continue
             if not is_calibrated:
-                self._calibrate(call)
-                is_calibrated = True
+                is_calibrated = self._calibrate(call, tool)
+                self.every = self.checks.every if is_calibrated else 1
             self._check_tool(call, visit[0], tool)
             for operation in visit:
                 self._check_chips(operation, tool)
@@ -179,19 +179,24 @@ class _Planner:
         """The tool that may take its place, 0 where there is none."""
         return self.checks.sister.get(str(tool), 0)
 
-    def _calibrate(self, call: int) -> None:
-        """Straight before the first tool call: after it the master bar would have to change places."""
+    def _calibrate(self, call: int, tool: int) -> bool:
+        """Straight before a tool call: after it the master bar would have to change places.
+
+        False where there is no place for it; the next call is tried then.
+        """
         if not self.calls.has(CheckKind.CALIBRATE):
-            return
+            return True
         ends = [last + 1 for _, last in self.main.bodies if last < call]
         ends += [op.last_cut + 1 for op in self.operations if op.last_cut is not None and op.last_cut < call]
         first = max([self.main.first, *ends])
         where = Range(first, call, call, at_start=not self.main.has_work(self.main.first, call))
         reason = "the beam is measured once a workpiece, before the first tool is called"
-        if self.every > 1:
-            reason += f"; the control counts, and checks every {self.every} workpieces"
-        if not self._place(where, _Wish(CheckKind.CALIBRATE, CallValues(every=self.every), reason)):
-            self.every = 1  # nobody would count
+        every = self.checks.every
+        if every > 1:
+            reason += f"; the control counts, and checks every {every} workpieces"
+        wish = _Wish(CheckKind.CALIBRATE, CallValues(every=every), reason)
+        so = f" before T{tool}, which is measured by the beam as it was last found, if ever"
+        return self._place(where, wish, without=so)
 
     def _check_tool(self, call: int, operation: Operation, tool: int) -> None:
         """TOOL CHECK and TRACE, after the tool call and before its first cut."""
@@ -274,12 +279,12 @@ class _Planner:
         stops = (e.block.line for e in self.interpreted.effects_of(last_cut, last) if e.does("stop"))
         return next(stops, last)
 
-    def _place(self, where: Range, *wishes: _Wish) -> bool:
-        """Plan checks at the first safe point of a range, or say why there is none."""
+    def _place(self, where: Range, *wishes: _Wish, without: str = "") -> bool:
+        """Plan checks at the first safe point of a range, or say why there is none, and what that means."""
         found = self.finder.find(where)
         if isinstance(found, NoSafePoint):
             titles = ", ".join(wish.title for wish in wishes)
-            message = f"left out: {titles}; nothing can be inserted here, because {found.why}"
+            message = f"left out: {titles}{without}; nothing can be inserted here, because {found.why}"
             self.findings.say(found.line, NO_SAFE_POINT, message, found.help)
             return False
         for wish in wishes:
