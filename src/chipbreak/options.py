@@ -47,6 +47,7 @@ class Asked(NamedTuple):
     unroll: bool = False
     as_json: bool = False
     quiet: bool = False
+    verbose: bool = False
     color: str = "never"
     log: str | None = None
     messages: bool = False
@@ -102,6 +103,7 @@ UNROLL = click.option("--unroll", is_flag=True, help="Write out all cycles as pl
 REPORTING = (
     click.option("--json", "as_json", is_flag=True, help="Diagnostics and reports as JSON."),
     click.option("-q", "--quiet", is_flag=True, help="Only errors on stderr."),
+    click.option("-v", "--verbose", is_flag=True, help="Say which profile and which files of tools are used."),
     click.option(
         "--color",
         type=click.Choice(["auto", "always", "never"]),
@@ -169,7 +171,23 @@ def settings_for(asked: Asked, source: str) -> Settings:
         settings = replace(settings, checks=replace(settings.checks, strict=True))
     if asked.unroll:
         settings = replace(settings, cycles=replace(settings.cycles, unroll="always"))
-    return _with_tool_files(settings, asked.tool_files) if asked.tool_files else settings
+    if asked.tool_files:
+        settings = _with_tool_files(settings, asked.tool_files)
+    if asked.verbose and not asked.quiet and not asked.as_json:
+        _say_what_is_used(settings, asked, source)
+    return settings
+
+
+def _say_what_is_used(settings: Settings, asked: Asked, source: str) -> None:
+    """One line a file on stderr: where a value comes from that nobody expects is asked for here."""
+    from chipbreak.tools.files import files_of
+
+    where = f", {where_found(source)}" if asked.profile is None else ""
+    lines = [f"profile {settings.name}{where}; 'chipbreak profile show' says every value of it"]
+    lines += [f"--set {one}" for one in asked.sets]
+    lines += [f"tools {name}" for name in files_of(settings)]
+    for line in lines:
+        complain(escaped(f"{shown(source)}: {line}"))
 
 
 def settings_of_filtered(asked: Asked, source: str, program: ProgramFile) -> Settings:
