@@ -103,7 +103,7 @@ UNROLL = click.option("--unroll", is_flag=True, help="Write out all cycles as pl
 REPORTING = (
     click.option("--json", "as_json", is_flag=True, help="Diagnostics and reports as JSON."),
     click.option("-q", "--quiet", is_flag=True, help="Only errors on stderr."),
-    click.option("-v", "--verbose", is_flag=True, help="Say which profile and which files of tools are used."),
+    click.option("-v", "--verbose", is_flag=True, help="Say which profile and tool files are used."),
     click.option(
         "--color",
         type=click.Choice(["auto", "always", "never"]),
