@@ -80,7 +80,9 @@ def test_what_is_written_leaves_the_contour_with_its_allowances(
     assume(sum(t for t, _, _ in steps) > 500)
     program = program_of(steps, **ways)  # type: ignore[arg-type]
     result = chipbreak.rewrite(program, LATHE)
-    refused = {d.code for d in result.diagnostics if d.code.startswith(("CYC", "VIB022"))}
+    refused = {d.code for d in result.diagnostics if d.code.startswith(("CYC", "VIB022"))} - {
+        planning.DEEPER_THAN_ALL
+    }
     assert (b"UNROLLED" in result.data) != bool(refused)
     assert refused <= {"CYC003"}, "an arc may turn back"
     assert chipbreak.restore(result.data) == program

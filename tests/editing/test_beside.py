@@ -266,7 +266,11 @@ def test_batch_and_the_stamp(folder: Path) -> None:
     assert names(folder / "out") == {"a.nc", "a.nc.chipbreak"}
     assert not OURS.search((folder / "out" / "a.nc").read_bytes())
     assert b"STAMP" in (folder / "out" / "a.nc.chipbreak").read_bytes()
-    assert "by chipbreak" in run("verify", "out/a.nc", code=2), "the stamp names a profile with another value"
+    run("verify", "out/a.nc")
+    run("batch", "a.nc", "-o", "other", "-j", "1", "--set", "output.stamp=true", "--set", "output.decimals=5")
+    assert "by chipbreak" in run("verify", "other/a.nc", code=2), (
+        "the stamp names a profile with another value"
+    )
     run("verify", "-p", "chipbreak.toml", "--set", "output.stamp=true", "out/a.nc")
     (folder / "out" / "a.nc").write_bytes((folder / "out" / "a.nc").read_bytes() + b"(EDITED)\n")
     assert "RES003" in run("batch", "out", "-o", "again", "-j", "1", "-p", "chipbreak.toml", code=3)

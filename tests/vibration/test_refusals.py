@@ -241,9 +241,9 @@ def test_the_active_speed_stands_in_a_line_of_the_file_at_hand() -> None:
     ],
 )
 def test_the_reason_of_an_unknown_place_is_the_last_one(profile: str, blocks: str, reason: str) -> None:
-    head = (
-        "T0303 S3000 M3\nG0 G95 X20. Z2.\n" if "mill" not in profile else "T3 M6 S3000 M3\nG0 G95 X20. Z2.\n"
-    )
+    tool = "T3 M6" if "mill" in profile else "T0303"
+    per_revolution = "G99" if profile == "fanuc-lathe" else "G95"
+    head = f"{tool} S3000 M3\nG0 {per_revolution} X20. Z2.\n"
     cut = "(VIB N1.5)\nG1 Z-30. F0.05\nM30\n"
     (found,) = chipbreak.check(f"{head}{blocks}\n{cut}".encode(), chipbreak.load(profile, NO_CHECKS))
     assert found.code == "VIB051"
