@@ -119,15 +119,16 @@ def test_the_machine_reaches_the_end_and_reports_errors() -> None:
 def test_exact_stop_runs_do_not_depend_on_the_speed_of_the_clock() -> None:
     strokes = "".join(f"G1 Z{0.07 + 0.01 * k:.3f} F6000\nZ{0.01 * (k + 1):.3f}\n" for k in range(40))
     programs = [f"G21 G90 G94 {mode}\n{strokes}M2\n".encode() for mode in ("G61", "G61.1")]
-    slow, fast = (
+    slow, wall, fast = (
         machine.run_steadily(programs, acceleration_mm_s2=10000, lathe=True, speed_up=speed_up)
-        for speed_up in (1, 10)
+        for speed_up in (0.5, 1, 10)
     )
 
-    for one, other in zip(slow, fast, strict=True):
-        assert one.errors == other.errors == ()
+    for slower, one, other in zip(slow, wall, fast, strict=True):
+        assert slower.errors == one.errors == other.errors == ()
         assert len(one.moving()) > 80 * 5
         assert np.array_equal(one.moving()[:, 1:], other.moving()[:, 1:])
+        assert np.array_equal(one.moving()[:, 1:], slower.moving()[:, 1:])
 
 
 @pytest.mark.linuxcnc("machine")
