@@ -329,7 +329,7 @@ RIGHT = (
         LC_LATHE,
         SHORT,
         cuts=("N0.5 F16.667 S2000 STROKE 0.1024", "N1.5 F62.5 S2500 STROKE 0.096"),
-        modes=("G61", "F0.08", "G64", "G97 S2500", "G61", "F0.08", "G64"),
+        modes=("G61", "F0.08", "G64", "G97 S2500", "G61", "F0.08", "G64", "G96 S150"),
     ),
     Right(
         "random/lathe-2572.ngc",
@@ -386,7 +386,13 @@ RIGHT = (
         ),
         said=("VIB064 25",),
     ),
-    Right("random/mill-1557.ngc", LC_MILL, SHORT, refused=("VIB057 21",)),
+    Right(
+        "random/mill-1557.ngc",
+        LC_MILL,
+        SHORT,
+        cuts=("N1.5 F62.5 S2500 STROKE 0.12", "N1.5 F62.5 S2500 STROKE 0.096"),
+        modes=("S2500", "G61", "F0.1", "G64", "G97 S2500", "G61", "F0.08", "G64", "G96 D2500 S100"),
+    ),
     Right(
         "random/mill-1618.ngc",
         LC_MILL,

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 import chipbreak
+from chipbreak.cycles.plan import _GroupError
 from chipbreak.editing.edits import Edit, OverlapError
 from chipbreak.editing.promise import Promise
 from chipbreak.macros.parameters import UnsetError
@@ -41,6 +42,7 @@ ERRORS = [
     UnsetError("MCR001", "no beam", "measure it"),
     TooDifficultError("too many ways"),
     NotReplacedError("it has other names"),
+    _GroupError(7, RefusalError("CYC007", "no point", "write one")),
 ]
 Copier = Callable[[Any], Any]
 

@@ -38,7 +38,7 @@ def test_a_surface_speed_is_given_back_in_the_units_it_was_set_in() -> None:
 
 @pytest.mark.parametrize("behind", ["G1 X40", "S90", "M3"])
 def test_a_surface_speed_that_is_not_known_is_refused(behind: str) -> None:
-    branch = ("o100 if [1 gt 0]", "G0 Z3", "o100 endif", "G0 X30 Z2")
+    branch = ("o100 if [1 gt 0]", "S90", "o100 endif", "G0 X30 Z2")
     with pytest.raises(chipbreak.ProgramRejectedError) as caught:
         filtered(LATHE[0], LATHE[1], "G96 D2500 S100", *branch, *CUT, behind, "M2")
     assert [one.code for one in caught.value.diagnostics if one.severity.value == "error"] == ["VIB057"]

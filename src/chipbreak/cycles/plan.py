@@ -283,7 +283,7 @@ class _GroupError(Exception):
     """The cycle because of which none of a contour is written out."""
 
     def __init__(self, line: int, error: RefusalError) -> None:
-        super().__init__(error.message)
+        super().__init__(line, error)  # as it is made again from a pickle
         self.refused = Refused(line, error)
 
 
