@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
+import chipbreak
 from chipbreak import load
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
 from chipbreak.model.modal import State
@@ -237,3 +238,9 @@ def test_what_is_called_known_is_what_the_control_has_at_each_visit(trees: list[
             if at == float(text[4:]):
                 assert feed is None or feed.value == real_feed, (program, line)
                 assert speed is None or speed.value == real_speed, (program, line)
+
+
+def test_what_a_return_brings_to_a_number_is_not_known() -> None:
+    """``M99 P7`` at the end of a main program is a jump, here with another S."""
+    program = b"G99\nG97 S1000 M3\nG0 X52. Z2.\nN7 G0 X50. Z2.\nG1 Z-3. F0.2 N1.5\nS300\nM99 P7\n"
+    assert [one.code for one in chipbreak.check(program, chipbreak.load("fanuc-lathe"))] == ["VIB001"]

@@ -86,13 +86,15 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
     cycles: list[_Cycle] = []
     ruled: list[Block] = []
     called: set[int] = set()
+    returned_to: set[int] = set()
     for block in program.event_blocks():
         cycles += _cycles_of(block, dialect)
         called.update(_called_numbers(block, dialect))
+        returned_to.update(_returned_to(block, dialect))
         if block.controls:
             jumps += _jumps_of(block)
             ruled.append(block)
-    numbers = sequence_lines(program) if jumps or cycles else {}
+    numbers = sequence_lines(program) if jumps or cycles or returned_to else {}
     shapes = [_shape(cycle, numbers) for cycle in cycles]
     contours = _merged(_passed_over(cycles, shapes))
     missing = tuple(shape for shape in shapes if isinstance(shape, MissingNumber) and dialect.contour_cycles)
@@ -102,7 +104,7 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
         if cycle.finishes and not isinstance(shape, MissingNumber) and (said := _last_said(program, shape))
     }
     arrivals = FrozenTable({**at_nests(ruled), **dict(at_targets(jumps, numbers, called))})
-    targets = _targets({jump.number for jump in jumps}, numbers)
+    targets = _targets({*(jump.number for jump in jumps), *returned_to}, numbers)
     return Flow(targets, contours, missing, FrozenTable(finishes), arrivals)
 
 
@@ -138,6 +140,13 @@ def _jumps_of(block: Block) -> Iterator[Jump]:
         if control.keyword == "GOTO":
             number = control.label.strip("Nn")
             yield Jump(block.line, int(number) if number.isdigit() else None)
+
+
+def _returned_to(block: Block, dialect: Dialect) -> Iterator[int]:
+    """The number that ``M99 P100`` goes to: in a main program it is a jump, with what is in force there."""
+    codes = [dialect.m_codes.get(int(number)) for number in block.numbers("M")]
+    if any(code is not None and (code.group, code.value) == ("subprogram", "return") for code in codes):
+        yield from (int(word.number) for word in block.words_of("P") if word.number is not None)
 
 
 def _called_numbers(block: Block, dialect: Dialect) -> Iterator[int]:
