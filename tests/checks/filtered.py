@@ -195,8 +195,9 @@ class Machine:
         words = [word for word in effect.block.words if word.address in AXES]
         if effect.block.has("M", 6):
             self.at = {"X": -311.0, "Y": 287.0, "Z": TOP}
-        elif in_call:
-            self.at = {"X": 777.0, "Y": -222.0, "Z": TOP}  # over the laser
+        elif in_call:  # left over the laser, or over where it came from
+            there = self.at if _comes_back(effect, self.settings) else {"X": 777.0, "Y": -222.0}
+            self.at = {**there, "Z": TOP}
         elif _goes_by_machine(effect):
             self.at.update({word.address: _HOME[word.address] for word in words})
         elif effect.move is not None:
@@ -226,6 +227,13 @@ class Machine:
 
 def _calls(effect: BlockEffect) -> bool:
     return "macro-call" in effect.non_modal or any(c.keyword == "O-CALL" for c in effect.block.controls)
+
+
+def _comes_back(effect: BlockEffect, rules: Settings) -> bool:
+    """True for the built-in CALIBRATE."""
+    if rules.checks.calls != "builtin":
+        return False
+    return effect.block.has("P", 8900) or any("cb_calibrate" in c.label for c in effect.block.controls)
 
 
 def _positions(effect: BlockEffect) -> bool:

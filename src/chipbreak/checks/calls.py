@@ -138,6 +138,7 @@ class CallSet(NamedTuple):
     blocks: Mapping[CheckKind, tuple[str, ...]]
     tails: Mapping[CheckKind, str]
     ends_offset: bool
+    returning: frozenset[CheckKind] = frozenset()
     in_line: bool = False
     keeps: str = ""
 
@@ -244,7 +245,8 @@ def _read(name: str, settings: Settings) -> CallSet:
             raise RefusalError(UNKNOWN_CHECK, message, _nearest(key, names))
     blocks = {CheckKind(key): tuple(templates) for key, templates in shipped.blocks.items()}
     tails = {CheckKind(key): tail for key, tail in shipped.tails.items()}
-    return CallSet(name, blocks, tails, shipped.ends_offset, shipped.in_line, shipped.keeps)
+    returning = frozenset(map(CheckKind, shipped.returning))
+    return CallSet(name, blocks, tails, shipped.ends_offset, returning, shipped.in_line, shipped.keeps)
 
 
 def _shipped(name: str, settings: Settings) -> CallTemplates:

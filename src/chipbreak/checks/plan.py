@@ -281,7 +281,8 @@ class _Planner:
 
     def _place(self, where: Range, *wishes: _Wish, without: str = "") -> bool:
         """Plan checks at the first safe point of a range, or say why there is none, and what that means."""
-        found = self.finder.find(where)
+        comes_back = all(wish.kind in self.calls.returning for wish in wishes)
+        found = self.finder.find(where, comes_back=comes_back)
         if isinstance(found, NoSafePoint):
             titles = ", ".join(wish.title for wish in wishes)
             message = f"left out: {titles}{without}; nothing can be inserted here, because {found.why}"

@@ -7,7 +7,7 @@ are in mm, whatever the program counts in.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -24,6 +24,7 @@ class CallTemplates(NamedTuple):
 
     ``tails``          behind the last block where a tool has a sister, or not every workpiece is checked
     ``ends_offset``    the calls may end the length offset, as some makers' cycles are known to
+    ``returning``      the checks whose program comes back to X and Y of its call, at the safe height
     ``in_line``        the blocks are the check itself, for a control without macros: they set F, and keep a
                        length in the work offset ``keeps``, which a program may not use beside them
     """
@@ -31,6 +32,7 @@ class CallTemplates(NamedTuple):
     blocks: Mapping[str, Sequence[str]]
     tails: Mapping[str, str] = FrozenTable({})
     ends_offset: bool = False
+    returning: Collection[str] = ()
     in_line: bool = False
     keeps: str = ""
 
@@ -185,6 +187,7 @@ _MACRO_B_CALLS = CallTemplates(
             "chip_check": " K{every}. U{sister}.",
         }
     ),
+    returning=("calibrate",),
 )
 _O_WORD_CALLS = CallTemplates(
     FrozenTable(
@@ -203,6 +206,7 @@ _O_WORD_CALLS = CallTemplates(
             "chip_check": " [{every}] [{sister}]",
         }
     ),
+    returning=("calibrate",),
 )
 
 

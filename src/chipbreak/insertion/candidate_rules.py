@@ -43,9 +43,13 @@ class Surroundings(NamedTuple):
 
 
 class Case:
-    """A candidate, and what the blocks after it need; each is found out when a rule asks for it."""
+    """A candidate, and what the blocks after it need; each is found out when a rule asks for it.
 
-    def __init__(self, surroundings: Surroundings, candidate: Candidate) -> None:
+    ``comes_back``: what is called goes back to X and Y by itself, also where the program does not know them.
+    """
+
+    def __init__(self, surroundings: Surroundings, candidate: Candidate, *, comes_back: bool = False) -> None:
+        self.comes_back = comes_back
         self.surroundings = surroundings
         self.candidate = candidate
         self.interpreted = surroundings.interpreted
@@ -78,8 +82,13 @@ class Case:
         axes = self.dependencies.axes
         if "Z" in axes or self.dependencies.length_offset:
             # The way down to Z starts where X and Y were, and ends at a height that counts from the offset.
-            return axes | frozenset("XZ" if self.dialect.is_lathe else "XYZ")
-        return axes
+            axes = axes | frozenset("XZ" if self.dialect.is_lathe else "XYZ")
+        return axes - self.unknown("XY") if self.comes_back else axes
+
+    def unknown(self, axes: str) -> frozenset[str]:
+        """Those of some axes whose place the program does not know."""
+        position = self.state.position._asdict()
+        return frozenset(axis for axis in axes if math.isnan(position[axis.lower()]))
 
     @cached_property
     def offset_words(self) -> str | None:
@@ -179,11 +188,10 @@ def _home_has_ended_the_offset(case: Case) -> Obstacle | None:
 
 
 def _place_is_not_known(case: Case) -> Obstacle | None:
-    position = case.state.position._asdict()
-    lost = [axis for axis in "XYZ" if axis in case.axes and math.isnan(position[axis.lower()])]
+    lost = case.axes & case.unknown("XYZ")
     if not lost:
         return None
-    why = f"the next blocks rely on where {lost[0]} is, which is not known: {case.state.unknown_why}"
+    why = f"the next blocks rely on where {min(lost)} is, which is not known: {case.state.unknown_why}"
     return Obstacle(why)
 
 

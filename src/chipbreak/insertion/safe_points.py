@@ -79,14 +79,14 @@ class SafePointFinder:
         )
         self._main = obstacles.main
 
-    def find(self, where: Range) -> SafePoint | NoSafePoint:
-        """The first safe line of a range."""
+    def find(self, where: Range, *, comes_back: bool = False) -> SafePoint | NoSafePoint:
+        """The first safe line of a range; ``comes_back``: what is called goes back to X and Y by itself."""
         found = self._candidates(where)
         forward = [candidate for candidate in found if candidate.line >= where.obvious]
         back = [candidate for candidate in found if candidate.line < where.obvious][::-1]
         first_refusal: NoSafePoint | None = None
         for candidate in forward + back:
-            judged = self._judge(candidate)
+            judged = self._judge(candidate, comes_back=comes_back)
             if isinstance(judged, SafePoint):
                 return judged
             first_refusal = first_refusal or judged
@@ -110,8 +110,8 @@ class SafePointFinder:
         is_open = source.data[-1:] not in (b"\n", b"\r")
         return min(self._main.last, source.line_count - 1 if is_open else source.line_count)
 
-    def _judge(self, candidate: Candidate) -> SafePoint | NoSafePoint:
-        case = Case(self._surroundings, candidate)
+    def _judge(self, candidate: Candidate, *, comes_back: bool) -> SafePoint | NoSafePoint:
+        case = Case(self._surroundings, candidate, comes_back=comes_back)
         for rule in RULES:
             obstacle = rule(case)
             if obstacle is not None:
