@@ -100,6 +100,24 @@ def test_the_factor_gives_the_wanted_time(override: float, before: float) -> Non
         assert took == pytest.approx(wanted.time, abs=0.000501 if near == 1.0 else 0.001001)
 
 
+def test_between_two_factors_that_do_may_be_some_that_do_not() -> None:
+    """A larger factor may take a period more: 12 ms at 1.17 and 1.23, 11 ms at 1.2."""
+    lengths = np.array([[0.0206, 0.0356, 0.0206]])
+    columns = lengths / 0.004, np.full((1, 3), 160.0), np.full((1, 3), 8000.0)
+    drawn = Stretches(lengths, *columns, np.zeros(1))
+    clock = Clock(0.001, 0.01, inf)
+    took = [
+        times_of_many(drawn._replace(speeds=drawn.speeds * factor), clock, 3).sum()
+        for factor in (1.17, 1.2, 1.23)
+    ]
+    assert took == pytest.approx([0.012, 0.011, 0.012])
+    found = factors_for(Wanted(drawn, np.full((1, 3), 0.004), 3, np.array([0.012])), [clock])
+    for share in (0.995, 1.0, 1.005):  # F is rounded
+        times = times_of_many(drawn._replace(speeds=drawn.speeds * found.factors * share), clock, 3)
+        assert times.sum() == pytest.approx(0.012)
+    assert found.late.tolist() == [0.0]
+
+
 def test_where_nobody_knows_the_override_the_worst_counts() -> None:
     clocks = [Clock(0.001, 0.01, override) for override in (1.0, 1.2, 1.5, 2.0)]
     wanted = wanted_for([0.036, 0.041], 0.0)

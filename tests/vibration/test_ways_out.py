@@ -45,6 +45,41 @@ def test_conditions_that_work(
     assert cut.verdict.per_rev == pytest.approx(float(works[1]), rel=0.01)
 
 
+SLOW_STEPS = [
+    "planner.model=junction",
+    *(f"axes.{axis}.steps_per_mm=80" for axis in "XZ"),
+    *(f"axes.{axis}.max_velocity_mm_min=3000" for axis in "XZ"),
+    *(f"axes.{axis}.max_acceleration_mm_s2=8000" for axis in "XZ"),
+]
+SLOW = "G21 G18 G90 G94\nM3 S{}\nG0 X20 Z2\n(VIB {})\n{}\nG0 X80\nM30\n"
+
+
+@pytest.mark.parametrize(
+    ("speed_rpm", "wish", "blocks"),
+    [
+        (200, "E3", "G1 Z-20 F{}"),
+        (200, "N1.5 WAVE SINE", "G1 Z-15 F{}\nX24 Z-17\nZ-30"),
+    ],
+)
+def test_a_cut_that_is_too_slow_for_the_control_gets_a_higher_feed(
+    speed_rpm: int, wish: str, blocks: str
+) -> None:
+    """At a lower frequency every move would be slower still."""
+    grbl = chipbreak.load("grbl", SLOW_STEPS)
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        chipbreak.rewrite(SLOW.format(speed_rpm, wish, blocks.format(10)).encode(), grbl)
+    (error,) = caught.value.diagnostics
+    assert error.code == "VIB034"
+    assert "as slowly" in error.message
+    works = re.search(r"works: a feed of ([0-9.]+) mm/rev \(([0-9.]+) mm/min\)", error.help)
+    assert works, error.help
+    assert float(works[2]) == pytest.approx(float(works[1]) * speed_rpm)
+    followed = SLOW.format(speed_rpm, wish, blocks.format(works[2]))
+    (cut,) = chipbreak.rewrite(followed.encode(), grbl).cuts
+    assert cut.verdict.breaks
+    assert cut.plan.solution.speed_rpm == speed_rpm
+
+
 def test_strokes_of_several_blocks_on_linuxcnc_are_advised_after_few_tries(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -77,36 +77,42 @@ def _one_factor(wanted: Wanted, clocks: Sequence[Clock]) -> tuple[Floats, Floats
     """One factor for each stretch, by how much it misses its time, and whether any factor does."""
     late = _late_of_all(wanted, clocks)
     slack = clocks[0].period_s / 2.0
-    factors = np.empty(len(late))
-    missed = np.zeros(len(late))
-    open_ones = list[int]()
-    tried = list[Floats]()
-    for row, misses in enumerate(late):
-        hits = np.flatnonzero(np.abs(misses) <= slack)
-        if len(hits):
-            widest = max(np.split(hits, np.flatnonzero(np.diff(hits) > 1) + 1), key=len)
-            factors[row] = np.sqrt(_TRIED[widest[0]] * _TRIED[widest[-1]])
-        else:
-            open_ones.append(row)
-            tried.append(_between(misses))
-    if open_ones:
-        rows = np.array(open_ones)
-        factors[rows], missed[rows] = _narrowed(wanted, rows, np.array(tried), clocks)
-    return factors, missed, late.min(axis=1) > slack
+    ends = np.array([_between(misses, slack) for misses in late]).reshape(-1, 2)
+    factors = np.sqrt(ends.prod(axis=1))
+    # A larger factor hardly ever takes longer: so what lies between two that do may not do.
+    missed = _late(wanted, np.arange(len(late)), factors, clocks)
+    rows = np.flatnonzero((np.abs(missed) > slack) | (np.abs(late).min(axis=1) > slack))
+    if len(rows):
+        tried = np.geomspace(ends[rows, 0], ends[rows, 1], _TRIED_BETWEEN, axis=1)
+        factors[rows], missed[rows] = _narrowed(wanted, rows, tried, clocks)
+    return factors, np.where(np.abs(missed) <= slack, 0.0, missed), late.min(axis=1) > slack
 
 
-def _between(misses: Floats) -> Floats:
-    """Factors between two that are tried, of which the first is too slow and the second too fast."""
+def _between(misses: Floats, slack: float) -> tuple[float, float]:
+    """The ends of the longest run of factors that do.
+
+    Where none of those tried does: two neighbours, the first of which is too slow and the second too fast.
+    """
+    hits = np.flatnonzero(np.abs(misses) <= slack)
+    if len(hits):
+        widest = _longest_run(hits)
+        return float(_TRIED[widest[0]]), float(_TRIED[widest[-1]])
     crossing = np.flatnonzero((misses[:-1] > 0.0) & (misses[1:] <= 0.0))
     at = int(crossing[0]) if len(crossing) else int(np.abs(misses).argmin())
-    return np.geomspace(_TRIED[at], _TRIED[min(at + 1, len(_TRIED) - 1)], _TRIED_BETWEEN)
+    return float(_TRIED[at]), float(_TRIED[min(at + 1, len(_TRIED) - 1)])
+
+
+def _longest_run(places: Counts) -> Counts:
+    """The longest run of whole numbers that follow each other, (k,) of (n,) that rise."""
+    return max(np.split(places, np.flatnonzero(np.diff(places) > 1) + 1), key=len)
 
 
 def _narrowed(wanted: Wanted, rows: Counts, tried: Floats, clocks: Sequence[Clock]) -> tuple[Floats, Floats]:
-    """The best of the factors in between: the middle of those that miss the time by as little."""
+    """The best of the factors in between: the middle of the longest run of those that miss it as little."""
     late = _late(wanted, np.repeat(rows, tried.shape[1]), tried.ravel(), clocks).reshape(tried.shape)
     least = np.abs(late).min(axis=1, keepdims=True)
-    middles = [near[len(near) // 2] for near in map(np.flatnonzero, np.abs(late) <= least + _SAME_S)]
+    runs = map(_longest_run, map(np.flatnonzero, np.abs(late) <= least + _SAME_S))
+    middles = [run[len(run) // 2] for run in runs]
     own = np.arange(len(rows)), np.array(middles)
     return tried[own], late[own]
 

@@ -36,7 +36,7 @@ from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.measure import measure_planned
 from chipbreak.vibration.plan import CutPlan, asked_of, command_group, feed_per_rev_mm, rules_of
 from chipbreak.vibration.surface_speed import bounds_rpm, surface_speed_of
-from chipbreak.vibration.trial import cost_of
+from chipbreak.vibration.trial import cost_of, fed
 
 NOTHING_FITS = "VIB036"
 _NO_STROKE_MM = 1e-9
@@ -399,19 +399,8 @@ def _lower_feeds(cut: _Cut, share: float) -> Iterator[_Cut]:
     feed_mm_rev = _lowered(cut.wanted.feed_mm_rev, share, _FEED_STEP_MM)
     while feed_mm_rev > 0.0:
         wanted = _with_feed(cut.wanted, feed_mm_rev, cut.wanted.speed_rpm)
-        yield cut._replace(wanted=wanted, chain=_fed(cut.chain, feed_mm_rev / cut.wanted.feed_mm_rev))
+        yield cut._replace(wanted=wanted, chain=fed(cut.chain, feed_mm_rev / cut.wanted.feed_mm_rev))
         feed_mm_rev = _lowered(feed_mm_rev, _STEP, _FEED_STEP_MM)
-
-
-def _fed(chain: Chain, share: float) -> Chain:
-    """The chain at a share of its feed."""
-    requests = []
-    for request in chain.requests:
-        after = request.effect.after
-        assert after.feed is not None
-        feed = after.feed._replace(value=after.feed.value * share)
-        requests.append(request._replace(effect=request.effect._replace(after=after._replace(feed=feed))))
-    return Chain(tuple(requests))
 
 
 def _lowered(value: float, share: float, step: float) -> float:

@@ -15,7 +15,6 @@ from chipbreak.vibration.judged import Judged
 from chipbreak.vibration.large_changes import LARGE_CHANGES
 from chipbreak.vibration.little_to_spare import little_to_spare
 from chipbreak.vibration.measure import CutReport
-from chipbreak.vibration.tolerances import TIME_SHARE
 from chipbreak.vibration.unproven import unproven
 from chipbreak.vibration.wish import AskedBy
 
@@ -91,19 +90,25 @@ def _missed(judged: Judged) -> Diagnostic | None:
     )
     message += _why_missed(report)
     works = judged.ways_out()
-    help_text = f"works: {works}" if works else "ask for a lower frequency, or vibrate each block on its own"
+    help_text = f"works: {works}" if works else _what_may_help(report)
     return judged.diagnose(MISSED, message, help_text, Severity.ERROR)
 
 
 def _why_missed(report: CutReport) -> str:
     plan = report.plan
-    if report.duration_s < (plan.wave.duration_s + plan.end_dwell_s) * (1.0 - TIME_SHARE):
+    if report.is_early:
         return ": it runs no move as slowly as this cut asks"
     if plan.path.corners_mm().size or any(arc is not None for arc in plan.path.arcs):
         return ": it slows down at bends of the path"
     if plan.wave.form == "tick":
         return ": strokes of several blocks do not keep their times"
     return ""
+
+
+def _what_may_help(report: CutReport) -> str:
+    if report.is_early:
+        return "give a higher feed, or cut this block without vibration"
+    return "ask for a lower frequency, or vibrate each block on its own"
 
 
 def _unbroken(judged: Judged) -> Diagnostic | None:

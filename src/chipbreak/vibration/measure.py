@@ -98,6 +98,12 @@ class CutReport:
         return self.following is not None and self.acceleration_mm_s2 > _ALMOST * self.allowed_mm_s2
 
     @property
+    def is_early(self) -> bool:
+        """True where the control runs the cut in less time than planned: it makes no move so slow."""
+        planned_s = self.plan.wave.duration_s + self.plan.end_dwell_s
+        return self.duration_s < planned_s * (1.0 - TIME_SHARE)
+
+    @property
     def holds(self) -> bool:
         """True where the cut breaks its chips, runs as planned, and asks of the axes what they have."""
         return self.verdict.breaks and not self.misses_plan and not self.is_overloaded

@@ -100,3 +100,14 @@ def with_values(chain: Chain, wish: Mapping[str, float], *, without: str, wavefo
         values |= {key: SourcedValue(value, _ORIGIN) for key, value in wish.items()}
         requests.append(request._replace(values=values, waveform=waveform or request.waveform))
     return Chain(tuple(requests))
+
+
+def fed(chain: Chain, share: float) -> Chain:
+    """The chain at a share of its feed, or a multiple."""
+    requests = []
+    for request in chain.requests:
+        after = request.effect.after
+        assert after.feed is not None
+        feed = after.feed._replace(value=after.feed.value * share)
+        requests.append(request._replace(effect=request.effect._replace(after=after._replace(feed=feed))))
+    return Chain(tuple(requests))
