@@ -74,8 +74,8 @@ class Result(NamedTuple):
     beside: bytes | None = None
     whole: Whole | None = None
 
-    def __getnewargs__(self) -> tuple[object, ...]:
-        return tuple(self._replace(whole=None))
+    def __reduce__(self) -> tuple[type[Result], tuple[object, ...]]:
+        return Result, tuple(self._replace(whole=None))
 
     def __repr__(self) -> str:
         state = "changed" if self.changed else "not changed"

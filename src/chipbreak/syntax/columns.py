@@ -10,7 +10,7 @@ from chipbreak.syntax.shapes import Shape
 
 _MOST_DECIMALS = 9
 # Those that a float holds exactly.
-_POWERS: Floats = 10.0 ** np.arange(23)
+_POWERS: Floats = np.array([10.0**power for power in range(23)])
 _LETTERS = b"ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
