@@ -66,6 +66,7 @@ _PLAIN = st.sampled_from(
         "U1. W-2.",
         "W-.5",
         "N100 Z1.",
+        "N200 X3.",
         "X5 Z5 F100",
         "G01 X0",
         "A90.",
@@ -135,6 +136,22 @@ def test_skipping_is_advancing(parts: list[str | list[str]], flow: str, profile:
     for line in range(interpreted.program.source.body.start, interpreted.program.source.body.stop):
         effect = interpreted.interpreter.advance(state, interpreted.program.block(line))
         # At a jump target or behind the program's end the block itself begins with another state.
+        assert facts(interpreted.before(line)) in (facts(state), facts(effect.before)), lines[line]
+        state = effect.after
+    assert facts(interpreted.end()) == facts(state)
+
+
+@pytest.mark.parametrize("flow", ["GOTO100", "GOTO200", "G71 P100 Q200 U.1 W.1", "G71 P100 Q100 U.1 W.1"])
+@pytest.mark.parametrize("run", [["X1. F.2", "Z5."], ["G91", "U1. W-2.", "G2 X14. Z-4. R3."]], ids="".join)
+def test_long_runs_around_what_a_program_goes_to_are_skipped_rightly(flow: str, run: list[str]) -> None:
+    """Between such lines a run is skipped as a whole; those themselves are stepped through."""
+    rest = run[1:] * 15
+    lines = [flow, "G1 F.1", *run, *rest, "N100 Z1.", *rest, "N200 X3. F.3", *rest, "G0 X9."]
+    interpreted = traced("\n".join(lines), "generic-lathe")
+    assert interpreted.flow.contours or interpreted.flow.targets
+    state = initial_state(interpreted.settings)
+    for line in interpreted.program.source.body:
+        effect = interpreted.interpreter.advance(state, interpreted.program.block(line))
         assert facts(interpreted.before(line)) in (facts(state), facts(effect.before)), lines[line]
         state = effect.after
     assert facts(interpreted.end()) == facts(state)

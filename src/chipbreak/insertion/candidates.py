@@ -93,7 +93,8 @@ class Candidates:
     def _over_run(self, before: Candidate, line: int) -> Candidate:
         """The candidate behind a run of plain lines."""
         modes = before.state.modes
-        is_plain = modes.motion in MODES and not before.state.ended and self._interpreted.flow.is_straight
+        is_straight = self._interpreted.flow.straight_until(before.line, line) == line
+        is_plain = modes.motion in MODES and not before.state.ended and is_straight
         if line - before.line < _LONG_RUN or not is_plain:
             return self._stepped(before, line)
         program = self._interpreted.program

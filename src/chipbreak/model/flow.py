@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from chipbreak.dialects import Dialect
@@ -49,6 +49,7 @@ class Flow(NamedTuple):
     ``missing``   the ends of shapes that are not in the program
     ``finishes``  line of a finishing cycle -> the last F and S of its shape, those that it says
     ``arrivals``  where other ways come in -> these ways; to a place that is not named they are not known
+    ``ordered_targets``  the targets from the first to the last
     """
 
     targets: frozenset[int]
@@ -56,11 +57,19 @@ class Flow(NamedTuple):
     missing: tuple[MissingNumber, ...] = ()
     finishes: Mapping[int, Mapping[str, str]] = FrozenTable()
     arrivals: Arrivals = FrozenTable()
+    ordered_targets: tuple[int, ...] = ()
 
-    @property
-    def is_straight(self) -> bool:
-        """True when every line follows the one before it."""
-        return not self.targets and not self.contours
+    def straight_until(self, line: int, last: int) -> int:
+        """Where lines ``line`` to ``last`` (exclusive) end that each follow the one before them and move."""
+        if not self.targets and not self.contours:
+            return last
+        if self.in_contour(line):
+            return line
+        at = bisect_left(self.contours, (line, line))
+        contour = self.contours[at][0] if at < len(self.contours) else last
+        at = bisect_left(self.ordered_targets, line)
+        target = self.ordered_targets[at] if at < len(self.ordered_targets) else last
+        return min(contour, target, last)
 
     def in_contour(self, line: int) -> bool:
         """True inside the shape of a cycle."""
@@ -105,7 +114,7 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
     }
     arrivals = FrozenTable({**at_nests(ruled), **dict(at_targets(jumps, numbers, called))})
     targets = _targets({*(jump.number for jump in jumps), *returned_to}, numbers)
-    return Flow(targets, contours, missing, FrozenTable(finishes), arrivals)
+    return Flow(targets, contours, missing, FrozenTable(finishes), arrivals, tuple(sorted(targets)))
 
 
 def _passed_over(

@@ -87,19 +87,17 @@ class InterpretedProgram(NamedTuple):
     def skip(self, state: State, first: int, last: int) -> State:
         """The state behind a run of plain lines."""
         line = first
-        # Step until G0 to G3 is in force; from there on the run needs no steps.
-        while line < last and (self._must_step(state) or last - line <= _SHORT_RUN):
-            state = self._advance(state, line).after
-            line += 1
-        if line == last:
-            return state
-        if not self._has_distances(state, line, last):
-            return self._jump(state, line, last)
-        return self._add_up(state, line, last)
-
-    def _must_step(self, state: State) -> bool:
-        """True where the last word of each axis does not say where a run ends."""
-        return not (state.modes.motion in _MOTION and not state.ended and self.flow.is_straight)
+        while line < last:
+            stop = self.flow.straight_until(line, last)
+            # Step until G0 to G3 is in force; from there on the run needs no steps.
+            if stop - line <= _SHORT_RUN or _must_step(state):
+                state = self._advance(state, line).after
+                line += 1
+                continue
+            skipped = self._add_up if self._has_distances(state, line, stop) else self._jump
+            state = skipped(state, line, stop)
+            line = stop
+        return state
 
     def _add_up(self, state: State, first: int, last: int) -> State:
         """Skip a run with distances: many blocks of the same words at once, others one by one."""
@@ -175,6 +173,11 @@ class InterpretedProgram(NamedTuple):
                 value /= 2.0
             position[axis.lower()] = value
         return state._replace(position=state.position._replace(**position))
+
+
+def _must_step(state: State) -> bool:
+    """True where the last word of each axis does not say where a run ends."""
+    return state.modes.motion not in _MOTION or state.ended
 
 
 def _says(effect: BlockEffect, keyword: str) -> bool:

@@ -41,7 +41,7 @@ def plain_run(
     ``letters`` are those of ``more``, which begins with I, J and K.
     """
     settings = interpreted.settings
-    if not _is_simple(interpreted, state, int(np.bitwise_or.reduce(interpreted.program.bits[first:last]))):
+    if not _is_simple(interpreted, state, first, last):
         return None
     words = settings.axis_words
     axes = "".join(words.letters[axis] for axis in "XYZ")
@@ -58,10 +58,12 @@ def plain_run(
     return PlainRun(said, start, end, np.asarray(moves), mode, table[:, 3:])
 
 
-def _is_simple(interpreted: InterpretedProgram, state: State, used: int) -> bool:
+def _is_simple(interpreted: InterpretedProgram, state: State, first: int, last: int) -> bool:
     """True where every word is the place that it says, or a centre from the start."""
     modes = state.modes
-    is_plain = modes.motion in MODES and not state.ended and interpreted.flow.is_straight
+    used = int(np.bitwise_or.reduce(interpreted.program.bits[first:last]))
+    is_straight = interpreted.flow.straight_until(first, last) == last
+    is_plain = modes.motion in MODES and not state.ended and is_straight
     absolute = modes.distance == "absolute" and not used & bits_of(interpreted.settings.axis_words.distances)
     points = interpreted.settings.number_rule.reads_whole or not used & NO_POINT
     return is_plain and absolute and points
