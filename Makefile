@@ -12,7 +12,7 @@ PROFILE := generic-lathe
 CODE := src tests benchmarks
 FUZZ_SECONDS ?= 120
 # Runs on simulated machines wait more than they compute.
-WORKERS := $(shell $(PYTHON) -c 'import os; print(2 * (os.cpu_count() or 1))')
+WORKERS := $(shell $(PYTHON) -c 'import os; print(3 * (os.cpu_count() or 1))')
 
 .PHONY: test-long lock machine-test real-control demo test check-table fuzz lint man site cookbook diagnostics test-pythons hooks bench wheel release-dry-run clean
 
@@ -44,8 +44,7 @@ demo: $(BIN)/chipbreak
 	@echo
 	@echo "The corrected program is $(VENV)/turning.out.nc"
 
-# The fast part of the tests measures coverage, because that takes half as long again; "make test-pythons" runs it on
-# every Python.
+# What needs neither LinuxCNC nor Klipper; "make test-pythons" runs it on every Python.
 FAST := tests/test_advise.py tests/test_api.py tests/test_bad.py tests/test_bounds.py tests/test_cases.py \
 	tests/test_cli.py tests/test_faults.py tests/test_messages.py tests/test_outcome.py tests/test_streams.py \
 	tests/batch tests/checks tests/cycle_time tests/cycles tests/dialects tests/editing tests/figures tests/hooks \
@@ -54,12 +53,21 @@ FAST := tests/test_advise.py tests/test_api.py tests/test_bad.py tests/test_boun
 	tests/trajectory tests/syntax/test_blocks.py tests/vibration/test_several_paths.py \
 	tests/vibration/test_wishes.py tests/vibration/test_left_cuts.py tests/vibration/test_large_changes.py \
 	tests/vibration/test_refusals.py
+FAST_FILES := $(foreach path,$(FAST),$(or $(wildcard $(path)/test_*.py),$(path)))
+
+# Coverage is measured on these, because that takes half as long again; not on those that run what others run, too.
+RUN_ALL_THE_SAME := tests/test_faults.py tests/cycles/test_real_programs.py tests/cycles/test_removed_region.py \
+	tests/cycles/test_roughing.py tests/cycles/test_shop_programs.py tests/dialects/test_one_object_a_control.py \
+	tests/editing/test_emit.py tests/editing/test_restore.py tests/figures/test_figures.py tests/hooks/test_git.py \
+	tests/model/test_arrivals.py tests/model/test_model.py tests/syntax/test_blocks.py tests/tools/test_tool_fuzz.py \
+	tests/trajectory/test_laws.py tests/vibration/test_refusals.py
+MEASURED := $(filter-out $(RUN_ALL_THE_SAME),$(FAST_FILES))
 
 test: $(VENV)/.dev lint
 	@sh tests/linuxcnc/install.sh
 	@sh tests/klipper/install.sh $(VENV)/klipper
-	$(BIN)/pytest -n auto --dist worksteal -m "not long" --cov --cov-report= $(FAST)
-	$(BIN)/pytest -n $(WORKERS) --dist worksteal -m "not long" $(FAST:%=--ignore=%)
+	$(BIN)/pytest -n auto --dist worksteal -m "not long" --cov --cov-report= $(MEASURED)
+	$(BIN)/pytest -n $(WORKERS) --dist worksteal -m "not long" $(MEASURED:%=--ignore=%)
 
 # What "make test" has a choice of: every tool, every drawn cut, every program.
 test-long: $(VENV)/.dev
