@@ -9,9 +9,11 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from longer import short_where
 
 NO_CORPUS = "the corpus of real programs is not here"
 HOW = "Set CHIPBREAK_CORPUS to a folder of NC programs."
+_LARGE_BYTES = 1_000_000
 _EXAMPLES = "examples_of_a_search"
 _asked: dict[object, settings] = {}
 _NO_PROGRAMS = {".md", ".tsv", ".csv", ".json", ".toml", ".tbl", ".fctb", ".fctl"}
@@ -59,6 +61,8 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """``corpus_file``: once for each program of the corpus; ``own_case``: for each in CHIPBREAK_CASES.
 
+    A program of more than a megabyte is long where a test is marked ``large_is_long``.
+
     A drawn search that is marked ``few(N)`` is there twice: with N examples, and ``long`` with all of them.
     """
     few = metafunc.definition.get_closest_marker("few")
@@ -69,7 +73,9 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if "corpus_file" in metafunc.fixturenames:
         files = corpus_programs()
         missing = pytest.param(None, marks=pytest.mark.skip(reason=NO_CORPUS), id="no corpus")
-        metafunc.parametrize("corpus_file", files or [missing], ids=lambda p: p.name if p else None)
+        whole = metafunc.definition.get_closest_marker("large_is_long") is None
+        cases = short_where(files, lambda p: whole or p.stat().st_size < _LARGE_BYTES)
+        metafunc.parametrize("corpus_file", cases or [missing], ids=lambda p: p.name if p else None)
     if "own_case" in metafunc.fixturenames:
         files = programs_of("CHIPBREAK_CASES")
         missing = pytest.param(None, marks=pytest.mark.skip(reason="CHIPBREAK_CASES names no folder"), id="-")

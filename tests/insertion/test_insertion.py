@@ -85,6 +85,7 @@ def test_a_tool_waiting_in_the_magazine_is_kept() -> None:
     check(result)
 
 
+@pytest.mark.large_is_long
 def test_real_programs_do_what_they_did(corpus_file: Path) -> None:
     """All programs of the corpus under both mills; most are none, and must not hurt."""
     for profile in ("fanuc-mill", "linuxcnc-mill"):
