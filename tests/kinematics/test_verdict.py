@@ -464,6 +464,19 @@ def test_many_passes_are_judged_alike_a_few_corners_at_a_time(monkeypatch: pytes
     assert judge(*sample(cut), speed_rpm=1500.0, feed_mm_rev=0.05) == whole
 
 
+@pytest.mark.parametrize("waveform", ["triangle", "sine", "dwell"])
+@pytest.mark.parametrize("at_once", [1, 2, 7, 100])
+def test_a_long_motion_is_judged_alike_some_knots_at_a_time(
+    monkeypatch: pytest.MonkeyPatch, at_once: int, waveform: str
+) -> None:
+    cut = WaveformParameters(9.0, 0.05, 1500.0, 0.06, 15, 8, 0.06, waveform=waveform, ramp_in_s=0.12)
+    options = {"speed_rpm": 1500.0, "feed_mm_rev": 0.05, "waveform": waveform}
+    whole = judge(*sample(cut), **options)
+    monkeypatch.setattr("chipbreak.kinematics.piecewise.KNOTS_AT_ONCE", at_once)
+    monkeypatch.setattr("chipbreak.kinematics.chip_model._CRESTS_AT_ONCE", at_once)
+    assert judge(*sample(cut), **options) == whole
+
+
 def test_a_tool_that_never_turns_back_meets_only_the_last_pass() -> None:
     """However far the feed that a control makes of it is from the one that was asked for."""
     time_s = np.arange(0.0, 400.0, 0.04)

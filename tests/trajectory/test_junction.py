@@ -203,6 +203,20 @@ def test_a_slow_start_of_coarse_steps_takes_longer(way_mm: float, took_s: float)
     assert span == pytest.approx(took_s, rel=1e-3)
 
 
+def test_no_stroke_ends_with_a_segment_of_time() -> None:
+    """There Grbl 1.1h has now and then a step left, at no speed: 20.39 ms, and 16.27 in place of 16."""
+    axes = (*AXES[:2], AxisLimits("Z", 130.0, 1000.0, step_mm=0.00125))
+    law = Junction(segment_s=0.01).along((0.0, 0.0, 1.0), axes)
+    lengths = np.tile([-0.08125, 0.06, -0.02, 0.045], 10)
+    spans = np.tile([0.020, 0.016, 0.010, 0.0140], 10)
+    blocks = law.blocks(np.column_stack([0.0 * lengths, 0.0 * lengths, lengths]), lengths)
+    feeds = law.feeds_for_spans(blocks, spans, len(spans))
+    motion = law.motion(np.append(0.0, np.cumsum(lengths)), blocks, feeds)
+    off_s = motion.spans_s - 0.01 * np.rint(motion.spans_s / 0.01)
+    assert np.abs(off_s).min() > 3e-6
+    assert motion.spans_s == pytest.approx(spans, abs=1e-5)
+
+
 def test_a_quick_start_takes_what_its_ramps_do() -> None:
     axes = (*AXES[:2], AxisLimits("Z", 50.0, 500.0, step_mm=0.004))
     law = Junction(segment_s=0.01).along((0.0, 0.0, 1.0), axes)

@@ -179,10 +179,20 @@ def test_a_long_motion_is_worked_out_in_pieces(monkeypatch: pytest.MonkeyPatch, 
     blocks = blocks_of(np.column_stack([0.0 * ahead, 0.0 * ahead, ahead]), ahead, [2000.0] * 3)
     feeds = np.tile([20.0, 25.0, 40.0, 31.0], 20)
     whole = model.motion_between_dwells(wave, blocks, feeds)
+    peak_mm_s2 = whole.peak_acceleration_mm_s2
     assert whole.time_s[-1] > 1.0
     assert whole.distance_mm[[0, -1]].tolist() == [0.0, wave[-1]]
     for periods in (1, 7, 250):
         monkeypatch.setattr("chipbreak.trajectory.linuxcnc._PERIODS_AT_ONCE", periods)
+        monkeypatch.setattr("chipbreak.trajectory.motion._KNOTS_AT_ONCE", periods)
         pieces = model.motion_between_dwells(wave, blocks, feeds)
         assert pieces.time_s.tolist() == whole.time_s.tolist()
         assert pieces.distance_mm.tolist() == whole.distance_mm.tolist()
+        assert pieces.peak_acceleration_mm_s2 == peak_mm_s2
+        assert pieces.fingerprint == whole.fingerprint
+    monkeypatch.setattr("chipbreak.trajectory.linuxcnc_runs._AT_ONCE", 3)
+    pieces = model.motion_between_dwells(wave, blocks, feeds)
+    assert pieces.time_s.tolist() == whole.time_s.tolist()
+    assert pieces.distance_mm.tolist() == pytest.approx(whole.distance_mm.tolist(), abs=1e-12)
+    assert whole._replace(look_s=1.0).fingerprint != whole.fingerprint
+    assert whole._replace(spans_s=whole.spans_s + 1e-12).fingerprint != whole.fingerprint

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +28,7 @@ _FULL = 0.98  # return strokes of at least this share of the longest belong to t
 _EDGE = 0.01  # a crest that rounding has moved this share of a pass out of the steady part is still in it
 _SAMPLE_UNITS = 200  # vibrations or revolutions worked out in full
 _SAMPLE_POINTS = 60_000  # corners in them
+_CRESTS_AT_ONCE = 1 << 12
 _ROUGHNESS_PASSES = 60
 _ROUGHNESS_ANGLES = 1025
 
@@ -107,19 +109,18 @@ def judge(
     steady = _steady_part(motion, steady_s, feed_mm_rev / rev_s, rests)
     if rests is None and steady.crest.size <= 1 and vibration_s is not None:
         steady = replace(steady, speed_mm_s=_mean_speed_mm_s(motion, steady, vibration_s))
-    gaps = motion.corner_gaps()
-    margin = _margin(gaps, steady, time_s[steady.crest], motion.pass_s)
+    margin = _margin(motion, steady)
     if rests is not None:
         margin = rests.shortest_s(steady.crest) / motion.pass_s
     breaks = margin >= 1.0 - _TOUCH
     reach_mm = _reach(motion, steady)
     stroke_mm = reach_mm if rests is not None else _stroke(motion, steady, reach_mm)
     passes = math.floor(reach_mm / feed_mm) + 1  # an older pass lies wholly behind the tool
-    if rests is None and bool((np.diff(distance_mm) >= 0.0).all()):
+    if rests is None and bool((distance_mm[1:] >= distance_mm[:-1]).all()):
         passes = 1  # it never turns back, so every pass lies behind the one that follows it
     chips_per_s, cut_share, longest_s, peak_mm = _chips(motion, _sampled_part(motion, steady, passes), passes)
     longest_rev = (longest_s if breaks else float(time_s[-1] - time_s[0])) / rev_s
-    first_rev = _first_chip(motion, gaps) / rev_s
+    first_rev = _first_chip(motion) / rev_s
     around_mm = None if diameter_mm is None else math.pi * diameter_mm
     per_rev = rev_s / steady.period_s
     ratio = stroke_mm / (steady.speed_mm_s * rev_s)
@@ -141,7 +142,7 @@ def judge(
         ramp_peak_thickness=_ramp_peak_mm(motion, steady, passes) / feed_mm,
         # No ridge is higher than the thickest chip, which stands in where the part is too short to tell.
         roughness_factor=((_widest_gap(motion, steady, passes) or peak_mm) / feed_mm) ** 2,
-        peak_speed_mm_s=float(np.abs(np.diff(distance_mm) / np.diff(time_s)).max()),
+        peak_speed_mm_s=motion.peak_speed_mm_s(),
         speed_band_rpm=band,
     )
 
@@ -149,11 +150,7 @@ def judge(
 def _steady_part(
     motion: Motion, steady_s: tuple[float, float] | None, speed_mm_s: float, rests: Rests | None
 ) -> _Steady:
-    steps = np.diff(motion.distance_mm)
-    moving = np.flatnonzero(np.abs(steps) > motion.touch_mm)  # a stop is no turn
-    forward = steps[moving] > 0.0
-    crest = moving[np.flatnonzero(forward[:-1] & ~forward[1:])] + 1
-    trough = moving[np.flatnonzero(~forward[:-1] & forward[1:])] + 1
+    crest, trough = motion.reversals()
     crest = crest if rests is None else rests.begin  # a tool that never turns back comes to rest
     start_s, end_s = steady_s or (float(motion.time_s[0]), float(motion.time_s[-1]))
     if steady_s is None and crest.size:
@@ -182,17 +179,17 @@ def _mean_speed_mm_s(motion: Motion, steady: _Steady, vibration_s: float) -> flo
     return float(ends_mm[1] - ends_mm[0]) / whole_s
 
 
-def _margin(gaps: Gaps, steady: _Steady, crest_s: Floats, pass_s: float) -> float:
+def _margin(motion: Motion, steady: _Steady) -> float:
     """1 - g / feed, g the least gap of that vibration (crest to crest) which comes least near to air."""
+    pass_s = motion.pass_s
     window_s = np.array([steady.begin_s, steady.end_s])
+    crest_s = motion.time_s[steady.crest]
     crest_s = crest_s[crest_s >= steady.begin_s - _EDGE * pass_s]
     bounds = crest_s if crest_s.size > 1 else window_s
     least = np.full(bounds.size - 1, np.inf)
-    for corner_s, gap_mm in gaps:
-        low = np.searchsorted(corner_s, bounds[0])
-        high = np.searchsorted(corner_s, bounds[-1], side="right")
-        cells = np.searchsorted(corner_s[low:high], bounds[:-1])
-        np.minimum(least, np.minimum.reduceat(np.append(gap_mm[low:high], np.inf), cells), out=least)
+    for corner_s, gap_mm in chain.from_iterable(motion.corner_gaps()):
+        inside = slice(np.searchsorted(corner_s, bounds[0]), np.searchsorted(corner_s, bounds[-1], "right"))
+        _lower(least, np.searchsorted(bounds[1:-1], corner_s[inside], "right"), gap_mm[inside])
     margin = 1.0 - float(least.max()) / (steady.speed_mm_s * pass_s)
     # A stretch without a crest is a missing vibration; the touch that ends it elsewhere does not excuse it.
     stretch_s = np.diff(np.insert(window_s, 1, crest_s)).max()
@@ -200,10 +197,22 @@ def _margin(gaps: Gaps, steady: _Steady, crest_s: Floats, pass_s: float) -> floa
     return 0.0 if missing and margin >= 1.0 - _TOUCH else margin
 
 
+def _lower(least: Floats, cells: npt.NDArray[np.intp], values: Floats) -> None:
+    """Change ``least`` to the least of the values of each cell; the cells, (n,) as the values, rise."""
+    starts = np.flatnonzero(np.diff(cells, prepend=-1))
+    if starts.size:
+        own = cells[starts]
+        least[own] = np.minimum(least[own], np.minimum.reduceat(values, starts))
+
+
 def _reach(motion: Motion, steady: _Steady) -> float:
     """Peak to peak distance [mm] from the mean feed in the steady part, with what is late at corners."""
-    low, high = np.searchsorted(motion.time_s, [steady.start_s, steady.end_s])
-    return float(np.ptp(_ahead_mm(motion, steady, int(low), int(high))))
+    low, high = np.searchsorted(motion.time_s, [steady.start_s, steady.end_s]).tolist()
+    parts = (
+        _ahead_mm(motion, steady, some) for some in motion.pieces(low, min(high + 1, motion.time_s.size))
+    )
+    ends_mm = [(float(part.min()), float(part.max())) for part in parts]
+    return max(top for _, top in ends_mm) - min(bottom for bottom, _ in ends_mm)
 
 
 def _stroke(motion: Motion, steady: _Steady, reach_mm: float) -> float:
@@ -213,20 +222,25 @@ def _stroke(motion: Motion, steady: _Steady, reach_mm: float) -> float:
     """
     if steady.crest.size < 3:
         return reach_mm
-    first = int(steady.crest[0])
-    ahead_mm = _ahead_mm(motion, steady, first, int(steady.crest[-1]))
-    starts = steady.crest[:-1] - first
-    # From the higher of its two crests, as rounding leaves them.
-    highest_mm = np.maximum(np.maximum.reduceat(ahead_mm, starts), ahead_mm[steady.crest[1:] - first])
-    sizes_mm = highest_mm - np.minimum.reduceat(ahead_mm, starts)
+    parts = range(0, steady.crest.size - 1, _CRESTS_AT_ONCE)
+    sizes_mm = np.concatenate([_strokes(motion, steady, first) for first in parts])
     return float(np.median(sizes_mm[sizes_mm >= sizes_mm.max() / 2.0]))
 
 
-def _ahead_mm(motion: Motion, steady: _Steady, first: int, last: int) -> Floats:
-    """How far the tool is ahead of the mean feed at knots ``first`` to ``last``."""
-    ahead_mm: Floats = (
-        motion.distance_mm[first : last + 1] - steady.speed_mm_s * motion.time_s[first : last + 1]
-    )
+def _strokes(motion: Motion, steady: _Steady, first: int) -> Floats:
+    """The strokes [mm] of some vibrations from the crest of number ``first`` on."""
+    crest = steady.crest[first : first + _CRESTS_AT_ONCE + 1]
+    ahead_mm = _ahead_mm(motion, steady, slice(int(crest[0]), int(crest[-1]) + 1))
+    starts = crest[:-1] - crest[0]
+    # From the higher of its two crests, as rounding leaves them.
+    highest_mm = np.maximum(np.maximum.reduceat(ahead_mm, starts), ahead_mm[crest[1:] - crest[0]])
+    sizes_mm: Floats = highest_mm - np.minimum.reduceat(ahead_mm, starts)
+    return sizes_mm
+
+
+def _ahead_mm(motion: Motion, steady: _Steady, knots: slice) -> Floats:
+    """How far the tool is ahead of the mean feed at some knots."""
+    ahead_mm: Floats = motion.distance_mm[knots] - steady.speed_mm_s * motion.time_s[knots]
     return ahead_mm
 
 
@@ -275,25 +289,31 @@ def _ramp_peak_mm(motion: Motion, steady: _Steady, passes: int) -> float:
     return max((motion.thickness(part, passes)[1] for part in parts), default=0.0)
 
 
-def _first_chip(motion: Motion, gaps: Gaps) -> float:
+def _first_chip(motion: Motion) -> float:
     """Time [s] from the first knot to the first gap; the whole motion when there is none.
 
     Only the last pass is asked, so while the stroke still grows the answer is never too short.
     """
-    begun_mm = motion.distance_mm[0] + motion.touch_mm
     start_s = float(motion.time_s[0])
-    hit_s = math.inf
-    for corner_s, gap_mm in gaps:
-        air = np.flatnonzero((gap_mm <= motion.touch_mm) & (motion.at(corner_s) > begun_mm))
-        hit_s = min(hit_s, *corner_s[air[:1]].tolist(), math.inf)
+    hit_s = min(_first_hit_s(motion, gaps) for gaps in motion.corner_gaps())
     if math.isinf(hit_s):
         return float(motion.time_s[-1]) - start_s
     # The gap closes on the straight piece between the corner found and the one before it.
-    before_s = max(float(c[i - 1]) for c, _ in gaps if (i := int(np.searchsorted(c, hit_s))) > 0)
+    before_s = motion.corner_before(hit_s)
     ends_s = np.array([before_s, hit_s])
     before_mm, hit_mm = motion.at(ends_s) - motion.at(ends_s - motion.pass_s) - motion.touch_mm
     closes_s = hit_s if before_mm <= 0.0 else before_s + before_mm / (before_mm - hit_mm) * (hit_s - before_s)
     return float(closes_s) - start_s
+
+
+def _first_hit_s(motion: Motion, gaps: Gaps) -> float:
+    """The first time of some gaps at which the tool touches nothing; infinite where there is none."""
+    begun_mm = motion.distance_mm[0] + motion.touch_mm
+    for corner_s, gap_mm in gaps:
+        air = np.flatnonzero((gap_mm <= motion.touch_mm) & (motion.at(corner_s) > begun_mm))
+        if air.size:
+            return float(corner_s[air[0]])
+    return math.inf
 
 
 def _widest_gap(motion: Motion, steady: _Steady, passes: int) -> float:
@@ -323,7 +343,7 @@ def _widest_gap(motion: Motion, steady: _Steady, passes: int) -> float:
 
 
 def _check(time_s: Floats, distance_mm: Floats, speed_rpm: float, feed_mm_rev: float, edges: int) -> None:
-    rises = time_s.ndim == 1 and time_s.size >= 2 and bool((np.diff(time_s) > 0.0).all())
+    rises = time_s.ndim == 1 and time_s.size >= 2 and bool((time_s[1:] > time_s[:-1]).all())
     if not (rises and time_s.shape == distance_mm.shape and np.isfinite(distance_mm.sum() + time_s[-1])):
         raise RefusalError("VIB020", "a motion needs two knots or more, in rising time", "check the times")
     if not (0.0 < speed_rpm < math.inf and 0.0 < feed_mm_rev < math.inf and edges >= 1):

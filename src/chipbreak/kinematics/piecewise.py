@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 from chipbreak.kinematics.floats import Floats
 
 Indices = NDArray[np.intp]
-Gaps = tuple[tuple[Floats, Floats], ...]  # pairs of times and g_1 at those times
+Gaps = Iterator[tuple[Floats, Floats]]  # pairs of rising times and g_1 at those times, a piece at a time
 # Many passes at many corners would fill the memory, so they are worked out some corners at a time.
 _HEIGHTS_AT_ONCE = 1 << 20
+# So are the knots of a cut of an hour, of which there are millions.
+KNOTS_AT_ONCE = 1 << 16
 
 
 @dataclass(frozen=True)
@@ -29,12 +31,55 @@ class Motion:
         """Where the tool is [mm] at times, (n,)."""
         return np.interp(time_s, self.time_s, self.distance_mm)
 
-    def corner_gaps(self) -> Gaps:
+    def corner_gaps(self) -> tuple[Gaps, Gaps]:
         """g_1 where it can turn: at the knots, and one pass after them."""
-        gap_mm = self.distance_mm - self.at(self.time_s - self.pass_s)
-        later_s = self.time_s + self.pass_s
-        later_s = later_s[: np.searchsorted(later_s, self.time_s[-1], side="right")]
-        return (self.time_s, gap_mm), (later_s, self.at(later_s) - self.distance_mm[: later_s.size])
+        return self._gaps_at_knots(), self._gaps_after_knots()
+
+    def _gaps_at_knots(self) -> Gaps:
+        for some in self.pieces():
+            time_s = self.time_s[some]
+            yield time_s, self.distance_mm[some] - self.at(time_s - self.pass_s)
+
+    def _gaps_after_knots(self) -> Gaps:
+        for some in self.pieces():
+            later_s = self.time_s[some] + self.pass_s
+            later_s = later_s[: np.searchsorted(later_s, self.time_s[-1], side="right")]
+            yield later_s, self.at(later_s) - self.distance_mm[some][: later_s.size]
+
+    def pieces(self, first: int = 0, last: int | None = None) -> Iterator[slice]:
+        """The knots from ``first`` to ``last`` (exclusive; all of them without it), so many at a time."""
+        end = self.time_s.size if last is None else last
+        for start in range(first, end, KNOTS_AT_ONCE):
+            yield slice(start, min(start + KNOTS_AT_ONCE, end))
+
+    def corner_before(self, time_s: float) -> float:
+        """The last place before a time where g_1 can turn: a knot, or one pass after a knot."""
+        knot = int(np.searchsorted(self.time_s, time_s)) - 1
+        near = int(np.searchsorted(self.time_s, time_s - self.pass_s))
+        later_s = self.time_s[max(near - 1, 0) : near + 1] + self.pass_s
+        before_s: list[float] = later_s[later_s < time_s].tolist()
+        return max([float(self.time_s[knot]), *before_s])
+
+    def peak_speed_mm_s(self) -> float:
+        """The highest speed between two knots."""
+        size = self.time_s.size
+        steps = (slice(some.start, min(some.stop + 1, size)) for some in self.pieces(0, size - 1))
+        speeds = (np.abs(np.diff(self.distance_mm[some]) / np.diff(self.time_s[some])) for some in steps)
+        return max(float(some.max()) for some in speeds)
+
+    def reversals(self) -> tuple[Indices, Indices]:
+        """The knots at which the tool turns back, and those at which it goes on; a stop is no turn."""
+        crests, troughs = [np.empty(0, np.intp)], [np.empty(0, np.intp)]
+        last, was_forward = np.empty(0, np.intp), np.empty(0, np.bool_)  # the last move of the piece before
+        for some in self.pieces(0, self.time_s.size - 1):
+            steps = np.diff(self.distance_mm[some.start : some.stop + 1])
+            moving = np.flatnonzero(np.abs(steps) > self.touch_mm)
+            forward = np.concatenate([was_forward, steps[moving] > 0.0])
+            moving = np.concatenate([last, moving + some.start])
+            crests.append(moving[:-1][forward[:-1] & ~forward[1:]] + 1)
+            troughs.append(moving[:-1][~forward[:-1] & forward[1:]] + 1)
+            last, was_forward = moving[-1:], forward[-1:]
+        return np.concatenate(crests), np.concatenate(troughs)
 
     def thickness(self, part: tuple[float, float], passes: int) -> tuple[Floats, float, Floats, Floats]:
         """Where the thickness over so many passes can turn in a part [s], and what :func:`lowest_of` says."""

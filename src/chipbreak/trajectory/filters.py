@@ -10,10 +10,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import chain
 
 import numpy as np
 
 from chipbreak.kinematics.floats import Floats
+from chipbreak.kinematics.growing import joined
 from chipbreak.text.named_tuple import NamedTuple
 
 STILL_MM = 0.0005  # half a step of most controls: nearer to its end an axis counts as resting there
@@ -108,14 +110,15 @@ def times_to_look_at(
         for shift in one.shifts_s:
             later += [sharp_s + shift + after_s for after_s in _soon_after(one, step_s, most / max(soon, 1))]
     bends = np.concatenate(later)
+    later.clear()  # a long cut has millions of them
     bends.sort()
     bends = np.append(bends[bends < time_s[-1] + rest_s - _SAME_S], time_s[-1] + rest_s)
     bends = bends[np.append(True, np.diff(bends) > _SAME_S)]
-    parts = [
+    parts = (
         _in_pieces(bends[first : first + _BENDS_AT_ONCE + 1], step_s)
         for first in range(0, len(bends) - 1, _BENDS_AT_ONCE)
-    ]
-    return np.concatenate([*parts, bends[-1:]])
+    )
+    return joined(chain(parts, [bends[-1:]]))
 
 
 def _in_pieces(bends: Floats, step_s: float) -> Floats:

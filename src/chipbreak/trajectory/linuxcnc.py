@@ -27,12 +27,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from chipbreak.kinematics.floats import Floats
+from chipbreak.kinematics.growing import Growing
 from chipbreak.trajectory.junctions import Blocks
 from chipbreak.trajectory.law import ControlLaw, turns_of
 from chipbreak.trajectory.linuxcnc_fit import Asked, fitted_feeds
 from chipbreak.trajectory.linuxcnc_joints import Bends, bends_of
 from chipbreak.trajectory.linuxcnc_planner import Clock
-from chipbreak.trajectory.linuxcnc_runs import Columns, Counts, Parts, Runs, parts_of, run_all
+from chipbreak.trajectory.linuxcnc_runs import Columns, Parts, Runs, parts_of, run_all
 from chipbreak.trajectory.linuxcnc_strokes import middle_feeds
 from chipbreak.trajectory.motion import Motion
 
@@ -178,8 +179,8 @@ class LinuxCnc(ControlLaw):
                 yield along_mm
             yield distance_mm[-1:]
 
-        kept, knots_mm = _bent_knots(_behind_interpolator(planned()), float(distance_mm[-1]))
-        return kept.astype(np.float64) * self.servo_period_s, knots_mm
+        pieces = _behind_interpolator(planned())
+        return _bent_knots(pieces, float(distance_mm[-1]), self.servo_period_s)
 
     def _feed_for(self, length_mm: float, time_s: float) -> float:
         """The middle of the feeds that give the time, so that rounding F does not tip it over."""
@@ -215,23 +216,25 @@ def _behind_interpolator(planned: Iterable[Floats]) -> Iterator[Floats]:
         yield interpolated(places_mm)
 
 
-def _bent_knots(pieces: Iterable[Floats], end_mm: float) -> tuple[Counts, Floats]:
-    """Of places in servo periods, those where the motion is not even: their numbers and the places.
+def _bent_knots(pieces: Iterable[Floats], end_mm: float, period_s: float) -> tuple[Floats, Floats]:
+    """Of places in servo periods, those where the motion is not even: their times and the places.
 
     The places begin with zero, go on with the pieces, and end with ``end_mm``; first and last are kept.
     """
-    numbers, kept_mm = [np.zeros(1, np.intp)], [np.zeros(1)]
+    times_s, kept_mm = Growing(), Growing()
+    times_s.add(np.zeros(1))
+    kept_mm.add(np.zeros(1))
     at, places_mm = 0, np.zeros(1)
     for piece in chain(pieces, [np.array([end_mm])]):
         places_mm = np.concatenate([places_mm, piece])
         steps = places_mm[1:] - places_mm[:-1]
         bent = np.flatnonzero(np.abs(steps[1:] - steps[:-1]) > _STILL_EVEN_MM) + 1
-        numbers.append(bent + at)
-        kept_mm.append(places_mm[bent])
+        times_s.add((bent + at).astype(np.float64) * period_s)
+        kept_mm.add(places_mm[bent])
         at, places_mm = at + len(places_mm) - 2, places_mm[-2:]
-    numbers.append(np.array([at + 1]))
-    kept_mm.append(places_mm[-1:])
-    return np.concatenate(numbers), np.concatenate(kept_mm)
+    times_s.add(np.array([(at + 1) * period_s]))
+    kept_mm.add(places_mm[-1:])
+    return times_s.whole(), kept_mm.whole()
 
 
 def interpolated(places_mm: Floats) -> Floats:

@@ -31,6 +31,7 @@ from chipbreak.units import MS_PER_S
 _ROUNDS = 4
 _LOOKS = 2
 _MOST_KNOWN = 1 << 14
+_AT_ONCE = 1 << 13  # stretches: a long cut has many, of few kinds, and each kind is worked out once
 _SAME_S = 1e-9
 
 
@@ -122,8 +123,8 @@ class _Fit:
         for size in np.unique(self.parts.sizes).tolist():
             which = self.parts.of_size(size) if size > 1 else single[:0]
             inner = which[self.parts.stops[which] <= self.asked.plain_from]
-            if len(inner):
-                self._fit_alike(inner, size, times, feeds)
+            for first in range(0, len(inner), _AT_ONCE):
+                self._fit_alike(inner[first : first + _AT_ONCE], size, times, feeds)
             if len(inner) < len(which):
                 self._fit_last(which[len(inner) :], size, times, feeds)
         return feeds

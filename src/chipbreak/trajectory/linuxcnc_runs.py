@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from math import inf
 
@@ -20,6 +20,7 @@ Counts = NDArray[np.intp]
 # Fewer stretches are faster one by one, and so is a long even feed: it then takes no time.
 _MANY = 64
 _LONG_PERIODS = 200.0
+_AT_ONCE = 1 << 15
 
 
 class Parts(NamedTuple):
@@ -134,8 +135,7 @@ def run_all(columns: Columns, parts: Parts, clock: Clock, before: float = 0.0) -
     """Run every part; ``before`` is the speed of the block before the first one."""
     times = np.empty(len(columns.lengths))
     table = _Table(len(parts.starts))
-    for size in np.unique(parts.sizes).tolist():
-        which = parts.of_size(size)
+    for size, which in _of_sizes(parts):
         blocks = parts.blocks_of(which, size)
         if size == 1:
             kind, counts, places = _run_single(columns, blocks[:, 0], clock)
@@ -147,6 +147,14 @@ def run_all(columns: Columns, parts: Parts, clock: Clock, before: float = 0.0) -
             times[blocks] = some[kind]
         table.add(which, kind, counts, places)
     return table.runs(times)
+
+
+def _of_sizes(parts: Parts) -> Iterator[tuple[int, Counts]]:
+    """The parts of each size, so many at a time: a long cut has millions, of few kinds."""
+    for size in np.unique(parts.sizes).tolist():
+        every = parts.of_size(size)
+        for first in range(0, len(every), _AT_ONCE):
+            yield size, every[first : first + _AT_ONCE]
 
 
 def _run_single(columns: Columns, blocks: Counts, clock: Clock) -> tuple[Counts, Counts, Floats]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -158,20 +158,25 @@ def measured_motion(
 ) -> CutMotion:
     """The motion of a cut, read from the output.  Raises SelfCheckError when it is not what was planned."""
     timed = _timed(result, region, plan, expansion)
-    worst = timed[0]
-    if len(timed) > 1:
-        worst = min(timed, key=lambda one: _rank(_report(plan, expansion, one)))
+    worst = next(timed)
+    found = _rank(_report(plan, expansion, worst))
+    for other in timed:
+        if (rank := _rank(_report(plan, expansion, other))) < found:
+            worst = other
+            found = rank
     return CutMotion(worst.motion.time_s, worst.motion.distance_mm)
 
 
-def _timed(result: InterpretedProgram, region: Region, plan: CutPlan, expansion: Expansion) -> list[_Timed]:
+def _timed(
+    result: InterpretedProgram, region: Region, plan: CutPlan, expansion: Expansion
+) -> Iterator[_Timed]:
     moves = read_moves(result, region.body, region.last)
     _check_speed(result, region, plan)
     return _in_time(moves, result.settings, plan, expansion)
 
 
-def _in_time(moves: ReadBack, settings: Settings, plan: CutPlan, expansion: Expansion) -> list[_Timed]:
-    """The moves in time, for each law that the profile leaves open."""
+def _in_time(moves: ReadBack, settings: Settings, plan: CutPlan, expansion: Expansion) -> Iterator[_Timed]:
+    """The moves in time, for each law that the profile leaves open: one after the other, as each is large."""
     moves = _reached(moves, settings, plan)
     count = len(moves.feed_mm_s)
     if count != len(expansion.distance_mm):
@@ -182,15 +187,18 @@ def _in_time(moves: ReadBack, settings: Settings, plan: CutPlan, expansion: Expa
     moved = np.diff(np.vstack((plan.path.legs[0].start, moves.points_mm)), axis=0)
     law = control_along(settings, plan.path, plan.chain.before, _feed_mode(settings, plan))
     blocks = law.blocks(moved, np.diff(distance_mm))
-    timed = list[_Timed]()
-    for one in law.variants():
+    variants = law.variants()
+    known = set[bytes]()
+    for one in variants:
         motion = one.motion(distance_mm, blocks, moves.feed_mm_s, moves.dwell_s)
+        if not np.all(motion.spans_s > 0.0):
+            raise SelfCheckError("a move takes no time")
         # What the profile leaves open often makes no difference.
-        if not any(motion.is_same(known.motion) for known in timed):
-            timed.append(_Timed(moves, one, blocks, motion))
-    if not all(np.all(one.motion.spans_s > 0.0) for one in timed):
-        raise SelfCheckError("a move takes no time")
-    return timed
+        fingerprint = motion.fingerprint if len(variants) > 1 else b""
+        if fingerprint not in known:
+            known.add(fingerprint)
+            yield _Timed(moves, one, blocks, motion)
+        del motion  # before the next one is made
 
 
 def measure_cut(result: InterpretedProgram, region: Region, plan: CutPlan, expansion: Expansion) -> CutReport:
@@ -207,7 +215,7 @@ def measure_planned(settings: Settings, plan: CutPlan, expansion: Expansion) -> 
     return _worst(_in_time(expansion.printed, settings, plan, expansion), plan, expansion)
 
 
-def _worst(timed: Sequence[_Timed], plan: CutPlan, expansion: Expansion) -> CutReport:
+def _worst(timed: Iterable[_Timed], plan: CutPlan, expansion: Expansion) -> CutReport:
     """The worst that the control may make of a cut, where the profile leaves it open."""
     return min((_report(plan, expansion, one) for one in timed), key=_rank)
 
