@@ -110,3 +110,49 @@ def test_a_branch_in_one_that_nobody_has_called_yet_leaves_nothing_open() -> Non
     check(result)
     assert result.titles == ["CALIBRATE", "TOOL CHECK T1, TRACE T1"]
     assert "line 15 calls a subprogram" in next(d.message for d in result.diagnostics)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "IF [#1 EQ 1] GOTO 10\nM99\nN10 S700\n",
+        "IF [#1 EQ 1] GOTO 10\nM99\nN10 G91\nX1.\n",
+        "IF [#1 EQ 1] GOTO 10\nM99\nN10 IF [#1 EQ 2] GOTO 20\nM99\nN20 M8\n",
+        "#2=10\nGOTO #2\nM99\nN10 S700\n",
+    ],
+    ids=["S", "G91", "in the third branch", "a jump that is worked out"],
+)
+def test_what_a_branch_behind_the_first_m99_sets_counts(body: str) -> None:
+    assert chip_checks(run(body)) == []
+
+
+def test_what_no_jump_leads_to_behind_an_m99_does_not_count() -> None:
+    assert len(chip_checks(run("X5.\nM99\nN10 S700\n"))) == 2
+    assert len(chip_checks(run("IF [#1 EQ 1] GOTO 5\nX5.\nN5 X6.\nM99\nN10 S700\n"))) == 2
+
+
+@pytest.mark.parametrize(
+    ("body", "is_known"),
+    [
+        ("S1000\nWHILE [#1 LT 3] DO1\nX5.\n#1=#1+1\nEND1\n", True),
+        ("WHILE [#1 LT 3] DO1\nS1000\nX5.\n#1=#1+1\nEND1\n", True),  # as its one call hands it over
+        ("WHILE [#1 LT 3] DO1\nS700\nX5.\n#1=#1+1\nEND1\n", False),
+        ("S700\nWHILE [#1 LT 3] DO1\nX5.\n#1=#1+1\nEND1\n", False),  # known, but a start of it was 1000
+        ("IF [#1 EQ 1] GOTO 5\nS1000\nM99\nN5 S700\n", False),
+        ("S1000\n/S700\nWHILE [#1 LT 3] DO1\nX5.\n#1=#1+1\nEND1\n", False),
+        ("S1000\nWHILE [#1 LT 3] DO1\nM98 P200\n#1=#1+1\nEND1\nM99\nO200\nS700\n", False),
+    ],
+)
+def test_an_s_that_all_ways_of_a_loop_bring_is_known_behind_its_subprogram(body: str, is_known: bool) -> None:
+    assert len(chip_checks(run(body))) == (2 if is_known else 0)
+
+
+def test_an_s_of_its_own_is_known_behind_a_subprogram_that_loops_by_label() -> None:
+    """The body says S again on every way, so it is known wherever it is called from."""
+    body = "o<wash> sub\nS1000\no7 while [#1 GT 2]\nG0 X5\no7 endwhile\n{}o<wash> endsub\n"
+    main = START.replace("O1\n", "") + "o<wash> call [3]\n" + BEHIND + "M2\n"
+    known = filtered((body.format("") + main).encode(), "linuxcnc-mill")
+    check(known)
+    assert len(chip_checks(known)) == 2
+    returns = "o8 if [#1 GT 9]\nS700\no<wash> return\no8 endif\n"
+    assert chip_checks(filtered((body.format(returns) + main).encode(), "linuxcnc-mill")) == []

@@ -39,9 +39,24 @@ def at_mark(program: str, profile: str) -> tuple[str, str]:
     return known(interpreted(program, profile).before(line))
 
 
+_LOOP = "WHILE[#1LT3]DO1\n(HERE)\nM98 P200\nEND1\nM30\nO200\n"
+_LC_LOOP = "o<x> sub\n{}\no<x> endsub\nG94 S900 M3 F100.\no1 while [#1]\n(HERE)\no<x> call\no1 endwhile"
+
+
 @pytest.mark.parametrize(
     ("profile", "program", "expected"),
     [
+        pytest.param(FANUC, _LOOP + "G1 X5.\nM99", ("100.", "900"), id="a call of one that says neither"),
+        pytest.param(FANUC, _LOOP + "S900\nM99", ("", ""), id="a call of one that says S"),
+        pytest.param(FANUC, _LOOP + "G20\nG21\nM99", ("", ""), id="a call of one that changes the units"),
+        pytest.param(FANUC, _LOOP + "IF[#1EQ1]GOTO5\nM99\nN5 S500\nM99", ("", ""), id="behind its M99"),
+        pytest.param(FANUC, _LOOP + "M98 P300\nM99\nO300\nX1.\nM99", ("100.", "900"), id="a call in a call"),
+        pytest.param(FANUC, _LOOP + "M98 P300\nM99\nO300\nF9.\nM99", ("", ""), id="a call in a call says F"),
+        pytest.param(FANUC, _LOOP + "M98 P301\nM99", ("", ""), id="a call in a call of nobody knows what"),
+        pytest.param(FANUC, _LOOP + "M98 P200\nM99", ("", ""), id="one that calls itself"),
+        pytest.param(LINUXCNC, _LC_LOOP.format("G1 X5"), ("100.", "900"), id="by its name"),
+        pytest.param(LINUXCNC, _LC_LOOP.format("F5"), ("", ""), id="by its name, says F"),
+        pytest.param(LINUXCNC, _LC_LOOP.format("M72"), ("", ""), id="by its name, gives a state back"),
         pytest.param(FANUC, "WHILE[#1LT3]DO1\n(HERE)\n#1=#1+1\nEND1", ("100.", "900"), id="in a loop"),
         pytest.param(FANUC, "WHILE[#1LT3]DO1\n#1=#1+1\nEND1\n(HERE)", ("100.", "900"), id="behind a loop"),
         pytest.param(FANUC, "WHILE[#1LT3]DO1\n(HERE)\nS500\nEND1", ("100.", ""), id="the loop sets S"),
@@ -167,7 +182,9 @@ Tree = str | tuple[str, list["Tree"], list["Tree"]]  # type: ignore[misc]
 _TREES = st.recursive(
     st.lists(_SETS, max_size=2),
     lambda inner: st.lists(
-        st.one_of(_SETS, st.tuples(st.sampled_from(["while", "over", "back", "either"]), inner, inner)),
+        st.one_of(
+            _SETS, st.tuples(st.sampled_from(["while", "over", "back", "either", "call"]), inner, inner)
+        ),
         max_size=4,
     ),
     max_leaves=8,
@@ -181,6 +198,8 @@ class _Writer:
         self.marks = itertools.count(1)
         self.numbers = itertools.count(10, 10)
         self.counters = itertools.count(101)
+        self.called = itertools.count(201)
+        self.programs: list[str] = []
 
     def lines(self, parts: list[Tree], depth: int = 1) -> Iterator[str]:
         yield f"G1 X{next(self.marks)}."
@@ -211,6 +230,15 @@ class _Writer:
         yield from self.lines(one, depth)
         yield from (f"{counter}={counter}+1", f"IF[{counter}LT2]GOTO{number}")
 
+    def _call(self, one: list[Tree], _: list[Tree], depth: int) -> Iterator[str]:
+        """A program that says neither F nor S, jumps, and may call another such one."""
+        number = next(self.called)
+        inner = any(isinstance(part, tuple) and part[0] == "call" for part in one)
+        calls = list(self._call([], [], depth)) if inner else []
+        lines = [f"O{number}", "#100=#100+1", "IF[[#100MOD2]EQ1]GOTO5", *calls, "M99", "N5 G4 X.1", "M99"]
+        self.programs.append("\n".join(lines))
+        yield f"M98 P{number}"
+
     def _either(self, one: list[Tree], other: list[Tree], depth: int) -> Iterator[str]:
         number, end = next(self.numbers), next(self.numbers)
         yield from ("#100=#100+1", f"IF[[#100MOD2]EQ1]GOTO{number}")
@@ -223,12 +251,15 @@ class _Writer:
 @given(_TREES, st.integers(0, 5))
 @hypothesis_settings(max_examples=150)
 def test_what_is_called_known_is_what_the_control_has_at_each_visit(trees: list[Tree], start: int) -> None:
-    body = "\n".join(_Writer().lines(trees))
-    program = f"G90 G94 G97 S900 M3 F100.\n#100={start}\n{body}\nM30\n"
+    writer = _Writer()
+    body = "\n".join(writer.lines(trees))
+    main = f"G90 G94 G97 S900 M3 F100.\n#100={start}\n{body}\nM30\n"
     machine = Recorder()
-    control = Interpreter(Library(), machine, most_blocks=20_000)
+    programs = [f"{one}\n" for one in writer.programs]
+    control = Interpreter(Library(one.encode() for one in programs), machine, most_blocks=20_000)
     machine.words = control.modes.words
-    assert control.run(program).alarm == 0
+    assert control.run(main).alarm == 0
+    program = "".join(["O1\n", main, *programs]) if programs else main
     ours = interpreted(program, FANUC)
     for line, text in enumerate(program.split("\n")):
         if not text.startswith("G1 X"):

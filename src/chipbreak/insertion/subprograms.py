@@ -1,20 +1,21 @@
 """What the subprograms that a program calls leave switched.
 
 One that is in the same file is followed, from the state of its caller.  Where it branches, all that its
-blocks set counts as perhaps set.  Of one that is not in the file, or that calls tools itself, nothing is
-known.
+blocks set counts as perhaps set, but for an S that all its ways bring to its end.  Of one that is not in the
+file, or that calls tools itself, nothing is known.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from math import isnan
 
 from chipbreak.insertion.sure_effects import differing, set_by
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.flow import Flow
 from chipbreak.model.interpret import Interpreter
-from chipbreak.model.interpreted_program import InterpretedProgram, called_programs
+from chipbreak.model.interpreted_program import InterpretedProgram, called_programs, numbered_programs
 from chipbreak.model.modal import State
 from chipbreak.operations.main_program import calls_subprogram
 from chipbreak.operations.operations import calls_tool
@@ -90,20 +91,55 @@ class Subprograms:
         body = self.body(key)
         if body is None or len(body) > _LONGEST:
             return None
-        program = self.interpreted.program
-        dialect = self.interpreted.settings.dialect
-        is_straight = True
-        perhaps: set[str] = set()
+        walk = _BodyWalk(self.interpreted, state)
         for line in body:
-            effect = self._interpreter.advance(state, program.block(line))
+            effect = self._interpreter.advance(walk.state, self.interpreted.program.block(line))
+            if effect.does("subprogram", "return"):  # of one branch; another jumps past it
+                walk.has_one_end = False
+                continue
             end = self._after(effect, (*callers, key))
-            if effect.block.opaque or effect.after.ended or calls_tool(effect, dialect) or end is None:
+            if end is None or not walk.take(effect, end):
                 return None
-            branches = any(control.keyword != "O-CALL" for control in effect.block.controls)
-            is_straight = is_straight and not branches and not effect.block.skip
-            perhaps |= set_by(effect, self.interpreted) | differing(state, effect.after) | end.perhaps
-            state = end.state
-        return _Return(state, frozenset() if is_straight else frozenset(perhaps))
+        return walk.at_end(body.stop)
+
+
+class _BodyWalk:
+    """What one walk over the blocks of a subprogram has seen: the ``state``, and what they may have set."""
+
+    def __init__(self, interpreted: InterpretedProgram, state: State) -> None:
+        self.interpreted = interpreted
+        self.state = state
+        self.has_one_end = True
+        self._is_straight = True
+        self._perhaps: set[str] = set()
+        self._by_calls: set[str] = set()
+        self._is_optional = False
+
+    def take(self, effect: BlockEffect, end: _Return) -> bool:
+        """Take in a block and what it calls; False where nothing is known behind it."""
+        dialect = self.interpreted.settings.dialect
+        if effect.block.opaque or effect.after.ended or calls_tool(effect, dialect):
+            return False
+        keywords = {control.keyword for control in effect.block.controls} - {"O-CALL"}
+        self._is_optional = self._is_optional or bool(effect.block.skip)
+        self.has_one_end = self.has_one_end and "O-RETURN" not in keywords
+        self._is_straight = self._is_straight and not keywords and not effect.block.skip
+        by_calls = differing(effect.after, end.state) | end.perhaps
+        self._by_calls |= by_calls
+        self._perhaps |= set_by(effect, self.interpreted) | differing(self.state, effect.after) | by_calls
+        self.state = end.state
+        return True
+
+    def at_end(self, line: int) -> _Return:
+        """What holds in the line in which the body ends."""
+        if self._is_straight:
+            return _Return(self.state, frozenset())
+        speed = self.interpreted.before(line).speed
+        says_itself = "S" in self._perhaps and "S" not in self._by_calls and not self._is_optional
+        if says_itself and self.has_one_end and speed is not None and not isnan(speed.value):
+            # All its ways bring this one, wherever it is called from.
+            return _Return(self.state._replace(speed=speed), frozenset(self._perhaps - {"S"}))
+        return _Return(self.state, frozenset(self._perhaps))
 
 
 def called_by(effect: BlockEffect) -> Iterator[_Key]:
@@ -128,19 +164,18 @@ def _part(number: int) -> str:
 def _bodies(interpreted: InterpretedProgram) -> dict[_Key, range]:
     """The lines of ``o<name> sub`` to ``endsub``, of ``O1000`` and of parts to M99, without these."""
     found: dict[_Key, range] = _parts(interpreted)
+    for one in numbered_programs(interpreted):
+        if one.returns:
+            found.setdefault(one.number, range(one.first + 1, one.last_return))
     opened: tuple[_Key, int] | None = None
     for effect in interpreted.effects:
         line = effect.block.line
         labels = {control.keyword: control.label.lower() for control in effect.block.controls}
-        number = effect.block.number("O")
-        ends = effect.does("subprogram", "return")
-        if opened and (ends or "O-ENDSUB" in labels):
+        if opened and "O-ENDSUB" in labels:
             found.setdefault(opened[0], range(opened[1], line))
             opened = None
         if "O-SUB" in labels:
             opened = labels["O-SUB"], line + 1
-        elif number is not None and not effect.block.controls:
-            opened = int(number), line + 1
     return found
 
 
@@ -148,4 +183,4 @@ def _parts(interpreted: InterpretedProgram) -> dict[_Key, range]:
     """The parts of the programs that a number names alone."""
     parts = [one for one in called_programs(interpreted) if one.is_part and one.returns]
     counts = Counter(one.number for one in parts)
-    return {_part(one.number): range(one.first, one.last - 1) for one in parts if counts[one.number] == 1}
+    return {_part(one.number): range(one.first, one.last_return) for one in parts if counts[one.number] == 1}

@@ -19,8 +19,9 @@ import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
 from chipbreak.dialects.modes import UNSAID, Group
+from chipbreak.model.arrivals import Place
 from chipbreak.model.block_effect import BlockEffect
-from chipbreak.model.flow import sequence_lines
+from chipbreak.model.flow import Flow, sequence_lines
 from chipbreak.model.modal import NOWHERE, UNKNOWN, Position, Setting, State
 from chipbreak.model.paths import begins_program
 from chipbreak.settings.sections import Settings
@@ -41,7 +42,8 @@ _FOLLOWED_BEHIND: frozenset[Group] = frozenset({"motion"})
 class Program(NamedTuple):
     """A program of a file: its number, the lines ``first`` to ``last`` (exclusive), how it ends.
 
-    ``owner`` is the first line of the program whose part it is, -1 for one of its own.
+    ``last_return`` is the line of the M99 behind all that belongs to one that returns: a branch may return
+    before.  ``owner`` is the first line of the program whose part it is, -1 for one of its own.
     """
 
     number: int
@@ -49,6 +51,7 @@ class Program(NamedTuple):
     last: int
     returns: bool
     ends: bool
+    last_return: int
     owner: int = _WHOLE_FILE
 
     @property
@@ -69,14 +72,16 @@ class Call(NamedTuple):
     state: State | None
 
 
-def programs_of(effects: Sequence[BlockEffect], settings: Settings, stop: int) -> list[Program]:
+def programs_of(effects: Sequence[BlockEffect], flow: Flow, settings: Settings, stop: int) -> list[Program]:
     """The programs that begin with an O word, in order, up to line ``stop``."""
     begins = [e for e in effects if _names(e.block) and begins_program(e.block, settings.dialect)]
     bounds = [*(effect.block.line for effect in begins[1:]), stop] if begins else []
-    return [_program(effect, last, effects) for effect, last in zip(begins, bounds, strict=True)]
+    return [_program(effect, last, effects, flow) for effect, last in zip(begins, bounds, strict=True)]
 
 
-def local_programs(text: Text, effects: Sequence[BlockEffect], programs: Sequence[Program]) -> list[Program]:
+def local_programs(
+    text: Text, effects: Sequence[BlockEffect], flow: Flow, programs: Sequence[Program]
+) -> list[Program]:
     """The parts of the ``programs`` that calls of their own name by a block number, in order.
 
     Each begins behind the end of another one, so that nothing but its calls leads into it.
@@ -90,7 +95,7 @@ def local_programs(text: Text, effects: Sequence[BlockEffect], programs: Sequenc
         lines = _lines_of_owner(programs, call.block.line, text.source.body.stop)
         first = next((line for line in numbers.get(number, ()) if line in lines), None)
         if first is not None and _last_block(text, first) in ended:
-            found[first] = _part(number, range(first, lines.stop), effects, lines.start)
+            found[first] = _part(number, range(first, lines.stop), effects, flow, lines.start)
     return [found[first] for first in sorted(found)]
 
 
@@ -111,24 +116,45 @@ def _last_block(text: Text, last: int) -> int | None:
     return next((line for line in lines if not text.block(line).is_empty), None)
 
 
-def _part(number: int, lines: range, effects: Sequence[BlockEffect], owner: int) -> Program:
-    inside = (effect for effect in effects if effect.block.line in lines)
+def _part(number: int, lines: range, effects: Sequence[BlockEffect], flow: Flow, owner: int) -> Program:
+    inside = [effect for effect in effects if effect.block.line in lines]
     how = next((e for e in inside if e.does("program", "end") or e.does("subprogram", "return")), None)
-    returns = how is not None and how.does("subprogram", "return")
-    last = lines.stop if how is None else how.block.line + 1
-    return Program(number, lines.start, last, returns, ends=False, owner=owner)
+    if how is None:
+        return Program(
+            number, lines.start, lines.stop, returns=False, ends=False, last_return=-1, owner=owner
+        )
+    returns = how.does("subprogram", "return")
+    last = _last_return(inside, flow) if returns else how.block.line
+    return Program(number, lines.start, last + 1, returns, ends=False, last_return=last, owner=owner)
+
+
+def _last_return(inside: Sequence[BlockEffect], flow: Flow) -> int:
+    """The line of the M99 behind all that jumps from the first lines of a program lead to; -1 without one."""
+    first, last = inside[0].block.line, -1
+    returns = [effect.block.line for effect in inside if effect.does("subprogram", "return")]
+    for line in returns:
+        if last < 0 or any(last < at <= line and _may_come(first, last, at, flow) for at in flow.targets):
+            last = line
+    return last
+
+
+def _may_come(first: int, last: int, target: int, flow: Flow) -> bool:
+    """True where a jump in lines ``first`` to ``last`` may lead to a numbered line."""
+    arrival = flow.arrivals.get(Place(target, is_behind=False))
+    return arrival is None or any(first <= way.line <= last for way in arrival.ways)
 
 
 def _names(block: Block) -> bool:
     return bool(block.words) and block.words[0].address == "O" and block.words[0].number is not None
 
 
-def _program(begin: BlockEffect, last: int, effects: Sequence[BlockEffect]) -> Program:
-    inside = (e for e in effects if begin.block.line <= e.block.line < last)
+def _program(begin: BlockEffect, last: int, effects: Sequence[BlockEffect], flow: Flow) -> Program:
+    inside = [e for e in effects if begin.block.line <= e.block.line < last]
     how = next((e for e in inside if e.does("program", "end") or e.does("subprogram", "return")), None)
     returns = how is not None and how.does("subprogram", "return")
     number = int(begin.block.number("O") or 0)
-    return Program(number, begin.block.line, last, returns, how is not None and not returns)
+    last_return = _last_return(inside, flow) if returns else -1
+    return Program(number, begin.block.line, last, returns, how is not None and not returns, last_return)
 
 
 def entry_states(
@@ -193,6 +219,15 @@ def _called(
         return programs.get((_owner(own, effect.block.line), number))
     key = (_WHOLE_FILE, number)
     return programs.get(key) or programs.get((_WHOLE_FILE, number % _ONE_PROGRAM))
+
+
+def called_by_number(effect: BlockEffect, programs: Sequence[Program]) -> Program | None:
+    """The program that a block calls by its number; None for one that is not in this file."""
+    number = effect.block.number("P")
+    if number is None:
+        return None
+    own = [one for one in programs if not one.is_part]
+    return _called(effect, int(number), {one.key: one for one in reversed(programs)}, own)
 
 
 def may_call(effect: BlockEffect) -> bool:

@@ -18,10 +18,11 @@ from chipbreak.kinematics.floats import Floats
 from chipbreak.model.arrivals import Carried, CarriedTo, Place, carried_by, not_known
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.callers import Program as Called
-from chipbreak.model.callers import entry_states, lines_of_calls, local_programs, may_call, programs_of
+from chipbreak.model.callers import entry_states, lines_of_calls, local_programs, programs_of
 from chipbreak.model.flow import Flow, read_flow
 from chipbreak.model.interpret import Interpreter, initial_state
 from chipbreak.model.modal import Position, State
+from chipbreak.model.quiet_calls import calls_that_may_say
 from chipbreak.model.words import feed_of, is_diameter, length_mm
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.columns import read_columns, uniform_run
@@ -236,9 +237,15 @@ def interpret(
 def called_programs(interpreted: InterpretedProgram) -> list[Called]:
     """The programs of a file and the parts that they call; empty where there is nothing but the first one."""
     effects = interpreted.effects
-    own = programs_of(effects, interpreted.settings, interpreted.program.source.body.stop)
-    parts = local_programs(interpreted.program, effects, own)
+    own = numbered_programs(interpreted)
+    parts = local_programs(interpreted.program, effects, interpreted.flow, own)
     return [*own, *parts] if parts or len(own) > 1 else []
+
+
+def numbered_programs(interpreted: InterpretedProgram) -> list[Called]:
+    """The programs of a file that begin with their number, also a single one."""
+    stop = interpreted.program.source.body.stop
+    return programs_of(interpreted.effects, interpreted.flow, interpreted.settings, stop)
 
 
 def followed_calls(interpreted: InterpretedProgram) -> frozenset[int]:
@@ -279,7 +286,7 @@ def _settled(
 
 def _carried(interpreted: InterpretedProgram) -> CarriedTo:
     """What each way brings."""
-    calls = [effect.block.line for effect in interpreted.effects if may_call(effect)]
+    calls = _calls_that_may_say(interpreted)
 
     def brought_to(place: Place, way: Place) -> Carried:
         _, effect = interpreted.reached[way.line]
@@ -291,6 +298,13 @@ def _carried(interpreted: InterpretedProgram) -> CarriedTo:
         place: tuple(brought_to(place, way) for way in arrival.ways)
         for place, arrival in interpreted.flow.arrivals.items()
     }
+
+
+def _calls_that_may_say(interpreted: InterpretedProgram) -> list[int]:
+    own = numbered_programs(interpreted)
+    parts = local_programs(interpreted.program, interpreted.effects, interpreted.flow, own)
+    programs = [*own, *parts]
+    return calls_that_may_say(interpreted.effects, programs, interpreted.program, interpreted.settings)
 
 
 def _interpreted(

@@ -10,9 +10,9 @@ from chipbreak.cycle_time.clock import CHANGES, CUTTING, DWELLS, RAPIDS, Clock
 from chipbreak.cycle_time.program import time_program
 from chipbreak.editing.restore import restore
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
-from chipbreak.operations.main_program import MainProgram
+from chipbreak.operations.main_program import main_program
 from chipbreak.passes import CHECK_TOOLS
-from chipbreak.pipeline import Result, Whole
+from chipbreak.pipeline import Result
 from chipbreak.report.model import Assumption, CycleTime, TimePart, UntimedLine
 from chipbreak.settings import Settings
 from chipbreak.syntax.parse import parse
@@ -32,8 +32,8 @@ def whole_time(result: Result, settings: Settings) -> CycleTime | None:
 
     Cycles are timed by the passes that the control makes of them.
     """
-    interpreted, main = _written_out(result, settings)
-    clock = time_program(interpreted, main)
+    interpreted = _written_out(result, settings)
+    clock = time_program(interpreted, main_program(interpreted))
     cutting_s = clock.seconds[CUTTING]
     if not cutting_s:
         return None
@@ -67,16 +67,14 @@ def cutting_s(time: CycleTime | None) -> float | None:
     return next((part.before_s for part in parts if part.name == CUTTING), None)
 
 
-def _written_out(result: Result, settings: Settings) -> tuple[InterpretedProgram, MainProgram]:
+def _written_out(result: Result, settings: Settings) -> InterpretedProgram:
     """The program as it came in, with every cycle that can be written out as plain blocks."""
-    whole = result.whole or Whole.of(interpret(parse(restore(result.source), settings.dialect), settings))
-    plain = whole.interpreted
+    plain = interpret(parse(restore(result.source), settings.dialect), settings)
     always = dataclasses.replace(settings, cycles=dataclasses.replace(settings.cycles, unroll="always"))
     try:
-        unrolled = unroll(plain._replace(settings=always), whole.main, (), {})
+        return unroll(plain._replace(settings=always), main_program(plain), (), {}).interpreted
     except (ProgramRejectedError, SelfCheckError):
-        return plain, whole.main
-    return unrolled.interpreted, unrolled.main
+        return plain
 
 
 def _longer_s(cut: CutReport, line: int, called: Sequence[tuple[range, int]]) -> float:
