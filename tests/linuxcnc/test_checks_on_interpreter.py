@@ -26,7 +26,7 @@ TOOLS = tuple(
     rs274.Tool(number, z_mm=100.0 + 7 * number, diameter_mm=4.0, orientation=0) for number in range(100)
 )
 _MACRO = """o<{name}> sub
-#<feed_before> = #<_feed>
+{noted}#<feed_before> = #<_feed>
 #<speed_before> = #<_rpm>
 M70
 M5
@@ -37,7 +37,7 @@ S777 M3
 G91 G1 X1 F333
 M5
 G90 G53 G0 Z0
-M72
+{back}M72
 S#<speed_before>
 o99 if [#<feed_before> GT 0]
   F#<feed_before>
@@ -46,6 +46,14 @@ o<{name}> endsub
 M2
 """
 _MACROS = ("cb_calibrate", "cb_tool_check", "cb_trace", "cb_chip_check")
+# CALIBRATE comes back over where it was called; behind the others the filter sends the tool back.
+_BACK = {
+    "cb_calibrate": {
+        "noted": "#<x_before> = #<_abs_x>\n#<y_before> = #<_abs_y>\n",
+        "back": "G53 G0 X#<x_before> Y#<y_before>\n",
+    }
+}
+_STAYS = {"noted": "", "back": ""}
 _DATA = ("cb_tool", "cb_length")
 
 
@@ -53,7 +61,7 @@ _DATA = ("cb_tool", "cb_length")
 def _folder() -> tempfile.TemporaryDirectory[str]:
     folder = tempfile.TemporaryDirectory(prefix="wood-")
     for name in _MACROS:
-        (Path(folder.name) / f"{name}.ngc").write_text(_MACRO.format(name=name))
+        (Path(folder.name) / f"{name}.ngc").write_text(_MACRO.format(name=name, **_BACK.get(name, _STAYS)))
     for name in _DATA:
         (Path(folder.name) / f"{name}.ngc").write_text(f"o<{name}> sub\no<{name}> endsub\nM2\n")
     rows = [f"{number},flat end mill,4,10,50,80,30" for number in range(100)]

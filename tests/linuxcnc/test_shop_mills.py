@@ -33,7 +33,7 @@ EXPECTED = {
     "by_hand.ngc": (2, 3, 1),
     "coolants.ngc": (1, 4, 0),
     "drilling_inch.ngc": (3, 4, 0),
-    "freecad_pocket.ngc": (2, 3, 1),
+    "freecad_pocket.ngc": (2, 3, 0),
     "fusion_bracket.ngc": (3, 4, 0),
     "loops.ngc": (2, 3, 0),
     "mastercam_inch.nc": (2, 3, 0),
