@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+
 from longer import short_where
 
 NO_CORPUS = "the corpus of real programs is not here"
