@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from math import floor
 from typing import Protocol
 
 import numpy as np
@@ -225,11 +226,13 @@ def _times_of_parts(asked: Asked, columns: Columns, parts: Parts, period: float)
     if not shared:
         return np.asarray(times * period)
     ways, has = _parts_as_blocks(columns, parts)
-    least = _least_periods(ways, has, period)
+    # Numbers and no arrays from here on: there may be hundreds of thousands of such strokes, of few parts.
+    ways_of = ways.tolist()
+    least = _least_periods(ways, has, period).tolist()
     owed = 0.0
     for at in shared:
         run = slice(int(firsts[at]), int(firsts[at] + counts[at]))
-        times[run], owed = _shared_out(float(wanted[at]) - owed, ways[run], least[run])
+        times[run], owed = _shared_out(float(wanted[at]) - owed, ways_of[run], least[run])
     return np.asarray(times * period)
 
 
@@ -240,7 +243,7 @@ def _parts_as_blocks(columns: Columns, parts: Parts) -> tuple[Floats, Floats]:
     return ways, np.minimum.reduceat(columns.accelerations[:stop], parts.starts)
 
 
-def _shared_out(wanted: float, ways: Floats, least: Floats) -> tuple[Floats, float]:
+def _shared_out(wanted: float, ways: list[float], least: list[float]) -> tuple[list[float], float]:
     """The periods of the parts of one stroke, and what the next one must make up for.
 
     ``ways`` are their lengths, ``least`` the fewest periods of each.  A stroke that rests on the way gives
@@ -248,11 +251,14 @@ def _shared_out(wanted: float, ways: Floats, least: Floats) -> tuple[Floats, flo
     up for by the next stroke; with more, all that follows is late.
     """
     if len(ways) == 1:
-        return np.array([wanted]), 0.0
-    spare = max(0.0, wanted - least.sum())
-    given = np.floor(spare * ways / ways.sum())
-    given[ways.argmax()] += spare - given.sum()
-    return least + given, min(1.0, max(0.0, float(least.sum()) - wanted))
+        return [wanted], 0.0
+    needed = sum(least)
+    whole = sum(ways)
+    spare = max(0.0, wanted - needed)
+    given = [float(floor(spare * way / whole)) for way in ways]
+    given[ways.index(max(ways))] += spare - sum(given)
+    periods = [fewest + more for fewest, more in zip(least, given, strict=True)]
+    return periods, min(1.0, max(0.0, needed - wanted))
 
 
 def _least_periods(ways: Floats, accelerations: Floats, period: float) -> Floats:
