@@ -69,6 +69,13 @@ def test_the_verdict_is_that_of_the_steps() -> None:
 def test_a_stroke_of_few_steps_is_refused() -> None:
     found = chipbreak.check(CUT.encode(), chipbreak.load("generic-lathe", ["axes.Z.increment_mm=0.02"]))
     assert [one.code for one in found] == ["VIB059"]
+    assert found[0].help == "give a larger Q or A"  # more decimals would change nothing
+    larger = CUT.replace("N1.5", "N1.5 Q2.")
+    assert larger != CUT
+    (cut,) = chipbreak.rewrite(
+        larger.encode(), chipbreak.load("generic-lathe", ["axes.Z.increment_mm=0.02"])
+    ).cuts
+    assert cut.verdict.breaks
 
 
 def test_loops_go_in_steps_too() -> None:

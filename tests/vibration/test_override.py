@@ -32,6 +32,28 @@ def test_at_the_ends_of_the_band_of_the_override_chips_just_break(words: str) ->
         assert verdict.breaks is breaks, (override, verdict.margin)
 
 
+@pytest.mark.parametrize("mode", ["minute", "inverse"])
+@pytest.mark.parametrize("words", ["N1.5", "N0.5", "N2.5 Q2."])
+def test_at_the_ends_of_the_band_of_the_spindle_chips_just_break(words: str, mode: str) -> None:
+    """Blocks that take their times whatever the spindle does: a slower one has more feed in a revolution."""
+    settings = chipbreak.load("fanuc-mill", [f"output.feed_mode={mode}"])
+    program = PROGRAM.format(words).replace("G21 G99", "G21 G90 G95").replace("X50.", "X0. Y0.")
+    result = chipbreak.rewrite(program.encode(), settings)
+    (cut,) = result.cuts
+    (motion,) = chipbreak.motions(result, settings)
+    band = cut.verdict.speed_band_rpm
+    assert band is not None
+    programmed_rpm = cut.plan.solution.speed_rpm
+    assert band[0] < programmed_rpm < band[1]
+    tried = [(1.01 * band[0], True), (0.99 * band[0], False), (0.99 * band[1], True)]
+    if band[1] < 5.0 * programmed_rpm:  # above that it is no droop any more
+        tried.append((1.01 * band[1], False))
+    for speed_rpm, breaks in tried:
+        feed_mm_rev = 0.1 * programmed_rpm / speed_rpm
+        verdict = judge(motion.time_s, motion.distance_mm, speed_rpm=speed_rpm, feed_mm_rev=feed_mm_rev)
+        assert verdict.breaks is breaks, (speed_rpm, verdict.margin)
+
+
 def test_five_percent_is_too_much_for_the_usual_stroke() -> None:
     band = feed_override_band("triangle", 1.5, 1.2)
     assert band is not None
@@ -47,9 +69,9 @@ def test_the_report_says_what_feed_per_revolution_and_an_override_do() -> None:
     said = explained("fanuc-lathe", PROGRAM.format("N1.5"))
     assert "which feed per revolution ties to the spindle: N stays" in said
     assert "of feed override, which takes N with it" in said
-    assert "ties to the spindle" not in explained(
-        "fanuc-lathe", PROGRAM.format("N1.5"), "output.feed_mode=minute"
-    )
+    per_minute = explained("fanuc-lathe", PROGRAM.format("N1.5"), "output.feed_mode=minute")
+    assert "ties to the spindle" not in per_minute
+    assert "rpm at this frequency and feed per minute" in per_minute
 
 
 def test_the_report_says_how_much_of_the_acceleration_is_used() -> None:

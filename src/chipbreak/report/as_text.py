@@ -244,10 +244,12 @@ def _load(cut: ExplainedCut) -> Iterator[str]:
 def _band(cut: ExplainedCut) -> Iterator[str]:
     if cut.verdict.speed_band_rpm:
         low, high = cut.verdict.speed_band_rpm
-        speeds = f"breaks from {low:z.0f} to {high:z.0f} rpm at this frequency"
-        if cut.follows_spindle:
-            speeds += ", which feed per revolution ties to the spindle: N stays"
-        yield speeds
+        ties = ", which feed per revolution ties to the spindle: N stays"
+        # Rounded towards the speed of the cut: what is said breaks.
+        yield (
+            f"breaks from {math.ceil(low - _FUZZ)} to {math.floor(high + _FUZZ)} rpm at this frequency"
+            f"{ties if cut.follows_spindle else ' and feed per minute'}"
+        )
     if cut.override_band:
         least, most = cut.override_band
         # Rounded towards 100 %: what is said breaks.

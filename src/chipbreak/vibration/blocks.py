@@ -154,7 +154,7 @@ def _ends(cut: CutPlan, form: OutputForm, settings: Settings) -> _Ends:
     step_mm = max(
         settings.output.step_mm(is_inch=state.is_inch), axis_steps_mm(settings, state)[moving].max()
     )
-    _check_digits(cut, words, step_mm, is_too_fine=bool((counts > 1).any()))
+    _check_digits(cut, words, step_mm, settings, is_too_fine=bool((counts > 1).any()))
     if len(times) == 1:
         message = f"the cut rounds to nothing at {words.decimals} decimals"
         raise RefusalError("VIB023", message, "a vibrated cut needs a distance to travel")
@@ -222,13 +222,16 @@ def _dwells(cut: CutPlan, counts: NDArray[np.intp], settings: Settings) -> Float
     return dwell_s
 
 
-def _check_digits(cut: CutPlan, words: Words, step_mm: float, *, is_too_fine: bool) -> None:
+def _check_digits(
+    cut: CutPlan, words: Words, step_mm: float, settings: Settings, *, is_too_fine: bool
+) -> None:
     """Refuse a stroke of few steps, and an end that incremental words cannot reach."""
     if cut.wave.stroke_mm < _LEAST_STEPS * step_mm or is_too_fine:
         larger = cut.expander.larger
         stroke = f"the stroke of {cut.wave.stroke_mm:.4g} mm"
         message = f"{stroke} has fewer than {_LEAST_STEPS} steps of {step_mm:g} mm"
-        help_text = f"raise output.decimals, or {larger}"
+        is_axis = step_mm > settings.output.step_mm(is_inch=cut.chain.before.is_inch)
+        help_text = larger if is_axis else f"raise output.decimals, or {larger}"
         feed = cut.chain.before.feed
         if feed is not None and cut.chain.before.modes.feed_mode == "minute":
             # The likeliest cause on a control that starts in G94: a feed per revolution, read per minute.

@@ -30,11 +30,16 @@ def little_to_spare(interpreted: InterpretedProgram, cuts: Sequence[CutReport]) 
     message = f"{said} {most:.0%} of the acceleration that the profile gives {axes}"
     help_text = (
         "take a lower f with the same N; where the axis surely has what the profile says, set"
-        f" vibration.reserve below {reserve:g}"
+        f" vibration.reserve = {_reserve_left_by(most):g}"
     )
     yield interpreted.program.diagnose(
         cut.chain.first, LITTLE_TO_SPARE, message, help_text, severity=Severity.WARNING
     )
+
+
+def _reserve_left_by(share: float) -> float:
+    """The largest reserve with which a cut that uses this share is not spoken of, in hundredths."""
+    return max(0.0, math.floor(100.0 * (1.0 - share / _WITH_ROUNDING)) / 100.0)
 
 
 def _share(cut: CutReport) -> float:

@@ -117,18 +117,37 @@ class CutReport:
     @property
     def override_band(self) -> tuple[float, float] | None:
         """From which to which feed override its chips break; None where the tool never turns back."""
-        wave = self.plan.wave
-        if not wave.shape.turns_back or not self.verdict.breaks or self.verdict.per_rev <= 0.0:
-            return None
-        ratio = self.verdict.stroke_mm / wave.feed_mm_rev
-        return feed_override_band(
-            wave.waveform, self.verdict.per_rev, ratio, alpha_share=wave.alpha_share, edges=self.plan.edges
-        )
+        return _override_band(self.plan, self.verdict)
 
     @property
     def each_dwell_s(self) -> float:
         """How long the tool dwells in each vibration, 0 where it swings."""
         return float(self.expansion.dwell_s[0]) if self.plan.expander.keeps_feed else 0.0
+
+
+def _override_band(plan: CutPlan, verdict: Verdict) -> tuple[float, float] | None:
+    wave = plan.wave
+    if not wave.shape.turns_back or not verdict.breaks or verdict.per_rev <= 0.0:
+        return None
+    ratio = verdict.stroke_mm / wave.feed_mm_rev
+    return feed_override_band(
+        wave.waveform, verdict.per_rev, ratio, alpha_share=wave.alpha_share, edges=plan.edges
+    )
+
+
+def _speed_band_rpm(plan: CutPlan, verdict: Verdict, law: ControlLaw) -> tuple[float, float] | None:
+    """From which to which spindle speed its chips break at this frequency.
+
+    Where blocks take their times whatever the spindle does, a slower one has more feed in a revolution: the
+    same as a higher override at its own speed.
+    """
+    if law.per_revolution or verdict.speed_band_rpm is None:
+        return verdict.speed_band_rpm
+    band = _override_band(plan, verdict)
+    if band is None:
+        return None
+    least, most = band
+    return plan.solution.speed_rpm / most, plan.solution.speed_rpm / least
 
 
 class CutMotion(NamedTuple):
@@ -244,6 +263,7 @@ def _report(plan: CutPlan, expansion: Expansion, timed: _Timed) -> CutReport:
         alpha_share=plan.wave.alpha_share,
         vibration_s=plan.wave.period_s,
     )
+    verdict = replace(verdict, speed_band_rpm=_speed_band_rpm(plan, verdict, law))
     is_filtered = motion.delay_s > 0.0
     peak_mm_s = law.peak_speed_mm_s(blocks, moves.feed_mm_s)
     if peak_mm_s is not None and not is_filtered:
