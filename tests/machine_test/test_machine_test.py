@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 import subprocess
@@ -47,6 +48,18 @@ def test_cuts_on_a_measured_machine_are_as_promised(seed: int, tmp_path: Path) -
     assert max(one.count_error for one in kept) <= 0.01
     assert max(one.stroke_error for one in kept) <= 0.05
     assert all(one.same_verdict for one in kept)
+
+
+@pytest.mark.parametrize("seed", [7017, pytest.param(7015, marks=pytest.mark.long)])
+def test_a_look_ahead_is_found_before_what_stands_behind_it(seed: int, tmp_path: Path) -> None:
+    """Behind two lags alike, or a bell: searched for together, all its numbers go astray."""
+    draw = np.random.default_rng(seed)
+    _, machine = drawn_machine(draw)
+    measured_profile(machine, draw, tmp_path)
+    said = json.loads((tmp_path / "said.json").read_text())
+    found = {one["key"]: one["value"] for one in said["measured"]}
+    assert found["planner.joint_speed_mm_min"] == pytest.approx(60.0 * machine.joint_mm_s, rel=0.01)
+    assert found["axes.Z.max_acceleration_mm_s2"] == pytest.approx(machine.ramp_mm_s2, rel=0.01)
 
 
 @pytest.mark.klipper

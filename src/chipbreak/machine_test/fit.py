@@ -6,7 +6,7 @@ and what reading the clock adds to every time (typed times).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from math import log, sqrt
@@ -52,6 +52,7 @@ _ALIGNMENTS = 4
 _SLOPE_S = 0.0005
 _BAND = 0.15
 _GENERIC = FILTER_KINDS[3]
+_SORTS = tuple(one for one in FILTER_KINDS if one.averages + one.lags == 2 and one.lags)
 _SHORTEST_S = 0.0008  # of a filter that is seen
 _FILTER_STARTS = {
     "average_s": (0.008, 0.04),
@@ -256,6 +257,7 @@ def fits_of(data: AxisData, known: Limits, usual_model: str, only: Kind | None =
     kinds = KINDS if only is None else (only,)
     rough = _rough_fits(part, data.as_times, known, usual_model, kinds)
     found = [fit for begin in rough for fit in _with_filters(begin, part, known)]
+    found = _best_of_each(found, lambda one: (one.kind.name, one.behind.name))
     # A filter that is over before the next place is seen stands for what the model rounds.
     plain = [one for one in found if all(one.numbers[name] > _SHORTEST_S for name in one.behind.names)]
     best = _ranked(plain or found, part, usual_model)[:_FINALISTS]
@@ -281,6 +283,15 @@ def _doubted(fit: Fit, others: Sequence[Fit], count: int) -> Fit:
     return fit._replace(shares=shares, rivals=tuple(other.behind for other in rivals))
 
 
+def _best_of_each(found: Sequence[Fit], sort: Callable[[Fit], Hashable]) -> list[Fit]:
+    """Of each sort the one that leaves least, in the order in which the sorts were found."""
+    best: dict[Hashable, Fit] = {}
+    for one in found:
+        other = best.get(sort(one), one)
+        best[sort(one)] = min(other, one, key=lambda fit: fit.squares)
+    return list(best.values())
+
+
 def _ranked(found: Sequence[Fit], data: AxisData, usual_model: str) -> list[Fit]:
     scale = max(1.0, min(one.squares for one in found) / max(data.count, 1))
     return sorted(found, key=lambda one: _score(one, scale, data.count, usual_model))
@@ -300,22 +311,30 @@ def _rough_fits(
 
     What the profile says is tried first.  Behind a kind that explains everything nothing more is looked for.
     """
-    behind = _GENERIC if data.pieces else NOTHING_BEHIND
     found: list[Fit] = []
     for kind in sorted(kinds, key=lambda kind: usual_model not in kind.models or kind is EXACT):
-        if kind is EXACT and data.pieces:
-            found += _with_filters(_rough(kind, behind, data, times, known), data, known)
-        elif kind.steps:
-            begin = _rough(RESTS, behind, data, times, known)
-            found.append(_scanned(kind, behind, begin.numbers, data, known))
-        else:
-            found.append(_rough(kind, behind, data, times, known))
+        found += _rough_fits_of(kind, data, times, known)
         if min(one.squares for one in found) <= _EXPLAINED * data.count and data.pieces:
             break
     best = _ranked(found, data, usual_model)
     least = min(one.squares for one in found)
     near = [one for one in best if one.squares <= _FAR * least + data.count]
-    return list({one.kind.name: one for one in reversed(near)}.values())[::-1][:_FINALISTS]
+    names = list(dict.fromkeys(one.kind.name for one in near))[:_FINALISTS]
+    return _best_of_each(
+        [one for one in near if one.kind.name in names],
+        lambda one: (one.kind.name, one.kind is not EXACT and one.behind.name),
+    )
+
+
+def _rough_fits_of(kind: Kind, data: AxisData, times: AxisData, known: Limits) -> Iterator[Fit]:
+    behind = _GENERIC if data.pieces else NOTHING_BEHIND
+    begin = _rough(RESTS if kind.steps else kind, behind, data, times, known)
+    if kind is EXACT and data.pieces:
+        yield from _with_filters(begin, data, known)
+        return
+    yield _scanned(kind, behind, begin.numbers, data, known) if kind.steps else begin
+    if data.pieces and not kind.steps:
+        yield _held(kind, data, times, known)
 
 
 def _rough(kind: Kind, behind: FilterKind, data: AxisData, times: AxisData, known: Limits) -> Fit:
@@ -340,6 +359,18 @@ def _rough(kind: Kind, behind: FilterKind, data: AxisData, times: AxisData, know
 
     likely = sorted(product(*starts.values()), key=squares)[:_TRIED]
     return min((_fit(model, start, _ROUGH_ROUNDS) for start in likely), key=lambda one: one.squares)
+
+
+def _held(kind: Kind, data: AxisData, times: AxisData, known: Limits) -> Fit:
+    """The kind with those numbers of its own that the periods say, and what is then best behind it.
+
+    Where all numbers are searched for together they go astray together, behind a filter of the wrong sort.
+    """
+    own = _rough(kind, NOTHING_BEHIND, times, times, known).numbers
+    models = [_Model(kind, behind, data, known, own) for behind in _SORTS]
+    starts = [[_FILTER_STARTS[name][0] for name in model.names] for model in models]
+    found = (_fit(model, start, _ROUGH_ROUNDS) for model, start in zip(models, starts, strict=True))
+    return min(found, key=lambda one: one.squares)
 
 
 def _with_filters(begin: Fit, data: AxisData, known: Limits) -> Iterator[Fit]:
