@@ -59,7 +59,7 @@ class Result(NamedTuple):
     ``changed`` says whether it differs from what came in.  ``reports`` are what was found when the promises
     of the edits were looked after, in the order of the program.  ``left`` are the cuts that were asked to
     vibrate and stay as they are, with the reason.  ``cycles`` are those that were written out, by their lines
-    in ``source``.
+    in ``source``.  ``whole`` is the program as it came in, interpreted, which no other process is sent.
     """
 
     source: Source
@@ -72,6 +72,10 @@ class Result(NamedTuple):
     left: tuple[LeftCut, ...] = ()
     cycles: tuple[Span, ...] = ()
     beside: bytes | None = None
+    whole: Whole | None = None
+
+    def __reduce__(self) -> tuple[type[Result], tuple[object, ...]]:
+        return Result, tuple(self._replace(whole=None))
 
     def __repr__(self) -> str:
         state = "changed" if self.changed else "not changed"
@@ -154,7 +158,7 @@ def _filtered_again(source: Source, output: bytes, settings: Settings) -> Result
 
 def _run(source: Source, settings: Settings, output: bytes | None, options: RunOptions) -> Result:
     """All stages on an unfiltered source; ``output`` is the program to judge, None to write one."""
-    whole = _Whole.of(interpret(parse(source, settings.dialect), settings))
+    whole = Whole.of(interpret(parse(source, settings.dialect), settings))
     options.progress(_INTERPRETED)
     passes = passes_of(settings)
     idle: dict[int, RefusalError] = {}
@@ -193,6 +197,7 @@ def _run(source: Source, settings: Settings, output: bytes | None, options: RunO
         left=(*unrolled.left, *tried.left),
         cycles=tuple(unrolled.spans),
         beside=new.beside,
+        whole=whole,
     )
 
 
@@ -212,7 +217,7 @@ def _settled(context: Context, passes: Sequence[Pass], output: bytes | None) -> 
         context = replace(context, given_up=FrozenTable({**context.given_up, **given_up}))
 
 
-class _Whole(NamedTuple):
+class Whole(NamedTuple):
     """A program as it came in, with its operations."""
 
     interpreted: InterpretedProgram
@@ -220,7 +225,7 @@ class _Whole(NamedTuple):
     operations: Sequence[Operation]
 
     @classmethod
-    def of(cls, interpreted: InterpretedProgram) -> _Whole:
+    def of(cls, interpreted: InterpretedProgram) -> Whole:
         """Raises SettingsError for unusable rules of operations."""
         settings = interpreted.settings
         main = main_program(interpreted)
@@ -282,7 +287,7 @@ def _given_up(context: Context, passes: Iterable[Pass], kept: Sequence[Kept]) ->
     return {line: why for line, why in found.items() if line not in context.given_up}
 
 
-def _context(whole: _Whole, unrolled: Unrolled, options: RunOptions) -> Context:
+def _context(whole: Whole, unrolled: Unrolled, options: RunOptions) -> Context:
     """What the passes may look at."""
     tools = cache(partial(_tools_for_checks, whole.interpreted))
     return Context(

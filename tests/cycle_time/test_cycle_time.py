@@ -167,7 +167,11 @@ def test_drilling(blocks: str, cutting: float, rapids: float) -> None:
     assert found["rapids"] == pytest.approx(rapids, abs=0.5)
 
 
-def test_a_long_run_takes_what_its_blocks_take_one_by_one() -> None:
+@pytest.mark.parametrize("lines", [7, 16, 50, 1 << 14])
+def test_a_long_run_takes_what_its_blocks_take_one_by_one(
+    lines: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("chipbreak.cycle_time.program._PIECE_LINES", lines)
     moves = []
     for number in range(200):
         moves.append(f"N{number + 10} G{number % 4 and 1} X{number % 7}.5 Y{number % 5}.25")

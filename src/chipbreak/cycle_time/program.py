@@ -19,6 +19,8 @@ _ONE_PROGRAM = 10_000  # P51234 calls O1234 five times
 _MOST_STEPS = 100_000
 _DEEPEST = 8
 _LONG_RUN = 16
+# So many lines that their columns of numbers stay in the cache.
+_PIECE_LINES = 1 << 14
 
 
 def time_program(interpreted: InterpretedProgram, main: MainProgram) -> Clock:
@@ -41,8 +43,7 @@ class _Walk:
         specials = interpreted.program.special_lines
         state = interpreted.before(at)
         for line in [*specials[(specials >= at) & (specials < main.last)].tolist(), main.last]:
-            self._run(state, at, line)
-            state = interpreted.skip(state, at, line)
+            state = self._run(state, at, line)
             effect = effects.get(line)
             if effect is not None and line < main.last:
                 if main.has(line):
@@ -51,10 +52,18 @@ class _Walk:
                 state = effect.after
             at = line + 1
 
-    def _run(self, state: State, first: int, last: int) -> None:
-        """Plain lines between two others."""
-        if first >= last or not self.main.has(first):
-            return
+    def _run(self, state: State, first: int, last: int) -> State:
+        """Plain lines between two others, a piece at a time; the state behind them."""
+        if not self.main.has(first):
+            return self.interpreted.skip(state, first, last)
+        for at in range(first, last, _PIECE_LINES):
+            stop = min(at + _PIECE_LINES, last)
+            self._piece(state, at, stop)
+            state = self.interpreted.skip(state, at, stop)
+        return state
+
+    def _piece(self, state: State, first: int, last: int) -> None:
+        """Plain lines, all at once where that is possible."""
         if last - first >= _LONG_RUN and time_run(self.interpreted, state, first, last, self.clock):
             return
         for effect in self._stepped(state, first, last):

@@ -10,9 +10,9 @@ from chipbreak.cycle_time.clock import CHANGES, CUTTING, DWELLS, RAPIDS, Clock
 from chipbreak.cycle_time.program import time_program
 from chipbreak.editing.restore import restore
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
-from chipbreak.operations.main_program import main_program
+from chipbreak.operations.main_program import MainProgram
 from chipbreak.passes import CHECK_TOOLS
-from chipbreak.pipeline import Result
+from chipbreak.pipeline import Result, Whole
 from chipbreak.report.model import Assumption, CycleTime, TimePart, UntimedLine
 from chipbreak.settings import Settings
 from chipbreak.syntax.parse import parse
@@ -32,8 +32,8 @@ def whole_time(result: Result, settings: Settings) -> CycleTime | None:
 
     Cycles are timed by the passes that the control makes of them.
     """
-    interpreted = _written_out(result, settings)
-    clock = time_program(interpreted, main_program(interpreted))
+    interpreted, main = _written_out(result, settings)
+    clock = time_program(interpreted, main)
     cutting_s = clock.seconds[CUTTING]
     if not cutting_s:
         return None
@@ -67,14 +67,16 @@ def cutting_s(time: CycleTime | None) -> float | None:
     return next((part.before_s for part in parts if part.name == CUTTING), None)
 
 
-def _written_out(result: Result, settings: Settings) -> InterpretedProgram:
+def _written_out(result: Result, settings: Settings) -> tuple[InterpretedProgram, MainProgram]:
     """The program as it came in, with every cycle that can be written out as plain blocks."""
-    plain = interpret(parse(restore(result.source), settings.dialect), settings)
+    whole = result.whole or Whole.of(interpret(parse(restore(result.source), settings.dialect), settings))
+    plain = whole.interpreted
     always = dataclasses.replace(settings, cycles=dataclasses.replace(settings.cycles, unroll="always"))
     try:
-        return unroll(plain._replace(settings=always), main_program(plain), (), {}).interpreted
+        unrolled = unroll(plain._replace(settings=always), whole.main, (), {})
     except (ProgramRejectedError, SelfCheckError):
-        return plain
+        return plain, whole.main
+    return unrolled.interpreted, unrolled.main
 
 
 def _longer_s(cut: CutReport, line: int, called: Sequence[tuple[range, int]]) -> float:

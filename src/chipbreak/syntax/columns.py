@@ -9,6 +9,8 @@ from chipbreak.syntax.parse import Program
 from chipbreak.syntax.shapes import Shape
 
 _MOST_DECIMALS = 9
+# Those that a float holds exactly.
+_POWERS: Floats = np.array([10.0**power for power in range(23)])
 _LETTERS = b"ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
@@ -88,31 +90,46 @@ def _even_numbers(text: bytes, count: int, width: int) -> Floats | None:
     return numbers
 
 
+def _numbers(text: bytes) -> Floats:
+    """The numbers of a text of nothing else, read as whole numbers without points where that is exact.
+
+    It is four times as fast; see :func:`_even_numbers`.
+    """
+    raw = np.frombuffer(text + b"\n", np.uint8)
+    is_end = (raw[:-1] > ord(" ")) & (raw[1:] <= ord(" "))  # the last character of a number
+    marks = np.flatnonzero(is_end | (raw[:-1] == ord(".")))
+    ends = np.flatnonzero(is_end[marks])
+    whole = np.fromstring(text.translate(None, b".").decode("latin-1"), np.int64, sep=" ")
+    before = marks[np.maximum(ends - 1, 0)]
+    decimals = np.where(is_end[before], 0, marks[ends] - before)  # behind the point, where one is before it
+    fits = len(whole) == len(ends) and np.abs(whole).max(initial=0) < 2**53
+    if not fits or decimals.max(initial=0) >= len(_POWERS):
+        return np.fromstring(text.decode("latin-1"), np.float64, sep=" ")
+    numbers: Floats = whole / _POWERS[decimals]
+    return numbers
+
+
 def read_words(program: Program, first: int, last: int, wanted: str) -> Floats | None:
     """The numbers of these letters on lines ``first`` to ``last`` (exclusive), all plain: (n, len(wanted)).
 
     NaN where a line does not have the letter; None where the lines cannot be read all at once.
     """
     ids = program.plain[first:last]
-    shapes = program.shapes
-    written = [_letters_as_written(shape) for shape in shapes]
-    width = max(map(len, written))
-    letters = np.array([list(one.ljust(width, b"\0")) for one in written], np.uint8)
-    of_line = letters[ids]
+    written = [_letters_as_written(shape) for shape in program.shapes]
     source = program.source
     text = source.data[source.starts[first] : source.starts[last]]
     between = _LETTERS + program.table.grammar.separators.encode("latin-1")
-    text = text.translate(bytes.maketrans(between, b" " * len(between)))
-    numbers = np.fromstring(text.decode("latin-1"), np.float64, sep=" ")
-    filled = of_line > 0
-    if len(numbers) != int(filled.sum()):
+    numbers = _numbers(text.translate(bytes.maketrans(between, b" " * len(between))))
+    stops = np.cumsum(np.array([len(one) for one in written])[ids])
+    if len(numbers) != (stops[-1] if len(stops) else 0):
         return None
-    table = np.full(of_line.shape, np.nan)
-    table[filled] = numbers
     columns = np.full((last - first, len(wanted)), np.nan)
-    for at, letter in enumerate(wanted):
-        rows, places = np.nonzero(of_line == ord(letter))
-        columns[rows, at] = table[rows, places]
+    for at, letter in enumerate(wanted.encode("ascii")):
+        # How many numbers of its line, from this one on: 0 where the letter is not there.
+        behind = np.array([len(one) - one.find(letter) if letter in one else 0 for one in written])
+        if behind.any():
+            of_line = behind[ids]
+            columns[:, at] = np.where(of_line, numbers.take(stops - of_line, mode="clip"), np.nan)
     return columns
 
 
