@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from chipbreak.pipeline import Result
     from chipbreak.program_files import ProgramFile
     from chipbreak.settings import Settings
+    from chipbreak.text.long_file import LongFile
 
 __all__ = ["DIFFERENT", "DONE", "FAILED", "REJECTED", "USAGE", "Outcome"]
 _Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
@@ -329,6 +330,33 @@ def rewrite_program(program: ProgramFile, settings: Settings, source: str, asked
             )
         ),
     )
+
+
+def rewrite_long_program(program: LongFile, settings: Settings, source: str, asked: Asked) -> Outcome | None:
+    """The same of a long program that is not read whole; None where it must be."""
+    from chipbreak.long_programs import rewrite_long
+    from chipbreak.text.diagnostics import ChipbreakError
+
+    def work() -> Result:
+        if isinstance(found, Exception):
+            raise found
+        assert found is not None
+        return found
+
+    found: Result | Exception | None
+    try:
+        found = rewrite_long(
+            program._replace(name=shown(source)),
+            settings,
+            allow_unbroken=asked.allow_unbroken,
+            messages=asked.messages,
+            progress=_progress(),
+        )
+    except OSError as error:
+        raise click.UsageError(escaped(f"cannot read {shown(source)}: {error.strerror}")) from None
+    except (ChipbreakError, MemoryError) as error:
+        found = error
+    return None if found is None else _unless_failed(shown(source), asked, outcome_of(work))
 
 
 def _progress() -> Callable[[int], None] | None:

@@ -42,6 +42,7 @@ from chipbreak.unrolling import Span, Unrolled, reason_of, unroll
 from chipbreak.vibration.left_cut import LeftCut
 
 if TYPE_CHECKING:
+    from chipbreak.text.excerpt import Excerpt
     from chipbreak.vibration.measure import CutReport
 
 # About how much of a run is done behind each stage [%], measured on long programs.
@@ -120,10 +121,14 @@ def rewrite(
     """
     refuse_utf_16(data, name)
     source = restore(with_brackets(data, name, beside))
-    options = RunOptions(allow_unbroken, messages)
-    options = options if progress is None else options._replace(progress=progress)
-    result = _run(source, settings, None, options)
+    result = _run(source, settings, None, options_of(allow_unbroken, messages, progress))
     return result._replace(changed=(result.data, result.beside) != (data, beside))
+
+
+def options_of(allow_unbroken: bool, messages: bool, progress: Callable[[int], None] | None) -> RunOptions:
+    """The options of a run; ``progress`` is None where nobody waits."""
+    options = RunOptions(allow_unbroken, messages)
+    return options if progress is None else options._replace(progress=progress)
 
 
 def verify_filtered(
@@ -158,7 +163,12 @@ def _filtered_again(source: Source, output: bytes, settings: Settings) -> Result
 
 def _run(source: Source, settings: Settings, output: bytes | None, options: RunOptions) -> Result:
     """All stages on an unfiltered source; ``output`` is the program to judge, None to write one."""
-    whole = Whole.of(interpret(parse(source, settings.dialect), settings))
+    return run_stages(Whole.of(interpret(parse(source, settings.dialect), settings)), output, options)
+
+
+def run_stages(whole: Whole, output: bytes | None, options: RunOptions) -> Result:
+    """All stages behind the first; ``output`` is the program to judge, None to write one."""
+    settings = whole.interpreted.settings
     options.progress(_INTERPRETED)
     passes = passes_of(settings)
     idle: dict[int, RefusalError] = {}
@@ -185,7 +195,7 @@ def _run(source: Source, settings: Settings, output: bytes | None, options: RunO
     _reject_wrong(diagnostics)
     if options.messages:
         tried = _with_messages(context, tried, diagnostics)
-    new = _as_kept(tried.output, source.name, settings)
+    new = _as_kept(tried.output, whole.interpreted.program.source.name, settings)
     return Result(
         source=context.interpreted.program.source,
         data=new.data,
@@ -218,11 +228,12 @@ def _settled(context: Context, passes: Sequence[Pass], output: bytes | None) -> 
 
 
 class Whole(NamedTuple):
-    """A program as it came in, with its operations."""
+    """A program as it came in, with its operations; or an ``excerpt`` of it, with all that decides."""
 
     interpreted: InterpretedProgram
     main: MainProgram
     operations: Sequence[Operation]
+    excerpt: Excerpt | None = None
 
     @classmethod
     def of(cls, interpreted: InterpretedProgram) -> Whole:

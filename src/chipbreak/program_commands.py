@@ -6,6 +6,8 @@ Everything heavy is imported inside the commands, so that help and completion an
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING
 
@@ -24,7 +26,9 @@ from chipbreak.options import (
     SET,
     USAGE,
     Asked,
+    Outcome,
     asking,
+    rewrite_long_program,
     rewrite_program,
     run_filter,
     settings_of,
@@ -32,10 +36,18 @@ from chipbreak.options import (
     verify_program,
     where_found,
 )
-from chipbreak.program_files import ProgramFile, read_program, replace_program, write_program
+from chipbreak.program_files import (
+    LONG_BYTES,
+    ProgramFile,
+    has_beside,
+    read_program,
+    replace_program,
+    write_program,
+)
 from chipbreak.streams import (
     keep_file,
     note_rejection,
+    open_long,
     replace_file,
     say,
     write_json,
@@ -43,6 +55,7 @@ from chipbreak.streams import (
     write_stdout,
 )
 from chipbreak.text.encoding import escaped
+from chipbreak.text.long_file import LongFile
 from chipbreak.text.named_tuple import NamedTuple
 
 if TYPE_CHECKING:
@@ -137,9 +150,38 @@ def _filter_one(run: _Filter, source: str) -> int:
     asked = run.asked
     if run.in_place and Path(source).exists() and not Path(source).is_file():
         raise click.UsageError(f"-i replaces INPUT itself, and {source} is no file")
-    program = _program_to_filter(run, source)
-    settings = settings_of(asked, source)
-    outcome = rewrite_program(program, settings, source, asked)
+    opened = None if _is_read_whole(run, source) else open_long(source, LONG_BYTES)
+    if not isinstance(opened, LongFile):
+        return _filter_whole(run, source, opened, None)
+    with opened.file:
+        settings = settings_of(asked, source)
+        outcome = rewrite_long_program(opened, settings, source, asked)
+        if outcome is None:
+            data = b"".join(opened.blocks(0, opened.size)) if source == "-" else None
+            return _filter_whole(run, source, data, settings)
+        return _finish(run, source, settings, outcome, partial(_write_long, run, source, opened))
+
+
+def _is_read_whole(run: _Filter, source: str) -> bool:
+    """True where more than the program is read or written: files beside it, and backups."""
+    target = source if run.in_place else run.output
+    more = run.asked.beside is not None or run.backup is not None
+    return more or has_beside(source) or has_beside(target)
+
+
+def _filter_whole(run: _Filter, source: str, data: bytes | None, settings: Settings | None) -> int:
+    """Filter one program that is read whole; ``data`` is its bytes where they are known."""
+    program = _program_to_filter(run, source, data)
+    settings = settings_of(run.asked, source) if settings is None else settings
+    outcome = rewrite_program(program, settings, source, run.asked)
+    return _finish(run, source, settings, outcome, partial(_write, run, source, program))
+
+
+def _finish(
+    run: _Filter, source: str, settings: Settings, outcome: Outcome, write: Callable[[Result], None]
+) -> int:
+    """Say what was found, and write what came out; the exit code."""
+    asked = run.asked
     asked.reporter.show(outcome.diagnostics)
     target = source if run.in_place else run.output
     if run.reject_file and target is not None and not run.check:
@@ -148,15 +190,15 @@ def _filter_one(run: _Filter, source: str) -> int:
     if result is None:
         return outcome.code
     if not run.check:
-        _write(run, source, program, result)
+        write(result)
     if run.check or target not in (None, "-"):
         _print_summary(result, settings, asked)
     return DIFFERENT if run.check and result.changed else DONE
 
 
-def _program_to_filter(run: _Filter, source: str) -> ProgramFile:
+def _program_to_filter(run: _Filter, source: str, data: bytes | None) -> ProgramFile:
     """What is to be filtered; the file of --beside is the input's where that has none of its own."""
-    program = read_program(source, run.asked.beside if run.in_place or source == "-" else None)
+    program = read_program(source, run.asked.beside if run.in_place or source == "-" else None, data)
     if not run.fresh or program.beside is None:
         return program
     from chipbreak.editing.beside import fits
@@ -173,6 +215,17 @@ def _write(run: _Filter, source: str, program: ProgramFile, result: Result) -> N
         if run.backup is not None:
             _keep(source, program, run.backup, run.asked)
         replace_program(Path(source), new, beside=run.asked.beside, instead_of=program.data)
+
+
+def _write_long(run: _Filter, source: str, program: LongFile, result: Result) -> None:
+    """The same of a long program, a piece at a time."""
+    from chipbreak.long_programs import pieces_of
+
+    target = source if run.in_place else run.output
+    if target in (None, "-"):
+        write_stdout(pieces_of(result))
+    elif result.changed or not run.in_place:
+        replace_file(Path(str(target)), pieces_of(result), read_from=program)
 
 
 def _keep(source: str, program: ProgramFile, suffix: str, asked: Asked) -> None:

@@ -21,6 +21,8 @@ from chipbreak.text.named_tuple import NamedTuple
 if TYPE_CHECKING:
     from chipbreak.batch.work import Finished
 
+# From here on a program is not read whole where an excerpt does: some 200,000 blocks.
+LONG_BYTES = 1 << 23
 _MOST_BYTES = 1 << 28
 _NO_PLACE = (
     "output.brackets is none, so what 'restore' needs goes into a file beside the program, and there is none:"
@@ -35,9 +37,12 @@ class ProgramFile(NamedTuple):
     beside: bytes | None = None
 
 
-def read_program(source: str, beside: str | None = None) -> ProgramFile:
-    """A program, or stdin for ``-``, with the file beside it.  Raises click.UsageError (exit 2)."""
-    data = read_input(source)
+def read_program(source: str, beside: str | None = None, data: bytes | None = None) -> ProgramFile:
+    """A program, or stdin for ``-``, with the file beside it; ``data`` is its bytes where they are known.
+
+    Raises click.UsageError (exit 2).
+    """
+    data = read_input(source) if data is None else data
     place = _place(Path(source)) if beside is None and source != "-" else beside
     return ProgramFile(data, None if place is None else _read_beside(Path(place)))
 
@@ -45,6 +50,11 @@ def read_program(source: str, beside: str | None = None) -> ProgramFile:
 def read_beside(program: str) -> bytes | None:
     """The file beside a program, None where there is none.  Raises click.UsageError (exit 2)."""
     return _read_beside(_place(Path(program)))
+
+
+def has_beside(program: str | None) -> bool:
+    """True where there is a file beside a program."""
+    return program not in (None, "-") and os.path.lexists(_place(Path(str(program))))
 
 
 def _place(program: Path) -> Path:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from chipbreak.text.encoding import escaped
+from chipbreak.text.long_file import CHANGES, LongFile
 
 if TYPE_CHECKING:
     from chipbreak.text.diagnostics import Diagnostic
@@ -138,16 +139,52 @@ def read_input(source: str) -> bytes:
     return data
 
 
-def _read(source: str) -> bytes:
-    if source == "-" and sys.stdin is None:
-        raise click.UsageError("standard input is closed: name a file, or send the program there")
+def open_long(source: str, least_bytes: int) -> LongFile | bytes | None:
+    """A long program, open; what was read of a shorter one on stdin; None for what is read as ever.
+
+    Of stdin a copy is made, which goes when it is closed.  Raises click.UsageError (exit 2).
+    """
+    if source == "-":
+        is_there = sys.stdin is not None and not sys.stdin.isatty()
+        return _long_stdin(least_bytes) if is_there else None
     try:
-        if source == "-":
-            return sys.stdin.buffer.read()
-        return _read_whole(Path(source))
+        if not Path(source).is_file() or Path(source).stat().st_size < least_bytes:
+            return None
+        return LongFile.of(Path(source).open("rb", buffering=0), source)
+    except OSError:
+        return None  # said by who reads it
+
+
+def _long_stdin(least_bytes: int) -> LongFile | bytes:
+    import shutil  # noqa: PLC0415 (few programs are long)
+    import tempfile  # noqa: PLC0415
+
+    with _reading("-"):
+        head = sys.stdin.buffer.read(least_bytes)
+        if len(head) < least_bytes:
+            return head
+        copy = tempfile.TemporaryFile()  # noqa: SIM115 (its user closes it)
+        copy.write(head)
+        shutil.copyfileobj(sys.stdin.buffer, copy)
+        copy.flush()
+        return LongFile.of(copy, "-")
+
+
+@contextmanager
+def _reading(source: str) -> Iterator[None]:
+    """Raises click.UsageError (exit 2) for what cannot be read."""
+    try:
+        yield
     except OSError as error:
         shown = "standard input" if source == "-" else source or "a file without a name"
         raise click.UsageError(escaped(f"cannot read {shown}: {error.strerror}")) from None
+
+
+def _read(source: str) -> bytes:
+    if source == "-" and sys.stdin is None:
+        raise click.UsageError("standard input is closed: name a file, or send the program there")
+    with _reading(source):
+        return sys.stdin.buffer.read() if source == "-" else _read_whole(Path(source))
 
 
 def _read_whole(path: Path) -> bytes:
@@ -157,7 +194,7 @@ def _read_whole(path: Path) -> bytes:
         data = file.read()
         after = os.fstat(file.fileno())
     if (before.st_size, before.st_mtime_ns) != (after.st_size, after.st_mtime_ns):
-        raise OSError(errno.EBUSY, "it changes while it is read; try again when it is whole")
+        raise OSError(errno.EBUSY, CHANGES)
     return data
 
 
@@ -184,17 +221,26 @@ def _forget_stdout() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def replace_file(target: Path, pieces: Iterable[bytes], *, instead_of: bytes | None = None) -> None:
+def replace_file(
+    target: Path,
+    pieces: Iterable[bytes],
+    *,
+    instead_of: bytes | None = None,
+    read_from: LongFile | None = None,
+) -> None:
     """Write a file so that it has either the old or the new content, never a part.
 
-    ``instead_of`` is what was read from it: a file that says something else by now is left alone.  Raises
-    click.UsageError (exit 2), which says what is there now.
+    ``instead_of`` is what was read from it: a file that says something else by now is left alone.  So is any
+    where the pieces are ``read_from`` a file that has changed meanwhile.  Raises click.UsageError (exit 2),
+    which says what is there now.
     """
     from chipbreak import whole_files  # noqa: PLC0415 (most runs write to stdout)
 
-    pieces = list(pieces)
+    pieces = pieces if instead_of is None else list(pieces)
 
     def before(real: Path) -> None:
+        if read_from is not None and read_from.has_changed():
+            raise whole_files.NotReplacedError(f"of the program that was read: {CHANGES}")
         if instead_of is not None and real.read_bytes() not in (instead_of, b"".join(pieces)):
             raise whole_files.NotReplacedError("somebody else has changed it since it was read")
 

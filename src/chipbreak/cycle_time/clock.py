@@ -11,6 +11,7 @@ import numpy as np
 from chipbreak.kinematics.floats import Floats
 from chipbreak.settings.sections import Settings
 from chipbreak.text.named_tuple import NamedTuple
+from chipbreak.text.source import Source
 from chipbreak.units import S_PER_MIN
 
 CUTTING, RAPIDS, DWELLS, CHANGES = "cutting", "rapids", "dwells", "tool changes"
@@ -22,7 +23,7 @@ _AXES = "XYZ"
 
 
 class Untimed(NamedTuple):
-    """A line (from 0) whose time nobody knows, and why."""
+    """A line of the user's file (from 1) whose time nobody knows, and why."""
 
     line: int
     why: str
@@ -45,10 +46,11 @@ class Machine:
 
 
 class Clock:
-    """The seconds of a program as they are found."""
+    """The seconds of a program as they are found; ``source`` has the lines that are looked at."""
 
-    def __init__(self, machine: Machine) -> None:
+    def __init__(self, machine: Machine, source: Source) -> None:
         self.machine = machine
+        self.source = source
         self.seconds: defaultdict[str, float] = defaultdict(float)
         self.untimed: list[Untimed] = []
         self.changes = 0
@@ -62,8 +64,8 @@ class Clock:
         self.seconds[what] += time_s
 
     def cannot(self, line: int, why: str) -> None:
-        """A line that cannot be timed."""
-        self.untimed.append(Untimed(line, why))
+        """A line of the source, from 0, that cannot be timed."""
+        self.untimed.append(Untimed(self.source.place(line).line, why))
 
     def change_tool(self) -> None:
         """A tool comes into the spindle, or the turret turns."""

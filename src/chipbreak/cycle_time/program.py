@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+
+import numpy as np
 
 from chipbreak.cycle_time.blocks import BlockTimer
 from chipbreak.cycle_time.clock import Clock, Machine
@@ -14,6 +16,9 @@ from chipbreak.model.interpret import Interpreter
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
 from chipbreak.operations.main_program import MainProgram
+from chipbreak.syntax.parse import parse_changed
+from chipbreak.text.excerpt import Excerpt, Gap
+from chipbreak.text.source import Source, UserLines, line_starts
 
 _ONE_PROGRAM = 10_000  # P51234 calls O1234 five times
 _MOST_STEPS = 100_000
@@ -23,18 +28,22 @@ _LONG_RUN = 16
 _PIECE_LINES = 1 << 14
 
 
-def time_program(interpreted: InterpretedProgram, main: MainProgram) -> Clock:
-    """Add up what every line of the main program takes, with the subprograms that are in the file."""
-    return _Walk(interpreted, main).clock
+def time_program(interpreted: InterpretedProgram, main: MainProgram, excerpt: Excerpt | None = None) -> Clock:
+    """Add up what every line of the main program takes, with the subprograms that are in the file.
+
+    What an ``excerpt`` leaves out is read from its file.  Raises OSError where that cannot be read.
+    """
+    return _Walk(interpreted, main, excerpt).clock
 
 
 class _Walk:
     """Goes through a program once: runs of plain moves at a time, other lines one by one."""
 
-    def __init__(self, interpreted: InterpretedProgram, main: MainProgram) -> None:
+    def __init__(self, interpreted: InterpretedProgram, main: MainProgram, excerpt: Excerpt | None) -> None:
         self.interpreted = interpreted
         self.main = main
-        self.clock = Clock(Machine(interpreted.settings))
+        self.excerpt = excerpt
+        self.clock = Clock(Machine(interpreted.settings), interpreted.program.source)
         self.timer = BlockTimer(interpreted.settings, self.clock)
         self.subprograms = Subprograms(interpreted)
         self.steps = 0
@@ -56,24 +65,27 @@ class _Walk:
         """Plain lines between two others, a piece at a time; the state behind them."""
         if not self.main.has(first):
             return self.interpreted.skip(state, first, last)
-        for at in range(first, last, _PIECE_LINES):
-            stop = min(at + _PIECE_LINES, last)
-            self._piece(state, at, stop)
-            state = self.interpreted.skip(state, at, stop)
+        for part, at, stop in self._pieces(first, last):
+            self._piece(part, state, at, stop)
+            state = part.skip(state, at, stop)
         return state
 
-    def _piece(self, state: State, first: int, last: int) -> None:
-        """Plain lines, all at once where that is possible."""
-        if last - first >= _LONG_RUN and time_run(self.interpreted, state, first, last, self.clock):
+    def _pieces(self, first: int, last: int) -> Iterator[tuple[InterpretedProgram, int, int]]:
+        """Plain lines, with the program in which they stand; with those that an excerpt leaves out."""
+        gaps = self.excerpt.gaps_in(first, last) if self.excerpt is not None else ()
+        if gaps and self.excerpt is not None:
+            yield from _read_again(self.interpreted, self.excerpt, range(first, last), gaps)
             return
-        for effect in self._stepped(state, first, last):
-            self.timer.time(effect)
+        for at in range(first, last, _PIECE_LINES):
+            yield self.interpreted, at, min(at + _PIECE_LINES, last)
 
-    def _stepped(self, state: State, first: int, last: int) -> Iterator[BlockEffect]:
-        for line in range(first, last):
-            effect = self.interpreted.interpreter.advance(state, self.interpreted.program.block(line))
-            yield effect
-            state = effect.after
+    def _piece(self, part: InterpretedProgram, state: State, first: int, last: int) -> None:
+        """Plain lines, all at once where that is possible."""
+        self.clock.source = part.program.source
+        if last - first < _LONG_RUN or not time_run(part, state, first, last, self.clock):
+            for effect in _stepped(part, state, first, last):
+                self.timer.time(effect)
+        self.clock.source = self.interpreted.program.source
 
     def _call(self, effect: BlockEffect, depth: int) -> None:
         """Add the time of what a block calls, as often as it does."""
@@ -102,6 +114,31 @@ class _Walk:
             self.timer.time(effect)
             self._call(effect, depth + 1)
             state = effect.after
+
+
+def _stepped(part: InterpretedProgram, state: State, first: int, last: int) -> Iterator[BlockEffect]:
+    for line in range(first, last):
+        effect = part.interpreter.advance(state, part.program.block(line))
+        yield effect
+        state = effect.after
+
+
+def _read_again(
+    interpreted: InterpretedProgram, excerpt: Excerpt, lines: range, gaps: Sequence[Gap]
+) -> Iterator[tuple[InterpretedProgram, int, int]]:
+    """A run of plain lines as it stands in the file, where an excerpt has only some of it."""
+    source = excerpt.source
+    start = excerpt.file_place(lines.start)
+    size = int(source.starts[lines.stop] - source.starts[lines.start]) + sum(gap.size for gap in gaps)
+    number = source.place(lines.start).line
+    for data in excerpt.pieces(start, size, _PIECE_LINES):
+        starts = line_starts(data)
+        count = len(starts) - 1
+        places = UserLines(None, np.arange(number, number + count), np.zeros(count, np.int64))
+        number += count
+        piece = Source(data, source.name, starts, source.line_end, range(count), source.encoding, places)
+        part = parse_changed(piece, interpreted.program, ())
+        yield interpreted._replace(program=part, reached={}), 0, count
 
 
 def _count(effect: BlockEffect, key: str | int) -> int:

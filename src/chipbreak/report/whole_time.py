@@ -33,7 +33,7 @@ def whole_time(result: Result, settings: Settings) -> CycleTime | None:
     Cycles are timed by the passes that the control makes of them.
     """
     interpreted, main = _written_out(result, settings)
-    clock = time_program(interpreted, main)
+    clock = time_program(interpreted, main, result.whole.excerpt if result.whole else None)
     cutting_s = clock.seconds[CUTTING]
     if not cutting_s:
         return None
@@ -51,13 +51,12 @@ def whole_time(result: Result, settings: Settings) -> CycleTime | None:
         TimePart(CHANGES, clock.seconds[CHANGES], clock.seconds[CHANGES]),
         TimePart(_CHECKS, 0.0, checks_s),
     ]
-    untimed = {(source.place(one.line).line, one.why) for one in clock.untimed}
     return CycleTime(
         before_s=sum(part.before_s for part in parts),
         after_s=sum(part.after_s for part in parts),
         parts=tuple(part for part in parts if part.before_s or part.after_s),
         assumed=tuple(Assumption(*one) for one in clock.assumptions()),
-        untimed=tuple(UntimedLine(*one) for one in sorted(untimed)),
+        untimed=tuple(UntimedLine(*one) for one in sorted(set(clock.untimed))),
     )
 
 

@@ -38,7 +38,7 @@ def _explained(span: Span, result: Result, interpreted: InterpretedProgram) -> E
 
 def _time_s(span: Span, interpreted: InterpretedProgram) -> float:
     """How long the passes of a cycle take, as the control would make them."""
-    clock = Clock(Machine(interpreted.settings))
+    clock = Clock(Machine(interpreted.settings), interpreted.program.source)
     timer = BlockTimer(interpreted.settings, clock)
     for effect in interpreted.effects_of(span.first, span.last):
         timer.time(effect)

@@ -46,7 +46,7 @@ class Standing(NamedTuple):
     def line_of_number(self, number: int) -> int:
         """The line of ``file`` that is a line of the user's own one.  Raises ValueError where it has none."""
         user = self.file.user_lines
-        count = self.file.line_count if user is None else user.file.line_count
+        count = (self.file if user is None or user.file is None else user.file).line_count
         if not 1 <= number <= count:
             raise ValueError(f"{self.file.name} has {count} lines, and no line {number}")
         if user is None:

@@ -75,7 +75,7 @@ class Source(NamedTuple):
 
     def shown(self, line: int) -> str:
         """The line of the user's file to which :meth:`place` points."""
-        if self.user_lines is None:
+        if self.user_lines is None or self.user_lines.file is None:
             return self.text(line)
         return self.user_lines.file.text(int(self.user_lines.numbers[line]) - 1)
 
@@ -85,13 +85,13 @@ class Source(NamedTuple):
 
 
 class UserLines(NamedTuple):
-    """Where the lines of a program stand in the user's ``file``.
+    """Where the lines of a program stand in the user's ``file``, None where they are its very lines.
 
     ``numbers`` are those of lines, from 1.  ``shifts`` are the characters before a line's own text there, -1
     where the user's line is another text altogether.
     """
 
-    file: Source
+    file: Source | None
     numbers: NDArray[np.int64]
     shifts: NDArray[np.int64]
 
@@ -117,12 +117,13 @@ def read(
 
     ``encoding`` is what the bytes mean where it is known; without it, it is guessed.
     """
-    starts = _line_starts(data)
+    starts = line_starts(data)
     encoding = encoding or encoding_of(data)
     return Source(data, name, starts, _usual_end(data, starts), _body(data, starts), encoding, user_lines)
 
 
-def _line_starts(data: bytes) -> NDArray[np.int64]:
+def line_starts(data: bytes) -> NDArray[np.int64]:
+    """Where lines begin, and behind them where the last one ends."""
     array = np.frombuffer(data, np.uint8)
     after_end = _behind(array, LF)
     if has_tape_ends(data):
