@@ -32,8 +32,8 @@ from chipbreak.text.long_file import LongFile
 from chipbreak.text.source import read
 from chipbreak.vibration.request import profile_directive
 
-# Whoever looks along the program for a place, or for what relies on it, looks no further.
-AROUND = REACH + HORIZON
+# A place before the first cut of a run, or behind the last one, is judged by no more lines than these.
+AROUND = max(REACH, HORIZON)
 
 
 def rewrite_long(

@@ -10,7 +10,6 @@ plain motion is kept.  The file is read once, a piece at a time.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,31 +45,22 @@ def read_long(
     Raises OSError.
     """
     reader = _Reader(ShapeTable(grammar_of(dialect)), around)
-    for piece in _pieces(whole, piece_bytes):
-        # A CR alone ends a line too, on some controls.
-        lone = b"\r" in piece and piece.count(b"\r") != piece.count(b"\r\n")
-        if lone or not reader.read(piece):
+    for block in whole.blocks(0, whole.size, piece_bytes):
+        if not reader.read(block):
             return None
-    reader.read(b"", is_last=True)
+    if not reader.read(b"", is_last=True):
+        return None
     # N1.5 may be meant for a wish, and then each such line must be asked.
     if not reader.has_gaps or reader.table.may_have_fraction_behind_n():
         return None
     return excerpt_of(whole, reader.kept, encoding_of(b"".join(one.data for one in reader.kept)))
 
 
-def _pieces(whole: LongFile, piece_bytes: int) -> Iterator[bytes]:
-    """The file in pieces of whole lines."""
-    rest = b""
-    for block in whole.blocks(0, whole.size, piece_bytes):
-        data = rest + block
-        stop = data.rfind(b"\n") + 1
-        yield data[:stop]
-        rest = data[stop:]
-    yield rest
-
-
 class _Lines(NamedTuple):
-    """Some lines of the file: their bytes, where each begins, and the shape of each, -1 for special ones."""
+    """Some lines of the file: their bytes, where each begins, and the shape of each, -1 for special ones.
+
+    Behind them may stand the beginning of another one.
+    """
 
     data: bytes
     starts: NDArray[np.int64]
@@ -104,9 +94,11 @@ class _Reader:
         self.mode = _NOT_SAID
         self.lasts: dict[int, Kept] | None = None
 
-    def read(self, piece: bytes, *, is_last: bool = False) -> bool:
-        """Whole lines of the file, in order; False where too much of it is kept."""
-        self._take(piece)
+    def read(self, block: bytes, *, is_last: bool = False) -> bool:
+        """The next bytes of the file; False where it must be read whole."""
+        self._take(block, is_last=is_last)
+        if b"\r" in self.lines.data and self._has_lone_returns():
+            return False
         count = len(self.lines.ids)
         first = 0
         for stop in np.flatnonzero(self.lines.ids < 0).tolist():
@@ -123,14 +115,21 @@ class _Reader:
         share = kept_bytes / (self.place + len(self.lines.data) + 1)
         return kept_bytes < _MOST_KEPT_BYTES or share < _MOST_KEPT_SHARE
 
-    def _take(self, piece: bytes) -> None:
+    def _has_lone_returns(self) -> bool:
+        """True where a line ends with CR alone, as on some controls."""
+        data = self.lines.data[: self.lines.starts[-1]]
+        return data.count(b"\r") != data.count(b"\r\n")
+
+    def _take(self, block: bytes, *, is_last: bool) -> None:
         """The next lines behind those that are not decided yet."""
         decided = int(self.lines.starts[self.at])
         self.line += self.at
         self.place += decided
         self.at = 0
-        data = self.lines.data[decided:] + piece
+        data = self.lines.data[decided:] + block
         starts = line_starts(data)
+        if data and not (is_last or data.endswith(b"\n")):
+            starts = starts[:-1]
         count = len(starts) - 1
         source = Source(data, "", starts, b"\n", range(count), LATIN_1)
         self.lines = _Lines(data, starts, classify(source, self.table, 0, count))

@@ -1,7 +1,7 @@
-"""The shape of a line: its text with every run of digits made one mark.
+"""The shape of a line: its text with every run of digits made one mark, and without the signs of numbers.
 
-``N120 X10.5 Y-3.25`` and ``N125 X7.0 Y-12.`` have one shape, and a program of a million blocks has a few
-hundred.  So each shape is read once; a line whose shape is a plain motion block needs no more.  The G of a
+``N120 X10.5 Y-3.25`` and ``N125 X7.0 Y12.`` have one shape, and a program of a million blocks has a few
+dozen.  So each shape is read once; a line whose shape is a plain motion block needs no more.  The G of a
 motion code becomes a mark of its own, so that G1 and G2 have different shapes.
 """
 
@@ -26,6 +26,11 @@ _CHUNK_BYTES = 1 << 18
 # In a shape NUL is a run of digits, and one of these the G of G0 to G3; 0xFF is left out.  Where such a byte
 # stands in a program, it becomes SOH, which no plain block has.
 _MOTIONS, _LEFT_OUT, _FOREIGN = b"\2\3\4\5", b"\xff", b"\1"
+# Rows of equal shapes: so many are compared at once; shorter ones than these are not worth it, and are tried
+# so often.
+_TOGETHER = 64
+_SHORT_ROW = 8
+_FIRST_ROWS = 8
 _FRACTION_BEHIND_N = re.compile(rb"N[ \t]*\x00?\.\x00")
 _TO_SHAPE = bytes.maketrans(b"0123456789\0", b"\0" * 10 + _FOREIGN)
 
@@ -85,19 +90,20 @@ class ShapeReader:
         return Shape(letters, motion, words.count(b".") == len(letters), bool(number))
 
 
-def line_shapes(source: Source, first: int, stop: int) -> Iterator[list[bytes]]:
-    """The shapes of lines ``first`` to ``stop`` (exclusive), in order, a chunk of lines at a time."""
+def _texts(source: Source, first: int, stop: int) -> Iterator[tuple[bytes, int]]:
+    """The shapes of lines ``first`` to ``stop`` (exclusive), a chunk of lines at a time, and how many."""
     is_tape = source.line_end == TAPE_END
     while first < stop:
         limit = source.starts[first] + _CHUNK_BYTES
         last = max(first + 1, int(np.searchsorted(source.starts, limit, "right")) - 1)
         last = min(last, stop)
         data = source.data[source.starts[first] : min(source.starts[last], limit + LONGEST_PLAIN)]
-        yield _chunk_shapes(data, is_tape=is_tape)[: last - first]
+        yield _shapes_of(data, is_tape=is_tape), last - first
         first = last
 
 
-def _chunk_shapes(data: bytes, *, is_tape: bool) -> list[bytes]:
+def _shapes_of(data: bytes, *, is_tape: bool) -> bytes:
+    """The shapes of some lines, each with a line end but the last."""
     if b"\r" in data:
         if is_tape:
             data = TAPE_LINE_END.sub(b"\n", data)
@@ -110,9 +116,13 @@ def _chunk_shapes(data: bytes, *, is_tape: bool) -> list[bytes]:
     is_digit = _digits(raw) < 10
     goes_on = (is_digit[1:] & is_digit[:-1]).view(np.uint8)
     marks[1:] |= np.negative(goes_on)  # 0xFF where a digit follows a digit
+    # And at a sign right between a letter and a number: with it or without, that is the same word.
+    is_number = is_digit[2:] | (raw[2:] == ord("."))
+    is_sign = (raw[1:-1] == ord("-")) & (raw[:-2] - np.uint8(ord("A")) < 26) & is_number
+    marks[1:-1] |= np.negative(is_sign.view(np.uint8))
     codes = np.flatnonzero(raw == ord("G"))
     marks[codes] = _motion_marks(raw, codes)
-    return marks.tobytes().translate(_TO_SHAPE, _LEFT_OUT).split(b"\n")
+    return marks.tobytes().translate(_TO_SHAPE, _LEFT_OUT)
 
 
 def _digits(raw: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -153,8 +163,42 @@ class ShapeTable(dict[bytes, int]):
 
 def classify(source: Source, table: ShapeTable, first: int, stop: int) -> NDArray[np.int32]:
     """For lines ``first`` to ``stop`` (exclusive) the index of the plain shape in ``table.shapes``, or -1."""
-    chunks = line_shapes(source, first, stop)
-    parts = [np.fromiter(map(table.__getitem__, chunk), np.int32, len(chunk)) for chunk in chunks]
+    parts = [_looked_up(text, table)[:count] for text, count in _texts(source, first, stop)]
     plain = np.concatenate(parts) if parts else np.empty(0, np.int32)
     plain[np.diff(source.starts[first : stop + 1]) > LONGEST_PLAIN] = -1
     return plain
+
+
+def _looked_up(text: bytes, table: ShapeTable) -> NDArray[np.int32]:
+    """The indices of the shapes in a text.
+
+    Moves one behind the other mostly have one shape.  Such a row is looked up once, and its end is found by
+    comparing; where rows turn out to be short, the shapes are looked up one by one.
+    """
+    rows: list[int] = []
+    counts: list[int] = []
+    at = 0
+    lines = 0
+    while lines >= _SHORT_ROW * (len(rows) - _FIRST_ROWS):
+        end = text.find(b"\n", at) + 1
+        if not end:
+            break
+        behind = _behind_row(text, at, end)
+        rows.append(table[text[at : end - 1]])
+        counts.append((behind - at) // (end - at))
+        lines += counts[-1]
+        at = behind
+    shapes = text[at:].split(b"\n")
+    rest = np.fromiter(map(table.__getitem__, shapes), np.int32, len(shapes))
+    return np.concatenate((np.repeat(np.array(rows, np.int32), counts), rest))
+
+
+def _behind_row(text: bytes, at: int, end: int) -> int:
+    """Where a row of lines ends that are equal to the one from ``at`` to ``end``."""
+    line = text[at:end]
+    many = line * _TOGETHER
+    while text.startswith(many, end):
+        end += len(many)
+    while text.startswith(line, end):
+        end += len(line)
+    return end
