@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from chipbreak.dialects.base import Precedence
 from chipbreak.syntax.expressions import ExpressionReader, finite, is_token, rule_of
-from chipbreak.syntax.nodes import MARKS, Assignment, Block, Comment, Control, Variable, Word
+from chipbreak.syntax.nodes import MARKS, Assignment, Block, Comment, Control, Expression, Variable, Word
 
 if TYPE_CHECKING:
     from lark import Token, Tree
@@ -59,6 +59,10 @@ class BlockBuilder:
             self.sequence = word
         else:
             self.words.append(word)
+
+    def add_call(self, label: str, arguments: tuple[Expression, ...], start: int, end: int) -> None:
+        """A call of a subprogram of LinuxCNC."""
+        self.controls.append(Control("O-CALL", label, arguments, start, end))
 
     def done(self) -> Block:
         """The finished block."""

@@ -97,6 +97,23 @@ class Grammar:
         return re.compile(f"{word}|(?P<blank>{names['BLANK']}){comment}")
 
     @cached_property
+    def call(self) -> re.Pattern[str]:
+        """A call of a named subprogram with numbers: ``o<name> call [1.] [2.]``; only where blocks have one."""
+        names = self.terminals
+        if "O_KEYWORD" not in names:
+            return re.compile("(?!)")
+        blank = f"(?:{names['BLANK']})?"
+        numbers = rf"(?:{blank}\[{blank}{names['NUMBER']}{blank}\])*"
+        return re.compile(
+            rf"[oO][ \t]*(?P<label><[^>]*>)[ \t]*[cC][aA][lL][lL](?![A-Za-z])(?P<numbers>{numbers})"
+        )
+
+    @cached_property
+    def argument(self) -> re.Pattern[str]:
+        """A number of such a call."""
+        return re.compile(self.terminals["NUMBER"])
+
+    @cached_property
     def head(self) -> re.Pattern[str]:
         """The block-delete mark at the front; without one a pattern that matches nothing."""
         names = self.terminals

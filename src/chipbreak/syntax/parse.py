@@ -17,7 +17,7 @@ from chipbreak.dialects import Dialect
 from chipbreak.syntax.build import BlockBuilder, build_block, opaque
 from chipbreak.syntax.expressions import UnreadableError
 from chipbreak.syntax.grammar import grammar_of
-from chipbreak.syntax.nodes import Block, Word
+from chipbreak.syntax.nodes import Block, Number, Word
 from chipbreak.syntax.shapes import LONGEST_PLAIN, Shape, ShapeTable, classify
 from chipbreak.text.diagnostics import Diagnostic, Severity
 from chipbreak.text.named_tuple import NamedTuple
@@ -161,7 +161,7 @@ def read_block(line: int, text: str, dialect: Dialect) -> Block:
 
 
 def read_plain(line: int, text: str, dialect: Dialect) -> Block | None:
-    """Words with literal numbers, comments and block delete; None when there is anything else."""
+    """Words and calls with literal numbers, comments, block delete; None when there is anything else."""
     if len(text) > LONGEST_PLAIN:
         return None
     grammar = grammar_of(dialect)
@@ -173,7 +173,7 @@ def read_plain(line: int, text: str, dialect: Dialect) -> Block | None:
         at = head.end()
     match_item = grammar.item.match
     while at < len(text):
-        match = match_item(text, at)
+        match = match_item(text, at) or grammar.call.match(text, at)
         if match is None:
             return None
         at = match.end()
@@ -183,6 +183,9 @@ def read_plain(line: int, text: str, dialect: Dialect) -> Block | None:
             builder.add_word(Word(match["letter"], number, float(number), None, match.start(), at))
         elif kind == "comment":
             builder.add_comment(match.start(), at)
+        elif kind == "numbers":
+            numbers = map(float, grammar.argument.findall(match["numbers"]))
+            builder.add_call(match["label"], tuple(map(Number, numbers)), match.start(), at)
     return builder.done()
 
 
