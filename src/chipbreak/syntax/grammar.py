@@ -98,7 +98,7 @@ class Grammar:
 
     @cached_property
     def call(self) -> re.Pattern[str]:
-        """A call of a named subprogram with numbers: ``o<name> call [1.] [2.]``; only where blocks have one."""
+        """A call of a named subprogram with numbers, ``o<name> call [1.]``; else nothing."""
         names = self.terminals
         if "O_KEYWORD" not in names:
             return re.compile("(?!)")
