@@ -5,6 +5,7 @@ Everything heavy is imported inside the commands, so that help and completion an
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable
 from functools import partial
@@ -166,7 +167,9 @@ def _is_read_whole(run: _Filter, source: str) -> bool:
     """True where more than the program is read or written: files beside it, and backups."""
     target = source if run.in_place else run.output
     more = run.asked.beside is not None or run.backup is not None
-    return more or has_beside(source) or has_beside(target)
+    # Windows puts nothing in the place of a file that is open.
+    is_held = os.name == "nt" and target is not None and os.path.realpath(target) == os.path.realpath(source)
+    return more or is_held or has_beside(source) or has_beside(target)
 
 
 def _filter_whole(run: _Filter, source: str, data: bytes | None, settings: Settings | None) -> int:
