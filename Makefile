@@ -46,7 +46,7 @@ demo: $(BIN)/chipbreak
 
 # What needs neither LinuxCNC nor Klipper; "make test-pythons" runs it on every Python.
 FAST := tests/test_advise.py tests/test_api.py tests/test_bad.py tests/test_bounds.py tests/test_cases.py \
-	tests/test_cli.py tests/test_faults.py tests/test_messages.py tests/test_outcome.py tests/test_streams.py \
+	tests/test_cli.py tests/test_faults.py tests/test_long_files.py tests/test_messages.py tests/test_outcome.py tests/test_streams.py \
 	tests/batch tests/checks tests/cycle_time tests/cycles tests/dialects tests/editing tests/figures tests/hooks \
 	tests/machine_files tests/machine_test tests/model tests/operations/test_kinds.py \
 	tests/operations/test_linear_pattern.py tests/passes tests/restart tests/settings tests/text tests/tools \
@@ -58,7 +58,7 @@ FAST_FILES := $(foreach path,$(FAST),$(or $(wildcard $(path)/test_*.py),$(path))
 # Coverage is measured on these, because that takes half as long again; not on those that run what others run, too.
 RUN_ALL_THE_SAME := tests/test_faults.py tests/cycles/test_real_programs.py tests/cycles/test_removed_region.py \
 	tests/cycles/test_roughing.py tests/cycles/test_shop_programs.py tests/dialects/test_one_object_a_control.py \
-	tests/editing/test_emit.py tests/editing/test_restore.py tests/figures/test_figures.py tests/hooks/test_git.py \
+	tests/editing/test_emit.py tests/editing/test_restore.py tests/hooks/test_git.py \
 	tests/model/test_arrivals.py tests/model/test_model.py tests/syntax/test_blocks.py tests/tools/test_tool_fuzz.py \
 	tests/trajectory/test_laws.py tests/vibration/test_refusals.py
 MEASURED := $(filter-out $(RUN_ALL_THE_SAME),$(FAST_FILES))
