@@ -13,10 +13,12 @@ from chipbreak.cycle_time.feed import feed_time_s, path_length_mm, way_mm
 from chipbreak.cycle_time.threading import Threading
 from chipbreak.kinematics.move_times import rapid_times_s
 from chipbreak.model.block_effect import BlockEffect, Move
+from chipbreak.model.unread_words import says_turns
 from chipbreak.model.words import plain_value
 from chipbreak.settings.sections import Settings
 
 _UNKNOWN_FEED = "its feed or spindle speed is not known"
+_UNREAD_ARC = "what a word of this arc says is not known"
 _UNKNOWN_PLACE = "where it begins or ends is not known"
 _LOOPS = frozenset({"WHILE", "DO", "GOTO", "O-WHILE", "O-DO", "O-REPEAT"})
 _CYCLES = {
@@ -88,6 +90,9 @@ class BlockTimer:
         if move.kind == "rapid":
             return self._rapid(move)
         length_of = path_length_mm(move)
+        if self._has_unread_arc(effect):
+            self.clock.cannot(effect.block.line, _UNREAD_ARC)
+            return True
         if not math.isfinite(length_of):
             self.clock.cannot(effect.block.line, _UNKNOWN_PLACE)
             return True
@@ -97,6 +102,11 @@ class BlockTimer:
         else:
             self.clock.cannot(effect.block.line, _UNKNOWN_FEED)
         return True
+
+    def _has_unread_arc(self, effect: BlockEffect) -> bool:
+        """True for an arc with a word that nothing reads: P may be turns, or a widening."""
+        is_arc = effect.move is not None and effect.move.kind in ("cw", "ccw")
+        return is_arc and any(not says_turns(effect, w, self.settings.dialect) for w in effect.unread)
 
     def _unknown_move(self, effect: BlockEffect) -> bool:
         self.clock.cannot(effect.block.line, "what moves there is not followed")

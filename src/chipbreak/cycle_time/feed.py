@@ -39,7 +39,9 @@ def path_length_mm(move: Move) -> float:
         return float(line_lengths_mm(start, end)[0])
     offset = np.array(move.offsets if move.offsets is not None else (math.nan,) * 3)[np.newaxis]
     turn = np.array([_TURNS[move.kind]])
-    return float(arc_lengths_mm(Arcs(start, end, turn, move.plane, offset, np.array([move.radius_mm])))[0])
+    radius = np.array([move.radius_mm])
+    arc = Arcs(start, end, turn, move.plane, offset, radius, np.array([move.more_turns]))
+    return float(arc_lengths_mm(arc)[0])
 
 
 def _known(place: Position, move: Move) -> list[float]:

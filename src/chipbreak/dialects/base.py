@@ -237,6 +237,7 @@ class Dialect(NamedTuple):
     ``returning_cycles`` cycles (their non-modal values) behind which the tool is back where they began
     ``message_mark`` what a comment begins with that the control shows to the operator
     ``bare_arc_is_line`` an arc block without R, I, J and K moves in a line; without it, it is refused
+    ``arc_turns``     the letter that says how many turns an arc makes; empty where there is none
     ``settings``      numbers of $ lines (``$11=0.02``) -> the key of the profile that says the same
     ``stops_at``      what it stops at; None where it is not known to
     ``repeats_codes`` every block says its code: G1, and with S the M code of the spindle
@@ -290,6 +291,7 @@ class Dialect(NamedTuple):
     own_words: Mapping[Code, str] = FrozenTable({})
     returning_cycles: frozenset[str] = frozenset()
     bare_arc_is_line: bool = False
+    arc_turns: str = ""
     surface_needs_speed: bool = False
     lone_dwell_words: str = ""
     dwells_per_s: float = 1.0

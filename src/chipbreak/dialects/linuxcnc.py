@@ -138,6 +138,7 @@ LINUXCNC_LATHE = Dialect(
     feed_before_units=True,
     own_words=_OWN_WORDS,
     subroutine_cycles=_SUBROUTINE_CYCLES,
+    arc_turns="P",
     subroutine_radius="A",
     subroutine_chamfer="C",
     nose=_NOSE,

@@ -29,6 +29,7 @@ class Arcs(NamedTuple):
 
     ``turn`` (n,) is -1 for clockwise and 1 for the other way; ``offset_mm`` (n, 3) runs from the start to the
     centre, NaN where a block does not say it; ``radius_mm`` (n,) is R, negative for the longer arc, or NaN.
+    ``more_turns`` (n,) are whole turns beside the way to the end.
     """
 
     start_mm: Floats
@@ -37,11 +38,12 @@ class Arcs(NamedTuple):
     plane: str
     offset_mm: Floats
     radius_mm: Floats
+    more_turns: Floats | float = 0.0
 
 
 def arc_lengths_mm(arcs: Arcs) -> Floats:
     """Their lengths, (n,)."""
-    start_mm, end_mm, turn, plane, offset_mm, radius_mm = arcs
+    start_mm, end_mm, turn, plane, offset_mm, radius_mm, more_turns = arcs
     one, two = PLANE_AXES[plane]
     along = 3 - one - two
     offset = np.nan_to_num(offset_mm[:, (one, two)])
@@ -56,7 +58,8 @@ def arc_lengths_mm(arcs: Arcs) -> Floats:
     size = np.where(has_radius, np.abs(radius_mm), 1.0)
     half = np.arcsin(np.clip(chord / (2.0 * np.maximum(size, 1e-12)), 0.0, 1.0))
     by_radius = np.where(radius_mm < 0.0, 2.0 * (math.pi - half), 2.0 * half)
-    flat = np.where(has_radius, size * by_radius, radius * sweep)
+    turned = 2.0 * math.pi * np.asarray(more_turns)
+    flat = np.where(has_radius, size * (by_radius + turned), radius * (sweep + turned))
     lengths: Floats = np.hypot(flat, end_mm[:, along] - start_mm[:, along])
     return lengths
 

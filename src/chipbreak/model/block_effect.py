@@ -23,6 +23,7 @@ class Move(NamedTuple):
     ``incremental``  True where the block gives nothing but distances (G91, U, W)
     ``offsets``      from the start to the centre of an arc [mm], NaN where not given
     ``radius_mm``    its R, NaN without;  ``plane`` the plane it turns in: XY, ZX or YZ
+    ``more_turns``   whole turns that it makes beside the way to its end, NaN where that is not known
     """
 
     kind: MoveKind
@@ -33,6 +34,7 @@ class Move(NamedTuple):
     offsets: Position | None = None
     radius_mm: float = float("nan")
     plane: str = ""
+    more_turns: float = 0.0
 
     @property
     def is_cut(self) -> bool:

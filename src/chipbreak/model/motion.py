@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from chipbreak.dialects.modes import Modes, Motion
 from chipbreak.model.block_effect import Move, MoveKind
 from chipbreak.model.modal import Position, State
-from chipbreak.model.words import is_diameter, length_mm
+from chipbreak.model.words import is_diameter, length_mm, plain_value
 from chipbreak.settings.axis_words import AXES, CENTRES
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
@@ -98,7 +98,17 @@ def _as_arc(move: Move, block: Block, state: State, settings: Settings) -> Move:
     plane, is_mirrored = settings.axis_words.plane(state.modes.plane)
     offsets, radius_mm = _arc_words(block, state, settings)
     kind = _OTHER_WAY[move.kind] if is_mirrored else move.kind
-    return move._replace(kind=kind, offsets=offsets, radius_mm=radius_mm, plane=plane)
+    turns = _more_turns(block, settings)
+    return move._replace(kind=kind, offsets=offsets, radius_mm=radius_mm, plane=plane, more_turns=turns)
+
+
+def _more_turns(block: Block, settings: Settings) -> float:
+    """What ``P3`` on an arc of LinuxCNC adds: two turns."""
+    word = block.word(settings.dialect.arc_turns) if settings.dialect.arc_turns else None
+    if word is None:
+        return 0.0
+    turns = plain_value(word)
+    return turns - 1.0 if turns >= 1.0 and turns == int(turns) else math.nan
 
 
 def _ends_of_other(state: State, named: _Named, non_modal: frozenset[str]) -> _Ends:

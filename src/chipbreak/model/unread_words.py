@@ -1,8 +1,14 @@
-"""Words in plain moves that nothing reads: passed through, but said."""
+"""Words in plain moves that nothing reads: passed through, but said.
+
+The turns of an arc are among those that no pass takes over, but they are read: its time counts them.
+"""
 
 from __future__ import annotations
 
+from chipbreak.dialects import Dialect
+from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.syntax.nodes import Word
 from chipbreak.text.diagnostics import Diagnostic, Severity
 
 UNREAD_WORD = "MOD001"
@@ -21,4 +27,11 @@ def unread_words(interpreted: InterpretedProgram) -> list[Diagnostic]:
         )
         for effect in interpreted.effects
         for word in effect.unread
+        if not says_turns(effect, word, interpreted.settings.dialect)
     ]
+
+
+def says_turns(effect: BlockEffect, word: Word, dialect: Dialect) -> bool:
+    """True for the word that says how many turns an arc makes."""
+    is_arc = effect.move is not None and effect.move.kind in ("cw", "ccw")
+    return is_arc and word.address == dialect.arc_turns
