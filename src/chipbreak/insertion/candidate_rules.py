@@ -19,7 +19,14 @@ from chipbreak.insertion.position_dependencies import (
     relies_on_speed,
 )
 from chipbreak.insertion.retract import Retract
-from chipbreak.insertion.ways_out import MOVE_WITH_G40, SAY_THE_FEED, SAY_THE_MODES, Obstacle
+from chipbreak.insertion.ways_out import (
+    MOVE_WITH_G40,
+    RAISE_IT,
+    SAY_THE_FEED,
+    SAY_THE_MODES,
+    START_THE_SPINDLE,
+    Obstacle,
+)
 from chipbreak.model.giving_back import feed_text
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of
@@ -141,6 +148,21 @@ def _motion_is_a_cut(case: Case) -> Obstacle | None:
     return None
 
 
+def _tool_is_low(case: Case) -> Obstacle | None:
+    """Whether the way up is free is known where the program itself goes up: not under an undercut."""
+    if case.candidate.is_low and not case.dialect.is_lathe:
+        return Obstacle("the tool has not been raised since its last cut", RAISE_IT)
+    return None
+
+
+def _orientation_is_lost(case: Case) -> Obstacle | None:
+    """A check turns the spindle, and what comes next may count on where M19 has turned it."""
+    is_lost = case.surroundings.obstacles.is_oriented(case.line)
+    if is_lost and not spindle_is_overwritten(case.interpreted, case.line):
+        return Obstacle("the spindle is oriented (M19), and the check would turn it", START_THE_SPINDLE)
+    return None
+
+
 def _line_has_no_feed(case: Case) -> Obstacle | None:
     if case.state.modes.motion == "line" and not _takes_bare_line(case):
         return Obstacle("G1 would have to be given back, and no F is in force for it")
@@ -256,7 +278,8 @@ def _feed_cannot_be_given_back(case: Case) -> Obstacle | None:
 # How a program says each of these: G54, G90, G21.
 _NEEDED: Mapping[str, Group] = {"work offset": "work_offset", "distance mode": "distance", "units": "units"}
 
-# In the order in which a user would look; the first that says something is the reason.
+# In the order in which a user would look; the first that says something is the reason.  These hold wherever
+# the tool is taken to the safe end of its travel and back.
 RULES: tuple[Callable[[Case], Obstacle | None], ...] = (
     _obstacle,
     _cycle_is_on,
@@ -276,3 +299,5 @@ RULES: tuple[Callable[[Case], Obstacle | None], ...] = (
     _mode_cannot_be_given_back,
     _feed_cannot_be_given_back,
 )
+# These hold where it goes there in the middle of the program, with a check on its way.
+INSERTION_RULES = (*RULES, _tool_is_low, _orientation_is_lost)

@@ -45,6 +45,7 @@ class Candidate(NamedTuple):
     ``z_is_home``  the last move of Z was a reference return, which ends the length offset as ours does
     ``z_is_shifted``  the length offset changed after the last move of Z: its number says nothing now
     ``is_displaced``  X and Y are beside their numbers: G40 has ended cutter compensation without a move
+    ``is_low``  Z has not gone up since the last cut; not said behind a run that was not stepped through
     ``spindle_is_unsure``  M3 was active at a tool change; some machines stop the spindle there, some do not
     """
 
@@ -55,6 +56,7 @@ class Candidate(NamedTuple):
     z_is_home: bool = False
     z_is_shifted: bool = False
     is_displaced: bool = False
+    is_low: bool = False
     spindle_is_unsure: bool = False
 
 
@@ -63,7 +65,7 @@ def candidates(
 ) -> list[Candidate]:
     """The lines ``first`` to ``last``; ``mover`` is what moved before the first one."""
     state = interpreted.before(first)
-    found = [Candidate(first, state, mover, is_displaced=_compensates(state))]
+    found = [Candidate(first, state, mover, is_displaced=_compensates(state), is_low=mover == "cut")]
     for effect in interpreted.effects_of(first, last):
         found.append(_Step(effect, interpreted.settings, retract).after(found[-1]))
     return found
@@ -116,7 +118,7 @@ class Candidates:
             before.z_is_home and "Z" not in named,
             before.z_is_shifted and "Z" not in named,
             before.is_displaced and (_compensates(before.state) or not named & {"X", "Y"}),
-            before.spindle_is_unsure,
+            spindle_is_unsure=before.spindle_is_unsure,
         )
 
     def _stepped(self, before: Candidate, line: int) -> Candidate:
@@ -147,6 +149,7 @@ class _Step:
             self._z_is_home(before),
             self._z_is_shifted(before),
             self._is_displaced(before, mover),
+            self._is_low(before),
             self._spindle_is_unsure(before),
         )
 
@@ -172,6 +175,20 @@ class _Step:
         if _compensates(self.effect.after):
             return True
         return before.is_displaced and mover != "home" and not self._moves("XY")
+
+    def _is_low(self, before: Candidate) -> bool:
+        if self.deed in ("tool change", "home") and (self.deed == "tool change" or "Z" in self.named):
+            return False
+        move = self.effect.move
+        if move is None or self.deed not in ("rapid", "cut"):
+            return before.is_low
+        if self.effect.after.modes.motion == "cycle":  # which ends with its own way out
+            return False
+        # Where it was is not known behind a cycle or a call; a rapid that names Z is the way up there.
+        rises = "Z" in move.axes and not move.end.z <= move.start.z
+        if self.deed == "cut":
+            return not (rises and move.axes == "Z" and move.kind == "line")
+        return before.is_low and not rises
 
     def _spindle_is_unsure(self, before: Candidate) -> bool:
         if self.deed == "tool change":

@@ -13,6 +13,8 @@ from chipbreak.model.words import codes_of, plain_value
 from chipbreak.operations.operations import calls_tool
 from chipbreak.text.named_tuple import NamedTuple
 
+_ORIENT = 19
+
 
 class Unreadable(NamedTuple):
     """A line after which it is not known what is in force; its number is between ``before`` and ``after``."""
@@ -63,6 +65,18 @@ def coolant_through(interpreted: InterpretedProgram) -> Iterator[tuple[int, int]
         if effect.does("coolant_through", "on"):
             yield effect.block.line, 1
         elif effect.does("coolant_through", "off") or calls_tool(effect, dialect):
+            yield effect.block.line, 0
+
+
+def orientations(interpreted: InterpretedProgram) -> Iterator[tuple[int, int]]:
+    """(line, whether the spindle is held at an angle after it), wherever that is said."""
+    dialect = interpreted.settings.dialect
+    if _ORIENT not in dialect.m_codes:
+        return
+    for effect in interpreted.effects:
+        if effect.block.has("M", _ORIENT):
+            yield effect.block.line, 1
+        elif effect.does("spindle") or calls_tool(effect, dialect):
             yield effect.block.line, 0
 
 

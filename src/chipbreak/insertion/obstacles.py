@@ -19,6 +19,7 @@ from chipbreak.insertion.lasting_effects import (
     UnitSwitch,
     coolant_through,
     last_switch,
+    orientations,
     turned_offsets,
     unit_switches,
     unreadable_lines,
@@ -75,6 +76,7 @@ class Obstacles:
         self._conditional = list(conditional_state(interpreted, main, subprograms, parts))
         self._through = list(coolant_through(interpreted))
         self._turned = list(turned_offsets(interpreted))
+        self._oriented = list(orientations(interpreted))
         self._units = list(unit_switches(interpreted))
 
     def at(self, line: int, state: State) -> Obstacle | None:
@@ -109,6 +111,10 @@ class Obstacles:
         """False for a line in a loop or a branch, or where a jump may pass by or come back."""
         inside = any(nest.first <= line <= nest.last for nest in self._nests)
         return not inside and not (self._jumps and self._jumps[0] <= line <= self._jumps[1])
+
+    def is_oriented(self, line: int) -> bool:
+        """True where M19 holds the spindle at an angle before a line."""
+        return last_switch(self._oriented, line) is not None
 
     def _conditional_at(self, line: int) -> int:
         """Index of what is conditional before a line, -1 where nothing has been yet."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from chipbreak.insertion.candidate_rules import RULES, Case, Surroundings
+from chipbreak.insertion.candidate_rules import INSERTION_RULES, Case, Surroundings
 from chipbreak.insertion.candidates import Candidate, Mover, candidates
 from chipbreak.insertion.clearance import Clearance
 from chipbreak.insertion.obstacles import Obstacles
@@ -112,7 +112,7 @@ class SafePointFinder:
 
     def _judge(self, candidate: Candidate, *, comes_back: bool) -> SafePoint | NoSafePoint:
         case = Case(self._surroundings, candidate, comes_back=comes_back)
-        for rule in RULES:
+        for rule in INSERTION_RULES:
             obstacle = rule(case)
             if obstacle is not None:
                 return NoSafePoint(candidate.line, obstacle.why, obstacle.way_out)
