@@ -47,15 +47,17 @@ _LC_LOOP = "o<x> sub\n{}\no<x> endsub\nG94 S900 M3 F100.\no1 while [#1]\n(HERE)\
     ("profile", "program", "expected"),
     [
         pytest.param(FANUC, _LOOP + "G1 X5.\nM99", ("100.", "900"), id="a call of one that says neither"),
-        pytest.param(FANUC, _LOOP + "S900\nM99", ("", ""), id="a call of one that says S"),
+        pytest.param(FANUC, _LOOP + "S900\nM99", ("100.", ""), id="a call of one that says S"),
         pytest.param(FANUC, _LOOP + "G20\nG21\nM99", ("", ""), id="a call of one that changes the units"),
-        pytest.param(FANUC, _LOOP + "IF[#1EQ1]GOTO5\nM99\nN5 S500\nM99", ("", ""), id="behind its M99"),
+        pytest.param(FANUC, _LOOP + "IF[#1EQ1]GOTO5\nM99\nN5 S500\nM99", ("100.", ""), id="behind its M99"),
         pytest.param(FANUC, _LOOP + "M98 P300\nM99\nO300\nX1.\nM99", ("100.", "900"), id="a call in a call"),
-        pytest.param(FANUC, _LOOP + "M98 P300\nM99\nO300\nF9.\nM99", ("", ""), id="a call in a call says F"),
+        pytest.param(
+            FANUC, _LOOP + "M98 P300\nM99\nO300\nF9.\nM99", ("", "900"), id="a call in a call says F"
+        ),
         pytest.param(FANUC, _LOOP + "M98 P301\nM99", ("", ""), id="a call in a call of nobody knows what"),
         pytest.param(FANUC, _LOOP + "M98 P200\nM99", ("", ""), id="one that calls itself"),
         pytest.param(LINUXCNC, _LC_LOOP.format("G1 X5"), ("100.", "900"), id="by its name"),
-        pytest.param(LINUXCNC, _LC_LOOP.format("F5"), ("", ""), id="by its name, says F"),
+        pytest.param(LINUXCNC, _LC_LOOP.format("F5"), ("", "900"), id="by its name, says F"),
         pytest.param(LINUXCNC, _LC_LOOP.format("M72"), ("", ""), id="by its name, gives a state back"),
         pytest.param(FANUC, "WHILE[#1LT3]DO1\n(HERE)\n#1=#1+1\nEND1", ("100.", "900"), id="in a loop"),
         pytest.param(FANUC, "WHILE[#1LT3]DO1\n#1=#1+1\nEND1\n(HERE)", ("100.", "900"), id="behind a loop"),

@@ -63,6 +63,10 @@ class Carried(NamedTuple):
     speed: Setting | None
     read_by: tuple[str, str, str]
 
+    def without(self, *, feed: bool, speed: bool) -> Carried:
+        """The same where what is called on the way may have said another F, or another S."""
+        return Carried(None if feed else self.feed, None if speed else self.speed, self.read_by)
+
 
 Arrivals = Mapping[Place, Arrival]
 CarriedTo = Mapping[Place, tuple[Carried, ...]]
@@ -200,11 +204,6 @@ def carried_by(state: State) -> Carried:
     """F and S of a state; one that cannot be known is None."""
     modes = state.modes
     return Carried(_known(state.feed), _known(state.speed), (modes.units, modes.feed_mode, modes.speed_mode))
-
-
-def not_known(state: State) -> Carried:
-    """The same where what is called on the way may have said others."""
-    return carried_by(state._replace(feed=None, speed=None))
 
 
 def _known(setting: Setting | None) -> Setting | None:

@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 
 from chipbreak.dialects.modes import Motion
 from chipbreak.kinematics.floats import Floats
-from chipbreak.model.arrivals import Carried, CarriedTo, Place, carried_by, not_known
+from chipbreak.model.arrivals import Carried, CarriedTo, Place, carried_by
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.callers import Program as Called
 from chipbreak.model.callers import entry_states, lines_of_calls, local_programs, programs_of
 from chipbreak.model.flow import Flow, read_flow
 from chipbreak.model.interpret import Interpreter, initial_state
 from chipbreak.model.modal import Position, State
-from chipbreak.model.quiet_calls import calls_that_may_say
+from chipbreak.model.quiet_calls import SAYS_FEED, SAYS_SPEED, calls_that_may_say
 from chipbreak.model.words import feed_of, is_diameter, length_mm
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.columns import read_columns, uniform_run
@@ -286,13 +286,17 @@ def _settled(
 
 def _carried(interpreted: InterpretedProgram) -> CarriedTo:
     """What each way brings."""
-    calls = _calls_that_may_say(interpreted)
+    say_feed = _calls_that_may_say(SAYS_FEED, interpreted)
+    say_speed = _calls_that_may_say(SAYS_SPEED, interpreted)
 
     def brought_to(place: Place, way: Place) -> Carried:
         _, effect = interpreted.reached[way.line]
-        state = effect.after if way.is_behind else effect.before
-        goes_back_over_a_call = bisect_left(calls, place.line) < bisect_right(calls, way.line)
-        return not_known(state) if goes_back_over_a_call else carried_by(state)
+        found = carried_by(effect.after if way.is_behind else effect.before)
+        # Where it goes back over a call.
+        says_feed, says_speed = (
+            bisect_left(calls, place.line) < bisect_right(calls, way.line) for calls in (say_feed, say_speed)
+        )
+        return found.without(feed=says_feed, speed=says_speed)
 
     return {
         place: tuple(brought_to(place, way) for way in arrival.ways)
@@ -300,11 +304,12 @@ def _carried(interpreted: InterpretedProgram) -> CarriedTo:
     }
 
 
-def _calls_that_may_say(interpreted: InterpretedProgram) -> list[int]:
+def _calls_that_may_say(says: str, interpreted: InterpretedProgram) -> list[int]:
     own = numbered_programs(interpreted)
     parts = local_programs(interpreted.program, interpreted.effects, interpreted.flow, own)
     programs = [*own, *parts]
-    return calls_that_may_say(interpreted.effects, programs, interpreted.program, interpreted.settings)
+    effects = interpreted.effects
+    return calls_that_may_say(says, effects, programs, interpreted.program, interpreted.settings)
 
 
 def _interpreted(

@@ -1,4 +1,4 @@
-"""Calls behind which F and S are what they were before: of programs in this file that say neither.
+"""Calls behind which F, or S, is what it was before: of programs in this file that do not say it.
 
 ::
 
@@ -7,7 +7,8 @@
     #1=#1+1                  G90
     END1                     M99
 
-A loop whose body calls such a program keeps the F and S that it was reached with.
+A loop whose body calls such a program keeps the F and S that it was reached with.  One that says an F of its
+own still keeps S.
 """
 
 from __future__ import annotations
@@ -21,8 +22,9 @@ from chipbreak.model.words import codes_of
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.parse import Program as Text
 
-# Words that set F or S (V and D are a cutting speed), or another tool's spindle.
-_SAYS = "FSTV"
+# Words that set F, and those that set S (V and D are a cutting speed); T may be another tool's spindle.
+SAYS_FEED = "FT"
+SAYS_SPEED = "SVT"
 # By these their numbers are read.
 _READ_BY: tuple[Group, ...] = ("units", "feed_mode", "speed_mode", "modal_macro")
 _LONGEST = 5_000  # lines of a program that are looked through
@@ -30,34 +32,36 @@ _DEEPEST = 8
 
 
 def calls_that_may_say(
-    effects: Sequence[BlockEffect], programs: Sequence[Program], text: Text, settings: Settings
+    says: str, effects: Sequence[BlockEffect], programs: Sequence[Program], text: Text, settings: Settings
 ) -> list[int]:
-    """The lines of all calls but the quiet ones."""
-    calls = [effect for effect in effects if may_call(effect)]
-    quiet = _Quiet(calls, effects, programs, text, settings) if calls else None
-    return [call.block.line for call in calls if quiet is None or not quiet.is_quiet(call, 0)]
+    """The lines of all calls but those that say none of some words."""
+    if not any(map(may_call, effects)):
+        return []
+    quiet = _Quiet(says, effects, programs, text, settings)
+    return [line for line, call in quiet.calls.items() if not quiet.is_quiet(call, 0)]
 
 
 class _Quiet:
     def __init__(
         self,
-        calls: Sequence[BlockEffect],
+        says: str,
         effects: Sequence[BlockEffect],
         programs: Sequence[Program],
         text: Text,
         settings: Settings,
     ) -> None:
+        self.says = says
         self.programs = programs
         self.text = text
         self.settings = settings
-        self.calls = {call.block.line: call for call in calls}
+        self.calls = {effect.block.line: effect for effect in effects if may_call(effect)}
         self.returns = {e.block.line for e in effects if e.does("subprogram", "return")}
         self.gives_back = {e.block.line for e in effects if e.does("modes")}
         self.labelled = dict(_labelled(effects))
         self.known: dict[range, bool] = {}
 
     def is_quiet(self, call: BlockEffect, depth: int) -> bool:
-        """True where all that a block calls is in this file and says neither F nor S."""
+        """True where all that a block calls is in this file and says nothing."""
         bodies = self._bodies(call)
         return bool(bodies) and depth < _DEEPEST and all(self._says_nothing(body, depth) for body in bodies)
 
@@ -82,9 +86,9 @@ class _Quiet:
     def _is_idle(self, line: int, depth: int) -> bool:
         block = self.text.block(line)
         if line in self.calls:
-            return not block.has_any(_SAYS) and self.is_quiet(self.calls[line], depth + 1)
+            return not block.has_any(self.says) and self.is_quiet(self.calls[line], depth + 1)
         jumps_to_its_caller = line in self.returns and block.has("P")
-        says = block.opaque or block.has_any(_SAYS) or line in self.gives_back
+        says = block.opaque or block.has_any(self.says) or line in self.gives_back
         speaks = any("SPEED" in comment.text.upper() for comment in block.comments)
         reads = any(codes_of(block, group, self.settings.dialect) for group in _READ_BY)
         return not (jumps_to_its_caller or says or speaks or reads)
