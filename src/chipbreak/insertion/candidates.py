@@ -184,8 +184,9 @@ class _Step:
             return before.is_low
         if self.effect.after.modes.motion == "cycle":  # which ends with its own way out
             return False
-        # Where it was is not known behind a cycle or a call; a rapid that names Z is the way up there.
-        rises = "Z" in move.axes and not move.end.z <= move.start.z
+        # Where it was is not known behind a cycle or a call; a rapid that names Z is the way up there, and
+        # behind a cut in the air it has nowhere to go.
+        rises = "Z" in move.axes and not move.end.z < move.start.z
         if self.deed == "cut":
             return not (rises and move.axes == "Z" and move.kind == "line")
         return before.is_low and not rises
