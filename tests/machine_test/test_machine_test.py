@@ -62,6 +62,17 @@ def test_a_look_ahead_is_found_before_what_stands_behind_it(seed: int, tmp_path:
     assert found["axes.Z.max_acceleration_mm_s2"] == pytest.approx(machine.ramp_mm_s2, rel=0.01)
 
 
+def test_two_lags_of_which_one_is_short_are_found(tmp_path: Path) -> None:
+    """In too few rounds they were taken for a bell, and 20 % of a stroke was promised that there is not."""
+    draw = np.random.default_rng(9002)
+    _, machine = drawn_machine(draw)
+    profile = chipbreak.load(measured_profile(machine, draw, tmp_path))
+    axis = profile.axes["Z"]
+    assert axis.acc_dec == "exponential"
+    lags_ms = sorted([1000.0 / (axis.position_gain_1_s or 1.0), axis.acc_dec_ms or 0.0])
+    assert lags_ms == pytest.approx([1000.0 * lag_s for lag_s in sorted(machine.lags_s)], rel=0.02)
+
+
 @pytest.mark.klipper
 @pytest.mark.skipif(
     not (PLANNER / "klippy" / "toolhead.py").is_file(), reason="Klipper's planner is not here"

@@ -39,8 +39,8 @@ from chipbreak.trajectory.motion import Motion
 _LOOKED_AT_S = 0.6  # of a group in a trace
 _NOISE_FLOOR_MM = 0.0004  # no trace and no model is better
 _COARSE_PIECES = 5
-_COARSE_ROUNDS = 12
-_FINE_ROUNDS = 6
+_COARSE_ROUNDS = 20
+_FINE_ROUNDS = 10
 _FINALISTS = 2
 _TRIED = 2  # starts that are followed
 _ROUGH_ROUNDS = 25

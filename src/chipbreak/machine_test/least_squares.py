@@ -9,7 +9,7 @@ import numpy as np
 from chipbreak.kinematics.floats import Floats
 from chipbreak.text.named_tuple import NamedTuple
 
-_STEP = 1e-4
+_STEP = 1e-3  # a smaller one is lost in how well the begin of a group is known
 _LONGEST = 0.7  # of one step of a logarithm
 _ENOUGH = 1e-6
 _FIRST_DAMPING = 1e-2
