@@ -80,6 +80,44 @@ def test_a_cut_that_is_too_slow_for_the_control_gets_a_higher_feed(
     assert cut.plan.solution.speed_rpm == speed_rpm
 
 
+SLOW_AXES = [
+    "planner.model=after-interpolation",
+    *(f"axes.{axis}.{number}" for axis in "XZ" for number in ("acc_dec_ms=16", "position_gain_1_s=50")),
+]
+
+
+@pytest.mark.parametrize(
+    ("speed_rpm", "feed_mm", "turns", "more"),
+    [(1200, 0.2, 3.0, "ALPHA0.8"), (1200, 0.03, 2.0, ""), (700, 0.2, 1.5, ""), (2400, 0.1, 2.4, "")],
+)
+def test_a_dwell_that_slow_axes_leave_nothing_of_gets_an_e_that_works(
+    speed_rpm: int, feed_mm: float, turns: float, more: str
+) -> None:
+    settings = chipbreak.load("fanuc-lathe", SLOW_AXES)
+    text = f"G21 G18 G99 G97 S{speed_rpm} M3\n(VIB E{{:g}} WAVE DWELL {more})\nG0 X20. Z2.\n"
+    text += f"G1 Z-20. F{feed_mm}\nG0 X80.\nM30\n"
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        chipbreak.rewrite(text.format(turns).encode(), settings)
+    (error,) = caught.value.diagnostics
+    assert error.code == "VIB086"
+    named = re.search(r"take E ([0-9.]+)", error.help)
+    assert named, error.help
+    (cut,) = chipbreak.rewrite(text.format(float(named[1])).encode(), settings).cuts
+    assert cut.verdict.breaks
+
+
+def test_of_a_whole_n_that_was_given_another_s_is_no_way_out() -> None:
+    settings = chipbreak.load("fanuc-lathe", ["vibration.correct=count"])
+    text = "G21 G18 G99 G97 S150 M3\n(VIB {})\nG0 X20. Z2.\nG1 Z-20. F0.03\nG0 X80.\nM30\n"
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        chipbreak.rewrite(text.format("N1").encode(), settings)
+    (error,) = caught.value.diagnostics
+    assert (error.code, error.help) == ("VIB005", "N 0.5 or 1.5 breaks best")
+    for per_rev in ("N0.5", "N1.5"):
+        (cut,) = chipbreak.rewrite(text.format(per_rev).encode(), settings).cuts
+        assert cut.verdict.breaks
+
+
 def test_strokes_of_several_blocks_on_linuxcnc_are_advised_after_few_tries(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

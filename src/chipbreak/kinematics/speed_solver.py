@@ -12,6 +12,7 @@ from typing import Literal
 
 from chipbreak.kinematics.sourced_value import SourcedValue, shown
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.units import MS_PER_S, S_PER_MIN
 
 FAR_RATIO = 1.25  # an f given as a word that far outside the group is more likely a feed
@@ -178,7 +179,11 @@ def solve(
     wanted = _wanted(speed, per_rev, period, rules, reasons)
     speed_rpm = _speed(speed, wanted, period, rules, reasons)
     reached = _ratio(period, speed_rpm)
-    _check_breaks(reached, rules, f"S {shown(speed_rpm)}, f {shown(period.frequency_hz)}", period)
+    made_by = f"S {shown(speed_rpm)}, f {shown(period.frequency_hz)}"
+    if frequency is None and speed is not None and per_rev is not None:
+        _check_made(reached, rules, made_by, _Made(speed.value, per_rev.value, group))
+    else:
+        _check_breaks(reached, rules, made_by, period)
     _check_speed(speed_rpm, wanted, group, rules)
     if speed is not None and speed_rpm > 2.0 * speed.value:  # a surprise that can throw the part
         raise RefusalError("VIB008", f"S {speed} would become {shown(speed_rpm)} rpm", "give a larger N")
@@ -327,11 +332,49 @@ def _check_given(values: dict[str, SourcedValue | None]) -> None:
             raise RefusalError("VIB003", f"{name} {value} is not a number above zero", f"correct {name}")
 
 
+class _Made(NamedTuple):
+    """An S that stays, and the N that it was to make with what the control can command."""
+
+    speed_rpm: float
+    per_rev: float
+    group: CommandGroup
+
+    def breaks(self, edges: int) -> bool:
+        """True where the N that comes out is not whole."""
+        period = self.group.nearest(self.per_rev * self.speed_rpm / S_PER_MIN)
+        return not never_breaks(_ratio(period, self.speed_rpm), edges)
+
+
+def _check_made(reached: float, rules: SolverRules, origin: str, made: _Made) -> None:
+    """Refuse a whole number that S, which stays, and the nearest f make; with what makes another one."""
+    try:
+        _check_breaks(reached, rules, origin)
+    except RefusalError as error:
+        way_out, good = _way_out_of(made, reached, rules)
+        raise RefusalError(error.code, error.message, way_out, tuple(f"N{n}" for n in good)) from None
+
+
+def _way_out_of(made: _Made, reached: float, rules: SolverRules) -> tuple[str, list[str]]:
+    """Another N at this S, or another S with this N; and such N."""
+    better = _better_counts(reached, rules)
+    good = [shown(n) for n in better if made._replace(per_rev=n).breaks(rules.edges)]
+    if good:
+        return f"N {' or '.join(good)} breaks best", good
+    speeds = [math.floor(made.speed_rpm * reached / n) for n in better]
+    others = [shown(rpm) for rpm in speeds if made._replace(speed_rpm=rpm).breaks(rules.edges)]
+    return (f"give S {' or '.join(others)}" if others else "give N and f without S"), good
+
+
+def _better_counts(per_rev: float, rules: SolverRules) -> list[float]:
+    """What breaks best next to a whole number."""
+    whole = round(per_rev / rules.edges)
+    return list(dict.fromkeys(rules.edges * (n + rules.phase) for n in (max(whole - 1, 0), whole)))
+
+
 def _check_breaks(per_rev: float, rules: SolverRules, origin: str, period: Period | None = None) -> None:
     """Refuse a whole number.  Where S makes it, at ``period``, another N asked for would not help."""
     if never_breaks(per_rev, rules.edges):
-        whole = round(per_rev / rules.edges)
-        counts = dict.fromkeys(rules.edges * (n + rules.phase) for n in (max(whole - 1, 0), whole))
+        counts = _better_counts(per_rev, rules)
         good = [shown(count) for count in counts]
         what = f"N {shown(per_rev)} ({origin})" + (f" / {rules.edges} edges" if rules.edges > 1 else "")
         way_out = f"N {' or '.join(good)} breaks best"

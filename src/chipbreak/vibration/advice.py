@@ -18,6 +18,7 @@ from chipbreak.units import S_PER_MIN
 from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.chain import Chain
 from chipbreak.vibration.choice import NOTHING_FITS, Chooser
+from chipbreak.vibration.dwell import NO_STAND
 from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.plan import CutPlan, command_group, plan_cut
 from chipbreak.vibration.trial import Trials, first_by_halving, with_values
@@ -26,6 +27,9 @@ LIMITS = ("VIB030", "VIB031", "VIB032")
 _ACCELERATION = "VIB030"
 _LEAST_SHARE = 0.05  # no cut is made at a twentieth of its speed
 _NEED = re.compile(r"needs ([0-9.e+]+) m/s2")
+_TURNS = re.compile(r"take E ([0-9.]+)")
+_MOST_LENGTHENED = 8
+_LONGER = 1.07  # times a vibration that was not long enough
 _MORE = 1.12  # times what was not enough, where the refusal does not say more
 _MOST_RAISED = 7
 _DIGITS = 3
@@ -37,6 +41,8 @@ def with_advice(error: RefusalError, cut: CutPlan, settings: Settings) -> Refusa
     That is the next slower frequency with the same N, what the machine would choose, and a dwell; and the
     acceleration that it names is one that suffices for every stroke of the cut.
     """
+    if error.code == NO_STAND:
+        return _with_longer_stand(error, cut, settings)
     if error.code not in LIMITS:
         return error
     message = _with_all_strokes(error, cut, settings)
@@ -46,6 +52,21 @@ def with_advice(error: RefusalError, cut: CutPlan, settings: Settings) -> Refusa
         ways.append(slower.text)
     ways += _other_ways(cut, settings)
     return RefusalError(error.code, message, "; ".join(ways), (slower.word,) if slower else ())
+
+
+def _with_longer_stand(error: RefusalError, cut: CutPlan, settings: Settings) -> RefusalError:
+    """The same refusal of a dwell, with an E that has been tried: S and whole base periods go with it."""
+    said = _TURNS.search(error.help)
+    trials = Trials(settings)
+    turns = float(said[1]) if said else 0.0
+    for _ in range(_MOST_LENGTHENED if said else 0):
+        longer = with_values(cut.chain, {"E": turns}, without="NF")
+        if trials.works(longer) is not None:
+            help_text = _TURNS.sub(f"take E {turns:g}", error.help, count=1)
+            return RefusalError(error.code, error.message, help_text, error.instead)
+        turns = math.ceil(turns * _LONGER * 10.0) / 10.0
+    help_text = _TURNS.sub("take a larger E", error.help, count=1)
+    return RefusalError(error.code, error.message, help_text, error.instead)
 
 
 class _Slower(NamedTuple):

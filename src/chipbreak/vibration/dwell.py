@@ -24,6 +24,7 @@ from chipbreak.vibration.expander import Expander, Form, StrokeAsked
 DWELL_DECIMALS = 3  # of the seconds in a G4 block
 _FINE = 1000  # parts of a base period
 _TRIES = 3
+NO_STAND = "VIB086"
 _STILL_MM = 1e-9
 _SOON_S = 1e-9
 
@@ -90,7 +91,7 @@ class DwellExpander(Expander):
                 f" {wave.period_s * MS_PER_S:.4g} and stands for {max(0.0, still_s) / revolution_s:.3g}"
                 f" revolutions; the chip ends only behind {1.0 / edges:.3g}"
             )
-            raise RefusalError("VIB086", message, f"take E {turns:g}, or a smaller ALPHA")
+            raise RefusalError(NO_STAND, message, f"take E {turns:g}, or a smaller ALPHA")
         return dwell_s
 
     def in_whole_dwells(self, wave: WaveformParameters, law: ControlLaw, edges: int) -> WaveformParameters:
@@ -116,7 +117,7 @@ class DwellExpander(Expander):
                 f"a dwell of this control takes whole {step_s * MS_PER_S:g} ms, and one of"
                 f" {dwell_s * MS_PER_S:g} ms leaves no time to feed in {wave.period_s * MS_PER_S:.4g} ms"
             )
-            raise RefusalError("VIB086", message, f"take E {turns:g}")
+            raise RefusalError(NO_STAND, message, f"take E {turns:g}")
         share = wave.shape.share(forward, ticks)
         stroke_mm = (1.0 - share) * share * wave.feed_speed_mm_s * wave.period_s
         return replace(wave, ticks=ticks, forward_ticks=forward, stroke_mm=stroke_mm)
