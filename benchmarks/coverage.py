@@ -33,10 +33,9 @@ from typing import NamedTuple
 from chipbreak import ChipbreakError, ProgramRejectedError, load, rewrite
 from chipbreak.kinematics.toolpath import path_of
 from chipbreak.model.block_effect import Move
-from chipbreak.model.interpreted_program import interpret
+from chipbreak.model.from_source import interpret_source
 from chipbreak.pipeline import Result
 from chipbreak.settings import Settings
-from chipbreak.syntax.parse import parse
 from chipbreak.text.diagnostics import RefusalError, Severity
 from chipbreak.text.source import read
 from chipbreak.vibration.chain import leg_of
@@ -104,7 +103,7 @@ def length_mm(move: Move) -> float:
 
 def total_mm(data: bytes, settings: Settings) -> float:
     """The length of all cuts of a program as it is written."""
-    interpreted = interpret(parse(read(data), settings.dialect), settings)
+    interpreted = interpret_source(read(data), settings)
     body = interpreted.program.source.body
     moves = (e.move for e in interpreted.effects_of(body.start, body.stop) if not e.in_contour)
     return sum(length_mm(move) for move in moves if move is not None and move.is_cut)

@@ -11,13 +11,12 @@ from chipbreak.editing.diff import Hunk, compare, items_of
 from chipbreak.editing.restore import restore as put_back
 from chipbreak.macros import check_axes, macro_files
 from chipbreak.macros.parameters import MacroSettings
-from chipbreak.model.interpreted_program import interpret
+from chipbreak.model.from_source import interpret_source
 from chipbreak.pipeline import Result, rewrite, verify_filtered
 from chipbreak.report.build import report_of
 from chipbreak.report.model import Report
 from chipbreak.self_check import written_edits
 from chipbreak.settings import Settings, SettingsError
-from chipbreak.syntax.parse import parse
 from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, RefusalError
 from chipbreak.tools import files
 from chipbreak.tools.data import ToolData
@@ -88,7 +87,8 @@ def motions(result: Result, settings: Settings) -> Iterator[CutMotion]:
 
     if not result.cuts:
         return
-    interpreted = interpret(parse(result.source, settings.dialect), settings)
+    settings = settings.as_shown(result.shown)
+    interpreted = interpret_source(result.source, settings)
     for written in written_edits(interpreted, result.bracketed, result.edits):
         promise = written.edit.promise
         if isinstance(promise, VibratedCut):
@@ -132,7 +132,7 @@ def tool_table(
     Raises ProgramRejectedError for a filtered part that somebody has edited, ToolFileError for a file that
     cannot be used.
     """
-    return table_of(interpret(parse(put_back(with_brackets(data, name, beside)), settings.dialect), settings))
+    return table_of(interpret_source(put_back(with_brackets(data, name, beside)), settings))
 
 
 def macro_programs(settings: Settings) -> dict[str, bytes]:

@@ -14,7 +14,8 @@ from chipbreak.editing.notes import messages_edit, stamp_edit
 from chipbreak.editing.render import render
 from chipbreak.editing.restore import restore
 from chipbreak.model.findings import findings
-from chipbreak.model.interpreted_program import InterpretedProgram, interpret
+from chipbreak.model.from_source import interpret_source
+from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.unread_words import UNREAD_WORD
 from chipbreak.operations.kinds import KindRules
 from chipbreak.operations.main_program import MainProgram, main_program
@@ -23,8 +24,9 @@ from chipbreak.passes import VIBRATE, Pass, passes_of
 from chipbreak.passes.base import Context, Planned, RunOptions
 from chipbreak.self_check import Kept, verify
 from chipbreak.settings import Settings, SettingsError
+from chipbreak.settings.sections import Shown
 from chipbreak.syntax.comments import said_of_comments
-from chipbreak.syntax.parse import UNREADABLE, parse
+from chipbreak.syntax.parse import UNREADABLE
 from chipbreak.text.diagnostics import (
     Diagnostic,
     ProgramRejectedError,
@@ -61,6 +63,7 @@ class Result(NamedTuple):
     of the edits were looked after, in the order of the program.  ``left`` are the cuts that were asked to
     vibrate and stay as they are, with the reason.  ``cycles`` are those that were written out, by their lines
     in ``source``.  ``whole`` is the program as it came in, interpreted, which no other process is sent.
+    ``shown`` is what the program showed of its control.
     """
 
     source: Source
@@ -74,6 +77,7 @@ class Result(NamedTuple):
     cycles: tuple[Span, ...] = ()
     beside: bytes | None = None
     whole: Whole | None = None
+    shown: Shown = Shown()
 
     def __reduce__(self) -> tuple[type[Result], tuple[object, ...]]:
         return Result, tuple(self._replace(whole=None))
@@ -163,7 +167,7 @@ def _filtered_again(source: Source, output: bytes, settings: Settings) -> Result
 
 def _run(source: Source, settings: Settings, output: bytes | None, options: RunOptions) -> Result:
     """All stages on an unfiltered source; ``output`` is the program to judge, None to write one."""
-    return run_stages(Whole.of(interpret(parse(source, settings.dialect), settings)), output, options)
+    return run_stages(Whole.of(interpret_source(source, settings)), output, options)
 
 
 def run_stages(whole: Whole, output: bytes | None, options: RunOptions) -> Result:
@@ -208,6 +212,7 @@ def run_stages(whole: Whole, output: bytes | None, options: RunOptions) -> Resul
         cycles=tuple(unrolled.spans),
         beside=new.beside,
         whole=whole,
+        shown=settings.shown,
     )
 
 

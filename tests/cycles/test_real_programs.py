@@ -179,7 +179,7 @@ def test_samples(sample: Path) -> None:
 @pytest.mark.parametrize("path", SHOP, ids=lambda path: path.stem)
 def test_programs_of_shops(path: Path) -> None:
     """Patterns, boring with G20, and cycles that stay have no contour to be held against here."""
-    held(path.read_bytes())
+    held(path.read_bytes(), "control.lathe_system=A")  # whose codes ``held`` knows
 
 
 def test_real_programs(corpus: list[Path]) -> None:

@@ -31,8 +31,6 @@ ONLY_BEHIND_THE_LOOP = {"O0105.nc": "the control works out where line 8 goes"}
 # What is true of them without the profile beside them.
 WITHOUT_FACTS = {
     "O0008.nc": "line 7 chooses a spindle (M203)",
-    "O0103.nc": "has no decimal point",
-    "O1112.nc": "has no decimal point",
 }
 FACTS = sorted(PROGRAMS[0].parent.glob("*.toml"))
 

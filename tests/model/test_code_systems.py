@@ -12,6 +12,7 @@ from chipbreak.text.diagnostics import Diagnostic
 
 HEAD = "T0101\nG97 S800 M3\nG0 X60. Z2.\n"
 MIXED = ("O1114",)  # G99 as in A and G92 S3000 as in B: the limit is that of a control that nobody names
+OF_ANOTHER_SYSTEM = {"O0008": "B", "O1110": "B", "O1302": "B", "O1303": "C"}
 SHOP = Path(__file__).parents[1] / "shop"
 
 
@@ -85,9 +86,39 @@ def test_controls_without_such_systems_say_nothing() -> None:
 
 @pytest.mark.parametrize("path", sorted(SHOP.glob("*.nc")), ids=lambda path: path.stem)
 def test_programs_of_shops(path: Path) -> None:
-    """Those whose profile names another system show it, and no other one does but the mixed one."""
-    facts = path.with_suffix(".toml")
-    other = path.stem in MIXED or (facts.is_file() and "lathe_system" in facts.read_text("utf-8"))
+    """Those that are written for another system show it, and no other one does but the mixed one."""
+    other = path.stem in (*MIXED, *OF_ANOTHER_SYSTEM)
     plain = load("fanuc-lathe", ['cycles.unroll="never"'])
     found = chipbreak.rewrite(path.read_bytes(), plain).diagnostics
     assert bool([one for one in found if one.code == "MOD004"]) is other
+
+
+@pytest.mark.parametrize(("name", "system"), OF_ANOTHER_SYSTEM.items())
+def test_a_program_is_read_in_the_system_that_it_shows(name: str, system: str) -> None:
+    """As under a profile that says the system, but for what is said of it."""
+    program = (SHOP / f"{name}.nc").read_bytes()
+    wish = ['cycles.unroll="always"', "control.decimal_point=required"]
+    shown = chipbreak.rewrite(program, load("fanuc-lathe", wish))
+    known = chipbreak.rewrite(program, load("fanuc-lathe", [*wish, f"control.lathe_system={system}"]))
+    assert shown.data == known.data
+    assert shown.shown.system == system
+    said = [one for one in shown.diagnostics if one.code == "MOD004"]
+    assert f"read in code system {system}" in said[0].message
+    assert [one for one in shown.diagnostics if one not in said] == list(known.diagnostics)
+
+
+@pytest.mark.parametrize(
+    "blocks",
+    ["G99\nG92 S2500", "G50 S2000\nG90 G54 G40", "G92 X19.2 Z-20. F1.5\nG91 G28 X0", "G71\nG71 P10 Q20 U1."],
+)
+def test_a_program_that_shows_two_systems_shows_none(blocks: str) -> None:
+    (one,) = said(f"{HEAD}{blocks}\nG0 X80.\nM30\n", system="shown")
+    assert "the profile says A" in one.message
+
+
+def test_the_limit_of_the_system_that_is_shown_holds() -> None:
+    """G92 S2000 limits the spindle of what is read in system B."""
+    program = b"G90 G95\nG92 S2000\nT0101\nG97 S3000 M3\nG0 X60. Z2.\nG1 Z-30. F0.2 N1.5\nM30\n"
+    with pytest.raises(chipbreak.ProgramRejectedError) as raised:
+        chipbreak.rewrite(program, load("fanuc-lathe"))
+    assert any("2000" in one.message for one in raised.value.diagnostics)

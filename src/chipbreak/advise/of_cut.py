@@ -10,11 +10,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from chipbreak.kinematics.conditions import Conditions
-from chipbreak.model.interpreted_program import interpret
+from chipbreak.model.from_source import interpret_source
 from chipbreak.pipeline import Result, rewrite
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
-from chipbreak.syntax.parse import parse
 from chipbreak.text.diagnostics import ProgramRejectedError, SelfCheckError
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.source import read
@@ -141,7 +140,7 @@ def _for_one_cut(settings: Settings, **changed: object) -> Settings:
 
 def _choices(data: bytes, settings: Settings) -> Iterator[Conditions]:
     """What closed forms and the law find for the cut, the best first."""
-    interpreted = interpret(parse(read(data), settings.dialect), settings)
+    interpreted = interpret_source(read(data), settings)
     chain = Chain(tuple(requests_of(interpreted).requests))
     return Chooser(settings).candidates(chain)
 

@@ -61,11 +61,13 @@ def dialect_names() -> list[str]:
 def find(name: str, lathe_system: str) -> Dialect:
     """The dialect of a name; a lathe with several code systems is found by system too.
 
+    Where the program is to show it (``shown``), that is the first of them until it does.
+
     Shipped ones come first.  Raises KeyError when there is none, and RefusalError (SET006) for one of an
     installed package that cannot be used.
     """
     named = tuple(dialect for dialect in DIALECTS if dialect.name == name) or offered(name)
     for dialect in named:
-        if dialect.lathe_system in ("", lathe_system):
+        if dialect.lathe_system in ("", lathe_system) or lathe_system == "shown":
             return dialect
     raise KeyError(name)

@@ -39,5 +39,6 @@ NUMBER_RULES: Final[Mapping[str, NumberRule]] = FrozenTable(
         "required": NumberRule(_unknown),
         "calculator": NumberRule(_as_written, reads_whole=True),
         "increment": NumberRule(_in_increments),
+        "shown": NumberRule(_unknown),  # where a program does not show it
     }
 )

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable
 
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.syntax.nodes import Block
+from chipbreak.syntax.parse import Program
 from chipbreak.text.diagnostics import Diagnostic, Severity
 from chipbreak.text.named_tuple import NamedTuple
 
@@ -73,6 +74,7 @@ _SIGNS = (
 _FEED_OF_A: _Codes = frozenset({98.0, 99.0})
 _FEED_OF_B: _Codes = frozenset({94.0, 95.0})
 _DRILLING: _Codes = frozenset({83.0, 84.0, 85.0, 87.0, 88.0, 89.0})
+_FINISHING: _Codes = frozenset({70.0, 71.0})
 _ALL = frozenset().union(*(sign.codes for sign in _SIGNS), _FEED_OF_A, _FEED_OF_B, _DRILLING)
 
 
@@ -81,12 +83,39 @@ def codes_of_another_system(interpreted: InterpretedProgram) -> list[Diagnostic]
     system = interpreted.settings.dialect.lathe_system
     if not system:
         return []
+    if interpreted.settings.shown.system:
+        return [_read_as_shown(interpreted)]
     blocks = [b for b in interpreted.program.event_blocks() if not _ALL.isdisjoint(b.numbers("G"))]
     signs = [sign for sign in _SIGNS if system in sign.under]
     found = next((one for block in blocks for one in _shown_by(block, signs)), None)
     if found is None and system != "A":
         found = _feed_mode_of_a(blocks)
     return [] if found is None else [_warning(interpreted, *found)]
+
+
+def shown_system(program: Program) -> str:
+    """``B`` or ``C`` where codes of a program mean something in that system alone, and none in A alone.
+
+    Empty where it does not show that: then it is read under A.
+    """
+    blocks = [b for b in program.event_blocks() if b.numbers("G")]
+    others = [sign for sign in _SIGNS if "A" in sign.under]
+    shown = [set(found[3]) for block in blocks for found in _shown_by(block, others)]
+    own = [sign for sign in _SIGNS if "A" not in sign.under and "A" in sign.shown and sign.shown != "AB"]
+    if not shown or any(_is_of_a(block, own) for block in blocks):
+        return ""
+    left = set.intersection(*shown)
+    if any(_names_a_shape(block) and not _FINISHING.isdisjoint(block.numbers("G")) for block in blocks):
+        left &= {"B"}
+    return min(left, default="")
+
+
+def _is_of_a(block: Block, own: Iterable[_Sign]) -> bool:
+    """True for a block that only system A gives a meaning: a thread with G92, the feed mode, a limit."""
+    numbers = block.numbers("G")
+    sets_feed = _is_bare(block) and not _FEED_OF_A.isdisjoint(numbers)
+    limits = _is_bare_limit(block) and 50.0 in numbers
+    return sets_feed or limits or bool(_shown_by(block, own))
 
 
 def _shown_by(block: Block, signs: Iterable[_Sign]) -> list[tuple[Block, float, str, str]]:
@@ -107,6 +136,19 @@ def _feed_mode_of_a(blocks: list[Block]) -> tuple[Block, float, str, str] | None
     said = ((block, code) for block in blocks for code in block.numbers("G") if code in _FEED_OF_A)
     first = next(said, None)
     return None if first is None else (*first, "sets the feed mode", "A")
+
+
+def _read_as_shown(interpreted: InterpretedProgram) -> Diagnostic:
+    """Which code shows the system under which the program is read, for nobody said it."""
+    system = interpreted.settings.shown.system
+    signs = [sign for sign in _SIGNS if "A" in sign.under and system in sign.shown]
+    blocks = (b for b in interpreted.program.event_blocks() if not _ALL.isdisjoint(b.numbers("G")))
+    found = next((one for block in blocks for one in _shown_by(block, signs)), None)
+    line = interpreted.program.source.body.start if found is None else found[0].line
+    why = "" if found is None else f": G{found[1]:g} {found[2]} here"
+    message = f"the program is read in code system {system}{why}"
+    help_text = f'set control.lathe_system = "{system}", or "A" where the control has that one'
+    return interpreted.program.diagnose(line, OTHER_SYSTEM, message, help_text, severity=Severity.WARNING)
 
 
 def _warning(

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 def report_of(result: Result, settings: Settings) -> Report:
     """Every vibrated cut, operation and check of a run, with the reasons."""
+    settings = settings.as_shown(result.shown)
     source = result.source
     checks = [edit for edit in result.edits if edit.pass_name == CHECK_TOOLS]
     time = whole_time(result, settings)

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 from chipbreak.cycle_time.clock import CHANGES, CUTTING, DWELLS, RAPIDS, Clock
 from chipbreak.cycle_time.program import time_program
 from chipbreak.editing.restore import restore
-from chipbreak.model.interpreted_program import InterpretedProgram, interpret
+from chipbreak.model.from_source import interpret_source
+from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.main_program import MainProgram
 from chipbreak.passes import CHECK_TOOLS
 from chipbreak.pipeline import Result, Whole
 from chipbreak.report.model import Assumption, CycleTime, TimePart, UntimedLine
 from chipbreak.settings import Settings
-from chipbreak.syntax.parse import parse
 from chipbreak.text.diagnostics import ProgramRejectedError, SelfCheckError
 from chipbreak.text.source import Source
 from chipbreak.unrolling import unroll
@@ -68,8 +68,9 @@ def cutting_s(time: CycleTime | None) -> float | None:
 
 def _written_out(result: Result, settings: Settings) -> tuple[InterpretedProgram, MainProgram]:
     """The program as it came in, with every cycle that can be written out as plain blocks."""
-    whole = result.whole or Whole.of(interpret(parse(restore(result.source), settings.dialect), settings))
+    whole = result.whole or Whole.of(interpret_source(restore(result.source), settings))
     plain = whole.interpreted
+    settings = plain.settings
     always = dataclasses.replace(settings, cycles=dataclasses.replace(settings.cycles, unroll="always"))
     try:
         unrolled = unroll(plain._replace(settings=always), whole.main, (), {})

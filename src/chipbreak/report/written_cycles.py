@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from chipbreak.cycle_time.blocks import BlockTimer
 from chipbreak.cycle_time.clock import Clock, Machine
-from chipbreak.model.interpreted_program import InterpretedProgram, interpret
+from chipbreak.model.from_source import interpret_source
+from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.pipeline import Result
 from chipbreak.report.model import ExplainedCycle
 from chipbreak.settings import Settings
-from chipbreak.syntax.parse import parse
 from chipbreak.unrolling import Span
 
 
@@ -16,7 +16,7 @@ def written_cycles(result: Result, settings: Settings) -> tuple[ExplainedCycle, 
     """Each cycle that was written out, in the order of the program."""
     if not result.cycles:
         return ()
-    interpreted = interpret(parse(result.source, settings.dialect), settings)
+    interpreted = interpret_source(result.source, settings)
     return tuple(_explained(span, result, interpreted) for span in result.cycles)
 
 

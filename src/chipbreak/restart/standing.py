@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from chipbreak.editing.beside import with_brackets
 from chipbreak.editing.restore import outermost, regions, restore
 from chipbreak.editing.unroll import unrolled
+from chipbreak.model.from_source import interpret_source
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
 from chipbreak.model.modal import State
 from chipbreak.operations.main_program import MainProgram, main_program
@@ -80,10 +81,10 @@ def standing(data: bytes, settings: Settings, name: str, beside: bytes | None) -
     plain = file._replace(user_lines=None)
     written = tuple(outermost(plain))
     source = restore(plain)
-    original = interpret(parse(source, settings.dialect), settings)
+    original = interpret_source(source, settings)
     found = regions(plain)
     expanded, moved = unrolled(plain, found, settings.dialect.loop)
-    runs = interpret(parse(expanded, settings.dialect), settings)
+    runs = interpret(parse(expanded, settings.dialect), original.settings)
     shifts = tuple((was.last, now.last - was.last) for was, now in zip(found, moved, strict=True))
     return Standing(file, original, main_program(original), runs, written, _places(source), shifts)
 

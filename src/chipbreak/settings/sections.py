@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import field, replace
 from typing import Any
 
-from chipbreak.dialects import Dialect
+from chipbreak.dialects import Dialect, find
 from chipbreak.dialects.numbers import NumberRule
 from chipbreak.kinematics.wave_names import WAVE_NAMES
 from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.text.frozen_table import FrozenTable
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.record import ValueRecord
 from chipbreak.trajectory.law_names import LAW_KEYS
 from chipbreak.units import mm_per_step
@@ -36,13 +37,27 @@ def _digits(default: int) -> Any:
     return field(default=default, metadata={"at_least": 0, "below": 10})
 
 
+class Shown(NamedTuple):
+    """What a program shows of its control where the profile leaves that to it; empty where it does not.
+
+    ``rule`` is what a number without a decimal point is worth, ``system`` its code system (A, B, C).
+    """
+
+    rule: str = ""
+    system: str = ""
+
+
+# The value of a key that the program is to show.
+SHOWN = "shown"
+
+
 class Control(ValueRecord):
     """How the control reads and prints blocks."""
 
     dialect: str = ""
-    lathe_system: str = _one_of("A", "B", "C")
+    lathe_system: str = _one_of("A", "B", "C", SHOWN)
     increment_mm: float = _above(0.001)
-    decimal_point: str = _one_of("required", "calculator", "increment")
+    decimal_point: str = _one_of("required", "calculator", "increment", SHOWN)
     x_diameter: bool = False
     max_line_chars: int = _at_least(80, 60)
     dwell_word: str = _one_of("", "X", "U", "P")
@@ -373,6 +388,7 @@ class Settings(ValueRecord):
     """Everything a run needs to know about the machine.  ``origins`` maps ``section.key`` to its source.
 
     ``plugins`` holds the options of each pass of another package as the profile says them, unchecked.
+    ``shown`` is what the program at hand shows of its control.
     """
 
     name: str
@@ -395,6 +411,7 @@ class Settings(ValueRecord):
     plugins: Mapping[str, Mapping[str, Any]]
     dialect: Dialect
     origins: Mapping[str, str]
+    shown: Shown = Shown()
 
     def __repr__(self) -> str:
         return f"<Settings {self.name!r}: {self.dialect.title}>"
@@ -402,7 +419,16 @@ class Settings(ValueRecord):
     @property
     def number_rule(self) -> NumberRule:
         """What a number without a decimal point is worth on this machine."""
-        return self.dialect.number_rules[self.control.decimal_point]
+        return self.dialect.number_rules[self.shown.rule or self.control.decimal_point]
+
+    def as_shown(self, shown: Shown) -> Settings:
+        """The same for a program that shows this of its control."""
+        if shown == self.shown:
+            return self
+        dialect = find(self.dialect.name, shown.system) if shown.system else self.dialect
+        # The profile has given these to the one dialect, and gives them to the other.
+        dialect = dialect._replace(m_codes=self.dialect.m_codes, dwell_word=self.dialect.dwell_word)
+        return replace(self, shown=shown, dialect=dialect)
 
     def origin(self, key: str) -> str:
         """Where the value of ``section.key`` came from, for messages."""
