@@ -82,8 +82,8 @@ class Unrolled(NamedTuple):
 
 def _idle(spans: Sequence[Span], edits: Sequence[Edit]) -> set[int]:
     groups = {span.group for span in spans}
-    firsts = [edit.first for edit in edits]
-    busy = {span.group for span in spans if any(span.first <= first < span.last for first in firsts)}
+    lines = [(edit.first, edit.last) for edit in edits]
+    busy = {s.group for s in spans if any(first < s.last and s.first < last for first, last in lines)}
     return groups - busy
 
 
@@ -97,17 +97,17 @@ def unroll(
 
     ``idle`` are groups of cycles whose blocks could not vibrate, by their line, and why.
     """
-    asked = _asked(interpreted, operations)
+    asked, cuts = _asked(interpreted, operations)
     plain = Unrolled(interpreted, main, operations, operations)
-    if not asked:
+    if not (asked or cuts):
         return plain
     # Few programs pay for loading the cycles.
     from chipbreak.cycles.plan import Refused, UnrollPlan, plan_unrolling
 
-    plan = plan_unrolling(interpreted, asked)
+    plan = plan_unrolling(interpreted, asked, cuts)
     plan = UnrollPlan(
         [one for one in plan.edits if one.group not in idle],
-        [*plan.refused, *(Refused(line, error) for line, error in idle.items())],
+        [*plan.refused, *(Refused(line, error) for line, error in idle.items() if line in asked)],
         plan.notes,
     )
     diagnostics, left = _said(interpreted, plan.refused, asked)
@@ -141,25 +141,35 @@ def unroll(
     )
 
 
-def _asked(interpreted: InterpretedProgram, operations: Sequence[Operation]) -> dict[int, AskedBy | None]:
-    """The lines of the cycles that are to be written out, with who asked; None where all are written out."""
+def _asked(
+    interpreted: InterpretedProgram, operations: Sequence[Operation]
+) -> tuple[dict[int, AskedBy | None], list[int]]:
+    """The lines of the cycles that are to be written out, with who asked, and those of other cuts.
+
+    Nobody has asked (None) where all are written out.
+    """
     settings = interpreted.settings
     rule = settings.cycles.unroll
     if rule == "never" or (rule == "asked" and not _may_wish(interpreted)):
-        return {}
+        return {}, []
     from chipbreak.cycles.pecks import is_deep_hole, is_peck
     from chipbreak.cycles.plan import cycle_lines
 
     requests = requests_of(interpreted, operations)
+    cuts = [request.effect.block.line for request in requests.requests]
     kinds = cycle_lines(interpreted)
     pecks = (one for one in requests.pecks if is_peck(interpreted, one) or is_deep_hole(interpreted, one))
     kinds |= dict.fromkeys(pecks)
     wishes = {line: by for line, by in _of_cuts(interpreted, requests.cycles) if line in kinds}
     if rule == "always":
         words = {line: by for line, by in wishes.items() if by == "word"}
-        return dict[int, AskedBy | None].fromkeys(kinds) | words
+        return dict[int, AskedBy | None].fromkeys(kinds) | words, cuts
     scope = Scope(settings.vibration.only, operations)
-    return {line: by for line, by in wishes.items() if by != "profile" or _is_meant(line, kinds[line], scope)}
+    meant: dict[int, AskedBy | None] = {}
+    for line, by in wishes.items():
+        if by != "profile" or _is_meant(line, kinds[line], scope):
+            meant[line] = by
+    return meant, cuts
 
 
 def _of_cuts(interpreted: InterpretedProgram, asked: Mapping[int, AskedBy]) -> Iterator[tuple[int, AskedBy]]:

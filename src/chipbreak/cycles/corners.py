@@ -92,12 +92,66 @@ def with_angle(effect: BlockEffect, settings: Settings) -> BlockEffect:
     return effect._replace(move=move._replace(end=end), after=effect.after._replace(position=end))
 
 
-def _end_by_angle(move: Move, word: Word, settings: Settings) -> dict[str, float]:
+def add_placed(effects: list[BlockEffect], effect: BlockEffect, settings: Settings) -> BlockEffect:
+    """Add a block behind others, with the place that its angle gives; the block as it was added.
+
+    A block with nothing but an angle ends where its line meets that of the next one, which says X, Z and its
+    own angle: ``G1 ,A90`` and ``G1 X40. Z-2. ,A135``.  Errors: CYC002.
+    """
+    at = next((i for i in range(len(effects) - 1, -1, -1) if _is_lone_angle(effects[i], settings)), None)
+    if at is not None and effect.move is not None:
+        effects[at], placed = _meeting(effects[at], effect, settings)
+    elif _is_lone_angle(effect, settings):
+        placed = effect
+    else:
+        placed = with_angle(effect, settings)
+    effects.append(placed)
+    return placed
+
+
+def refuse_lone_angle(effects: Sequence[BlockEffect], settings: Settings) -> None:
+    """Errors: CYC002 for an angle behind which no move comes."""
+    lone = next((one for one in effects if _is_lone_angle(one, settings)), None)
+    if lone is not None:
+        raise _refused(lone.block, "has an angle beside no axis", "name one axis beside the angle")
+
+
+def _is_lone_angle(effect: BlockEffect, settings: Settings) -> bool:
+    words = [word for word in words_of_corner(effect, settings) if word.address in ANGLES]
+    return effect.move is None and len(words) == 1 and not settings.dialect.subroutine_cycles
+
+
+def _meeting(first: BlockEffect, then: BlockEffect, settings: Settings) -> tuple[BlockEffect, BlockEffect]:
+    """Two lines, each by its angle, the second one to a known place; the first ends where they meet."""
+    move = then.move
+    words = [word for word in words_of_corner(then, settings) if word.address in ANGLES]
+    if move is None or len(words) != 1 or {"X", "Z"} - set(move.axes) or move.kind != "line":
+        why = "has an angle, and the next block does not say X, Z and an angle"
+        raise _refused(first.block, why, "name one axis beside the angle")
+    (own,) = (word for word in words_of_corner(first, settings) if word.address in ANGLES)
+    one = _direction_of(own, settings)
+    other = _direction_of(words[0], settings)
+    start = move.start
+    cross = one[0] * other[1] - one[1] * other[0]
+    way_z, way_x = move.end.z - start.z, move.end.x - start.x
+    along_mm = (way_z * other[1] - way_x * other[0]) / cross if abs(cross) > _NOTHING_MM else math.nan
+    if math.isnan(along_mm):
+        raise _refused(then.block, "does not meet the line before it", "write X and Z of its start")
+    corner = start._replace(z=start.z + along_mm * one[0], x=start.x + along_mm * one[1])
+    led = move._replace(end=corner)
+    return first._replace(move=led), then._replace(move=move._replace(start=corner))
+
+
+def _direction_of(word: Word, settings: Settings) -> tuple[float, float]:
+    """Along Z and along the radius; NaN for an angle of unknown worth."""
     is_known = word.has_point or word.number == 0.0 or settings.number_rule.reads_whole
     angle = math.radians(plain_value(word)) if is_known else math.nan
     signs = settings.axis_words.signs
-    rise = math.sin(angle) * signs["X"]
-    run = math.cos(angle) * signs["Z"]
+    return math.cos(angle) * signs["Z"], math.sin(angle) * signs["X"]
+
+
+def _end_by_angle(move: Move, word: Word, settings: Settings) -> dict[str, float]:
+    run, rise = _direction_of(word, settings)
     if move.axes == "Z":
         way_mm = move.end.z - move.start.z
         return {"x": move.start.x + way_mm * rise / run if abs(run) > _NOTHING_MM else math.nan}

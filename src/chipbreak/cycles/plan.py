@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from chipbreak.cycles.call import BAD_DEPTH, UNREAD_FORM, Call, kind_of, read_call
 from chipbreak.cycles.contour import Frame
+from chipbreak.cycles.corner_runs import corner_edit, corner_runs
 from chipbreak.cycles.corners import BAD_CONTOUR, words_of_corner
 from chipbreak.cycles.pattern import Pattern, offsets_of, pattern_passes
 from chipbreak.cycles.pecks import deep_hole_edit, is_deep_hole, is_peck, peck_edit
@@ -115,15 +116,33 @@ def _kind_of_cuts(kind: ContourCycle) -> Kind:
     return Kind.FINISH if kind == "finish" else Kind.ROUGH
 
 
-def plan_unrolling(interpreted: InterpretedProgram, asked: Iterable[int]) -> UnrollPlan:
-    """The edits that write out the cycles at ``asked`` lines (from 0), and all that share their contours."""
+def plan_unrolling(
+    interpreted: InterpretedProgram, asked: Iterable[int], cuts: Iterable[int] = ()
+) -> UnrollPlan:
+    """The edits that write out the cycles at ``asked`` lines (from 0), and all that share their contours.
+
+    ``cuts`` are lines of other cuts that are asked: the corners that they say are drawn.
+    """
     wanted = set(asked)
     plan = UnrollPlan([], [], [])
     _add_single_passes(plan, interpreted, wanted)
     _add_subroutine_cycles(plan, interpreted, wanted)
     _add_pecks(plan, interpreted, wanted)
     _add_contours(plan, interpreted, wanted)
+    _add_corners(plan, interpreted, set(cuts))
     return plan
+
+
+def _add_corners(plan: UnrollPlan, interpreted: InterpretedProgram, cuts: set[int]) -> None:
+    """Runs of cuts with corners; one that cannot be drawn stays, and its cuts say why they do not vibrate."""
+    for run in corner_runs(interpreted) if cuts else ():
+        if cuts.isdisjoint(range(run.first, run.last)):
+            continue
+        try:
+            edit = corner_edit(interpreted, run)
+        except RefusalError:
+            continue
+        plan.edits.append(UnrolledEdit(edit, None, run.first))
 
 
 def _add_single_passes(plan: UnrollPlan, interpreted: InterpretedProgram, wanted: set[int]) -> None:

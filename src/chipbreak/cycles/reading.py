@@ -6,7 +6,15 @@ import math
 from collections.abc import Callable, Sequence
 
 from chipbreak.cycles.contour import Frame, Point, Segment, turns_back_along_h, turns_back_along_t
-from chipbreak.cycles.corners import BAD_CONTOUR, Corner, corner_of, cornered, with_angle, words_of_corner
+from chipbreak.cycles.corners import (
+    BAD_CONTOUR,
+    Corner,
+    add_placed,
+    corner_of,
+    cornered,
+    refuse_lone_angle,
+    words_of_corner,
+)
 from chipbreak.kinematics.toolpath import Leg, path_of
 from chipbreak.model.block_effect import BlockEffect, Move
 from chipbreak.model.flow import Flow
@@ -48,13 +56,12 @@ def effects_of_contour(
     """
     settings = interpreted.settings
     reader = Interpreter(settings, Flow(frozenset(), ()))
-    effects = []
+    effects: list[BlockEffect] = []
     for line in range(first, last + 1):
         effect = reader.advance(state, interpreted.program.block(line))
         _check_block(effect, settings)
-        effect = with_angle(effect, settings)
-        effects.append(effect)
-        state = effect.after
+        state = add_placed(effects, effect, settings).after
+    refuse_lone_angle(effects, settings)
     return effects
 
 

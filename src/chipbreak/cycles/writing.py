@@ -174,7 +174,7 @@ def plain_contour(
         if effect.move is None:
             blocks += [without_number(effect.block, settings)] if effect.block.words else []
             continue
-        said = " ".join(effect.block.text_of(word) for word in _other_words(effect.block))
+        said = " ".join(effect.block.text_of(word) for word in other_words(effect.block))
         step, pieces = next(drawn)
         for text, end in _drawn(writer, step, pieces):
             blocks.append(f"{said} {text}".strip())
@@ -206,10 +206,12 @@ def without_number(block: Block, settings: Settings) -> str:
     return text
 
 
-def _other_words(block: Block) -> list[Word]:
-    """The words of a block that are no part of its geometry: G41, F, S, M."""
+def other_words(block: Block, wish: Sequence[Word] = ()) -> list[Word]:
+    """The words of a block that are no part of its geometry, nor of its wish: G41, F, S, M."""
     return [
         word
         for word in block.words
-        if word.address not in _GEOMETRY and not (word.address == "G" and (word.number or 0.0) < 4.0)
+        if word.address not in _GEOMETRY
+        and word not in wish
+        and not (word.address == "G" and (word.number or 0.0) < 4.0)
     ]

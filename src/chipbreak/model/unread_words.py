@@ -12,6 +12,7 @@ from chipbreak.syntax.nodes import Word
 from chipbreak.text.diagnostics import Diagnostic, Severity
 
 UNREAD_WORD = "MOD001"
+_CORNERS = frozenset({",C", ",R", ",A"})
 
 
 def unread_words(interpreted: InterpretedProgram) -> list[Diagnostic]:
@@ -28,6 +29,7 @@ def unread_words(interpreted: InterpretedProgram) -> list[Diagnostic]:
         for effect in interpreted.effects
         for word in effect.unread
         if not says_turns(effect, word, interpreted.settings.dialect)
+        and not _is_corner(effect, word, interpreted.settings.dialect)
     ]
 
 
@@ -35,3 +37,9 @@ def says_turns(effect: BlockEffect, word: Word, dialect: Dialect) -> bool:
     """True for the word that says how many turns an arc makes."""
     is_arc = effect.move is not None and effect.move.kind in ("cw", "ccw")
     return is_arc and word.address == dialect.arc_turns
+
+
+def _is_corner(effect: BlockEffect, word: Word, dialect: Dialect) -> bool:
+    """``,C1.`` ``,R2.`` ``,A135.`` of a straight move, on a control that draws them in contours."""
+    is_straight = effect.after.modes.motion in ("rapid", "line")
+    return bool(dialect.contour_cycles) and is_straight and word.address in _CORNERS

@@ -19,6 +19,7 @@ from chipbreak.model.points import WRITE_THE_POINT, moved_without_point
 from chipbreak.model.words import JUMPED, length_mm
 from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.syntax.nodes import Block, Word
+from chipbreak.syntax.shapes import bits_of
 from chipbreak.text.diagnostics import Diagnostic, RefusalError
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.named_tuple import NamedTuple
@@ -104,6 +105,13 @@ class Chain:
         block = self.requests[0].effect.block
         kept = [w for w in _preamble_words(block) if w.address != "G" or w.number not in SPEED_MODES]
         return " ".join(map(block.text_of, kept))
+
+
+# The corner behind a move, or its angle, beside or without a comma.
+_CORNER_LETTERS = frozenset("CRIKA")
+_ANGLES = frozenset({",A"})
+_CORNERS = bits_of(_CORNER_LETTERS)
+_MOST_BETWEEN = 20
 
 
 def _preamble_words(block: Block) -> list[Word]:
@@ -345,7 +353,32 @@ def _position_refusal(
         if math.isnan(move.end[at]):
             message = f"where {axis} ends cannot be known: its number has no decimal point"
             return RefusalError("VIB052", message, WRITE_THE_POINT), None
-    return _arc_refusal(interpreted, effect, move)
+    return _corner_refusal(interpreted, effect) or _arc_refusal(interpreted, effect, move)
+
+
+def _corner_refusal(interpreted: InterpretedProgram, effect: BlockEffect) -> tuple[RefusalError, None] | None:
+    """A cut begins where the corner of the move before it ends, and that one is not drawn here."""
+    word = _corner_before(interpreted, effect.block.line)
+    if word is None:
+        return None
+    message = (
+        f"where this cut starts is not known: {word.letter}{word.value_text} before it takes the corner off"
+    )
+    return RefusalError("VIB051", message, "draw the corner with G1, G2 and G3"), None
+
+
+def _corner_before(interpreted: InterpretedProgram, line: int) -> Word | None:
+    """The word of the last move before a line that says the corner behind it (``,C1.``), or its angle."""
+    program = interpreted.program
+    for at in range(line - 1, max(line - _MOST_BETWEEN, program.source.body.start - 1), -1):
+        if program.plain[at] >= 0 and not program.bits[at] & _CORNERS:
+            return None
+        block = program.block(at)
+        if not block.has_any(interpreted.settings.axis_words.axes) and not block.has_any(_ANGLES):
+            continue
+        unread = interpreted.effect(at).unread
+        return next((word for word in unread if word.address.removeprefix(",") in _CORNER_LETTERS), None)
+    return None
 
 
 def _arc_refusal(

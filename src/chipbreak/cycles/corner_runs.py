@@ -1,0 +1,177 @@
+"""Cuts with a corner or an angle that is said instead of drawn, outside of cycles, as plain blocks.
+
+::
+
+    G1 X40. F0.2 ,C1.          G1 X38. F0.2
+    Z-20. ,R2.            ->   G1 X40. Z-1.
+    X60.                       G1 Z-18.
+                               G2 X44. Z-20. I2. K0.
+                               G1 X60.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from chipbreak.cycles.call import UNREAD_FORM, refuse_modes
+from chipbreak.cycles.contour import Frame
+from chipbreak.cycles.corners import BAD_CONTOUR, add_placed, corner_of, refuse_lone_angle, words_of_corner
+from chipbreak.cycles.promise import OffsetMoves
+from chipbreak.cycles.reading import Step, pieces_of
+from chipbreak.cycles.roughing import Motion
+from chipbreak.cycles.writing import BlockWriter, block_of_motion, other_words
+from chipbreak.editing.edits import Edit
+from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.modal import State
+from chipbreak.settings.sections import Settings
+from chipbreak.syntax.shapes import bits_of
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
+
+_GROUPS = frozenset({"motion", "compensation", "feed_mode", "speed_mode"})
+_LATHE = Frame("Z", 1, 1)
+# Outside of a contour C and A without a comma may be axes.
+_MAY_BE_AXES = frozenset("CA")
+_WITH_COMMA = frozenset({",C", ",R", ",A"})
+_BESIDE_MOVES = frozenset("RIK")
+_MOST_PLAIN = 2_000
+_MOST_SAID = 4
+
+
+class CornerRun(NamedTuple):
+    """Lines ``first`` to ``last`` (exclusive): blocks that say corners, and the move behind the last one."""
+
+    first: int
+    last: int
+
+
+def corner_runs(interpreted: InterpretedProgram) -> Iterator[CornerRun]:
+    """The runs of a program outside of contours, in order."""
+    behind = -1
+    for line in _lines(interpreted):
+        if line < behind:
+            continue
+        effect = interpreted.effect(line)
+        if effect.in_contour or not _says_corner(effect, interpreted.settings):
+            continue
+        last = _behind_run(interpreted, line)
+        if last is not None:
+            behind = last
+            yield CornerRun(line, last)
+
+
+def _lines(interpreted: InterpretedProgram) -> list[int]:
+    """The lines that may say a corner: with a comma, or R, I and K of a move that says no G2 or G3."""
+    if not interpreted.settings.dialect.contour_cycles:
+        return []
+    program = interpreted.program
+    special = [e.block.line for e in interpreted.effects if e.block.has_any(_WITH_COMMA)]
+    arcs = [i for i, shape in enumerate(program.shapes) if shape.motion in (2, 3)]
+    says = (program.bits & bits_of(_BESIDE_MOVES)) != 0
+    says &= (program.plain >= 0) & ~np.isin(program.plain, arcs)
+    return sorted({*special, *(int(line) for line in np.flatnonzero(says)[:_MOST_PLAIN])})
+
+
+def _says_corner(effect: BlockEffect, settings: Settings) -> bool:
+    words = words_of_corner(effect, settings)
+    return bool(words) and not any(word.letter.upper() in _MAY_BE_AXES for word in words)
+
+
+def _behind_run(interpreted: InterpretedProgram, first: int) -> int | None:
+    """The line behind the first move that says no corner itself; None where something else comes before."""
+    for effect in interpreted.effects_of(first, interpreted.program.source.body.stop):
+        if effect.non_modal or effect.after.ended or effect.block.has("T") or effect.in_contour:
+            return None
+        if effect.move is not None and not _says_corner(effect, interpreted.settings):
+            return effect.block.line + 1
+    return None
+
+
+def corner_edit(interpreted: InterpretedProgram, run: CornerRun) -> Edit:
+    """The edit that draws the corners of a run.
+
+    Errors: CYC002 for a corner that cannot be, CYC007 for a block that cannot be written so.
+    """
+    settings = interpreted.settings
+    begin = interpreted.effect(run.first).before
+    refuse_modes(begin.modes)
+    effects = _effects(interpreted, run, begin)
+    if any(math.isnan(value) for value in (begin.position.x, begin.position.z)):
+        raise RefusalError(BAD_CONTOUR, "where a corner begins is not known", "move there with G0 X Z")
+    if effects[-1].after.position != interpreted.before(run.last).position:
+        message = "the block behind an angle does not name the axis that the angle gives"
+        raise RefusalError(BAD_CONTOUR, message, "name both axes in it")
+    lines, motions = _written(effects, settings)
+    said = [e.block.text_of(w) for e in effects for w in words_of_corner(e, settings)]
+    title = f"CORNERS {' '.join(said[:_MOST_SAID])}"
+    return Edit(
+        run.first,
+        run.last,
+        tuple(lines),
+        title,
+        "the corners as the control cuts them",
+        OffsetMoves(frame=_LATHE, motions=tuple(motions)),
+    )
+
+
+def _effects(interpreted: InterpretedProgram, run: CornerRun, state: State) -> list[BlockEffect]:
+    """What the blocks of a run do, each behind the one before it."""
+    settings = interpreted.settings
+    effects: list[BlockEffect] = []
+    for line in range(run.first, run.last):
+        effect = interpreted.interpreter.advance(state, interpreted.program.block(line))
+        why = next(_faults(effect, settings), "")
+        why = "is what a jump leads to" if line in interpreted.flow.targets else why
+        if why:
+            shown = effect.block.text.strip()[:40]
+            raise RefusalError(UNREAD_FORM, f"the block {shown} {why}", "draw the corner with G1, G2 and G3")
+        state = add_placed(effects, effect, settings).after
+    refuse_lone_angle(effects, settings)
+    return effects
+
+
+def _faults(effect: BlockEffect, settings: Settings) -> Iterator[str]:
+    """What stands in the way of a block of a run."""
+    block = effect.block
+    if block.opaque or block.skip or block.has_macro or block.controls or block.marks:
+        yield "cannot be read, has block delete or is worked out on the control"
+    if set(effect.before.modes.changed(effect.after.modes)) - _GROUPS:
+        yield "changes units, plane or coordinates"
+    if effect.does("program") or effect.does("subprogram") or effect.does("stop"):
+        yield "stops or leaves the program"
+    if set(effect.unread) - set(words_of_corner(effect, settings)):
+        yield "has a word that is not read here"
+    move = effect.move
+    if move is not None and (set(move.axes) - {"X", "Z"} or move.kind not in ("rapid", "line", "cw", "ccw")):
+        yield "moves otherwise than in X and Z"
+
+
+def _written(effects: Sequence[BlockEffect], settings: Settings) -> tuple[list[str], list[Motion]]:
+    """The blocks of a run with its corners drawn, and their moves."""
+    writer = BlockWriter(effects[0].before, settings)
+    moved = [effect for effect in effects if effect.move is not None]
+    steps = [Step(effect.move, corner_of(effect, settings)) for effect in moved if effect.move is not None]
+    drawn = iter(zip(steps, pieces_of(steps, _LATHE), strict=True))
+    lines: list[str] = []
+    motions: list[Motion] = []
+    for effect in effects:
+        lines += [effect.block.text[one.start : one.end] for one in effect.block.comments]
+        said = " ".join(effect.block.text_of(word) for word in other_words(effect.block, effect.vibration))
+        if effect.move is None:
+            lines += [said] if said else []
+            continue
+        step, pieces = next(drawn)
+        wish = " ".join(effect.block.text_of(word) for word in effect.vibration)
+        for piece in pieces:
+            motion = Motion(step.move.kind != "rapid", piece.end, piece.centre, piece.turn)
+            text = block_of_motion(writer, _LATHE, piece.start, motion)
+            motions.append(motion)
+            if text:
+                lines.append(" ".join(filter(None, (said, text, wish if motion.cuts else ""))))
+                said = ""
+        lines += [said] if said else []
+    return lines, motions

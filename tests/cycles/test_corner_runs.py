@@ -1,0 +1,111 @@
+"""Corners and angles of cuts outside of cycles: drawn where asked, as the control would cut them."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import pytest
+
+import chipbreak
+from chipbreak.cycles.corner_runs import corner_edit, corner_runs
+from chipbreak.model.from_source import interpret_source
+from chipbreak.settings import load
+from chipbreak.text.source import read
+
+HEAD = "G21 G40 G99\nT0101\nG97 S900 M3\nG0 X20. Z2.\n"
+TAIL = "G0 X100. Z50.\nM30\n"
+WISH = (
+    "vibration.n=auto",
+    'planner.model="trapezoid"',
+    "axes.X.max_acceleration_mm_s2=5000",
+    "axes.Z.max_acceleration_mm_s2=5000",
+)
+
+
+def drawn(blocks: str) -> list[list[str]]:
+    """The blocks that stand for each run of a program."""
+    interpreted = interpret_source(read((HEAD + blocks + TAIL).encode()), load("fanuc-lathe"))
+    return [list(map(str, corner_edit(interpreted, run).content)) for run in corner_runs(interpreted)]
+
+
+@pytest.mark.parametrize(
+    ("blocks", "wanted"),
+    [
+        ("G1 Z-20. F0.2 ,C1.\nX30.\n", ["F0.2 G1 Z-19.", "G1 X22. Z-20.", "G1 X30."]),
+        ("G1 Z-20. ,R2. F0.2\nX30.\n", ["F0.2 G1 Z-18.", "G2 X24. Z-20. I2. K0.", "G1 X30."]),
+        (
+            "G1 Z-20. F0.2 ,R2.\nX40. ,C1.\nZ-30.\n",
+            ["F0.2 G1 Z-18.", "G2 X24. Z-20. I2. K0.", "G1 X38.", "G1 X40. Z-21.", "G1 Z-30."],
+        ),
+        ("G1 Z-20. F0.2 R2.\nG1 X30.\n", ["F0.2 G1 Z-18.", "G2 X24. Z-20. I2. K0.", "G1 X30."]),
+        ("G1 Z0. F0.2\nX30. ,A135.\nG1 Z-20.\n", ["G1 X30. Z-5.", "G1 Z-20."]),
+        ("G1 Z0. F0.2\nG1 ,A90.\nG1 X30. Z-2. ,A135.\nZ-20.\n", ["G1 X26.", "G1 X30. Z-2.", "G1 Z-20."]),
+        (
+            "G1 Z0. F0.2\nG1 ,A90. ,R1.\nG1 X30. Z-2. ,A135.\nZ-20.\n",
+            ["G1 X25.172", "G3 X26.586 Z-0.293 I0. K-1.", "G1 X30. Z-2.", "G1 Z-20."],
+        ),
+        ("G1 W-22. F0.2 ,C1.\nU10.\n", ["F0.2 G1 Z-19.", "G1 X22. Z-20.", "G1 X30."]),
+        (
+            "G1 Z-20. F0.2 ,C1. (SHOULDER)\nX30. M8\n",
+            ["(SHOULDER)", "F0.2 G1 Z-19.", "G1 X22. Z-20.", "M8 G1 X30."],
+        ),
+    ],
+)
+def test_a_corner_is_drawn(blocks: str, wanted: list[str]) -> None:
+    """Worked out by hand: a chamfer is as long on both sides, a radius touches both lines."""
+    assert drawn(blocks) == [wanted]
+
+
+@pytest.mark.parametrize("angle", [20.0, 45.0, 77.0, 110.0, 150.0])
+@pytest.mark.parametrize("radius", [0.5, 1.3])
+def test_a_radius_touches_both_lines(angle: float, radius: float) -> None:
+    """Its ends lie R tan(angle/2) off the corner of a line along Z and one that turns off by an angle."""
+    turn = math.radians(angle)
+    end = (20.0 + 2.0 * 9.0 * math.sin(turn), -20.0 - 9.0 * math.cos(turn))
+    (blocks,) = drawn(f"G1 Z-20. F0.2 ,R{radius}\nX{end[0]:.3f} Z{end[1]:.3f}\n")
+    cut = radius * math.tan(turn / 2.0)
+    assert float(re.findall(r"Z(\S+)", blocks[0])[0]) == pytest.approx(-20.0 + cut, abs=1e-3)
+    words = dict(re.findall(r"([XZIK])(\S+)", blocks[1]))
+    ends = (20.0 + 2.0 * cut * math.sin(turn), -20.0 - cut * math.cos(turn))
+    assert blocks[1].startswith("G2 ")
+    assert (float(words["X"]), float(words["Z"])) == pytest.approx(ends, abs=4e-3)
+    assert (float(words["I"]), float(words["K"])) == pytest.approx((radius, 0.0), abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    "blocks",
+    [
+        "G1 Z-20. F0.25 ,C1.\nX40. ,R2.\nZ-40.\nX50.\n",
+        "G1 X10. F0.25\nZ-20. ,R3.\nX40. Z-30. ,C.5\nZ-40.\nX50.\n",
+        "G42 G0 X20. Z1.\nG1 Z-20. F0.25 ,C1.\nX40.\nG40 G0 X60. Z5.\n",
+    ],
+)
+def test_asked_cuts_with_corners_vibrate_and_come_back(blocks: str) -> None:
+    """Under compensation too, where the nose is known: the corners come first."""
+    settings = load("fanuc-lathe", [*WISH, "tools.nose_radius_mm.1=0.4", "tools.nose_tip.1=3"])
+    program = (HEAD + blocks + TAIL).encode()
+    result = chipbreak.rewrite(program, settings)
+    assert b"UNROLLED CORNERS" in result.data
+    assert result.cuts
+    assert not [cut for cut in result.left if cut.said.code in ("VIB048", "VIB040")]
+    assert chipbreak.restore(result.data) == program
+    assert chipbreak.rewrite(result.data, settings).data == result.data
+    assert not [one for one in result.diagnostics if one.code == "MOD001"]
+
+
+@pytest.mark.parametrize(
+    ("blocks", "cut"),
+    [
+        ("G1 Z-20. F0.25 ,C1.\nG2 X30. Z-25. R5.\nG1 Z-40.\n", "G2 X30. Z-25. R5."),
+        ("G1 Z-20. F0.25 ,C1.\nM1\nG1 X40.\n", "G1 X40."),
+        ("G1 Z-20. F0.25 ,C30.\nG1 X40.\n", "G1 X40."),
+    ],
+    ids=["beside an arc", "a stop between", "too large"],
+)
+def test_behind_a_corner_that_is_not_drawn_nothing_begins(blocks: str, cut: str) -> None:
+    """The tool is not at the point of the corner, so a cut from there would be another one."""
+    result = chipbreak.rewrite((HEAD + blocks + TAIL).encode(), load("fanuc-lathe", WISH))
+    assert b"UNROLLED" not in result.data
+    assert f"WAS {cut}" not in result.data.decode()
+    assert "VIB051" in {left.said.code for left in result.left}
