@@ -19,12 +19,14 @@ from chipbreak.editing.restore import regions
 from chipbreak.insertion.position_dependencies import HORIZON
 from chipbreak.insertion.safe_points import REACH
 from chipbreak.model.flow import contour_calls
-from chipbreak.model.interpreted_program import InterpretedProgram, called_programs, interpret
+from chipbreak.model.from_source import interpret_source
+from chipbreak.model.interpreted_program import InterpretedProgram, called_programs
 from chipbreak.model.plain_run import MODES
+from chipbreak.model.shown_points import has_number_without_point
 from chipbreak.pipeline import Result, Whole, options_of, run_stages
 from chipbreak.settings import Settings
+from chipbreak.settings.sections import SHOWN
 from chipbreak.syntax.deciding_lines import PIECE_BYTES, read_long
-from chipbreak.syntax.parse import parse
 from chipbreak.syntax.shapes import bits_of
 from chipbreak.text.diagnostics import SelfCheckError
 from chipbreak.text.excerpt import Excerpt, Gap
@@ -55,7 +57,7 @@ def rewrite_long(
     excerpt = read_long(program, settings.dialect, around, piece_bytes)
     if excerpt is None or has_any(excerpt.source.data):
         return None
-    interpreted = interpret(parse(excerpt.source, settings.dialect), settings)
+    interpreted = interpret_source(excerpt.source, settings)
     if any(needs_whole(interpreted) for needs_whole in _WHOLE_BY_PROGRAM):
         return None
     whole = Whole.of(interpreted)._replace(excerpt=excerpt)
@@ -132,6 +134,14 @@ _WHOLE_BY_PROFILE: tuple[Callable[[Settings], bool], ...] = (
 )
 
 
+def _shows_its_control(interpreted: InterpretedProgram) -> bool:
+    """What a program shows of its control it shows by all of its numbers."""
+    leaves_it = interpreted.settings.control.decimal_point == SHOWN
+    return bool(interpreted.settings.shown.rule) or (
+        leaves_it and has_number_without_point(interpreted.program)
+    )
+
+
 def _is_not_straight(interpreted: InterpretedProgram) -> bool:
     """Jumps, loops, calls: a block may be named by its number, and the number be left out."""
     effects = interpreted.effects
@@ -157,6 +167,7 @@ def _wishes_for_vibration(interpreted: InterpretedProgram) -> bool:
 
 
 _WHOLE_BY_PROGRAM: tuple[Callable[[InterpretedProgram], bool], ...] = (
+    _shows_its_control,
     _is_not_straight,
     _calls_a_shape,
     _has_programs,

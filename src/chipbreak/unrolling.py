@@ -123,7 +123,7 @@ def unroll(
     spans = [
         Span(region.first, region.last, one.kind, one.group, one.edit.title, one.passes, one.depth_mm)
         for region, one in zip(found, ordered, strict=True)
-        if one.edit.content
+        if one.edit.content and one.is_cycle
     ]
     new_main = main_program(result)
     place = _places([one.edit for one in ordered], [(region.first, region.last) for region in found])
@@ -165,11 +165,14 @@ def _asked(
         words = {line: by for line, by in wishes.items() if by == "word"}
         return dict[int, AskedBy | None].fromkeys(kinds) | words, cuts
     scope = Scope(settings.vibration.only, operations)
-    meant: dict[int, AskedBy | None] = {}
-    for line, by in wishes.items():
-        if by != "profile" or _is_meant(line, kinds[line], scope):
-            meant[line] = by
-    return meant, cuts
+    return _meant(wishes, kinds, scope), cuts
+
+
+def _meant(
+    wishes: Mapping[int, AskedBy], kinds: Mapping[int, Kind | None], scope: Scope
+) -> dict[int, AskedBy | None]:
+    """The cycles that a wish is for, with who asked."""
+    return {line: by for line, by in wishes.items() if by != "profile" or _is_meant(line, kinds[line], scope)}
 
 
 def _of_cuts(interpreted: InterpretedProgram, asked: Mapping[int, AskedBy]) -> Iterator[tuple[int, AskedBy]]:

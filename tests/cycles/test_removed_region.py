@@ -19,7 +19,7 @@ import chipbreak
 from chipbreak.cycles.plan import DEEPER_THAN_ALL
 from chipbreak.settings import load
 
-from .removed_region import Columns, Floats, Way, arc_places, centre_by_radius, ways_of
+from .removed_region import Columns, Floats, Way, arc_places, centre_by_radius, over, ways_of
 
 T_ALLOWANCE, H_ALLOWANCE = 0.1, 0.2
 BEFORE, RETRACT = 2.0, 0.4
@@ -173,6 +173,56 @@ def test_the_region_is_the_stock_over_the_contour(shape: str, place: str, depth:
     one_block = shape in ("steps", "flat-arcs")
     program = program_of(SHAPES[shape], PLACES[place], depth, over, one_block=one_block)
     check(SHAPES[shape], PLACES[place], depth, blocks_of(program), over)
+
+
+RISING = ("cylinder", "steps", "taper", "steep-tapers", "chamfers")
+
+
+def steps_over(outline: Floats, columns: Columns, top: float, depth: float) -> Floats:
+    """What levels of the depth leave: of each place the lowest level that lies not below the shape there.
+
+    The last level is the lowest line of the shape, however little it takes.
+    """
+    lowest = float(outline[:, 1].min())
+    levels = [*np.arange(top - depth, lowest + 1e-6, -depth), lowest, top]
+    shape = over(outline, columns.t)
+    return np.array([min(level for level in levels if level >= height - 1e-6) for height in shape])
+
+
+@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("shape", RISING)
+def test_without_a_pass_along_the_contour_the_steps_are_left(shape: str, place: str) -> None:
+    program = program_of(SHAPES[shape], PLACES[place], 1.7, 1.0, one_block=False)
+    blocks = blocks_of(program, 'cycles.finish_pass="never"')
+    outline = np.add(outline_of(SHAPES[shape]), (-T_ALLOWANCE, H_ALLOWANCE))
+    top = top_of(SHAPES[shape], 1.0)
+    start = PLACES[place].lathe(np.array([[-BEFORE, top]]))[0]
+    ways = ways_of(blocks, (start[0], start[1]), PLACES[place].turned)
+    columns = Columns(ways, outline, float(outline[0, 0]), top)
+    for way in ways:
+        too_deep, rushed = columns.run(way, 1.7)
+        assert (too_deep, rushed) <= (0.01, 0.005)
+        assert_sinks_into_air(way, columns)
+    columns.aimed = np.minimum(steps_over(outline, columns, top, 1.7), top)
+    assert columns.lost() <= 0.01 * float(np.hypot(*np.diff(outline, axis=0).T).sum())
+    assert math.dist(ways[-1].places[-1], (-BEFORE, top)) <= 1e-9
+
+
+@pytest.mark.parametrize(
+    ("value", "shape", "has_pass"),
+    [
+        ("always", "pocket", True),
+        ("type-2", "pocket", True),
+        ("type-1", "pocket", False),
+        ("never", "pocket", False),
+    ],
+)
+def test_the_type_says_whether_the_contour_is_followed(value: str, shape: str, has_pass: bool) -> None:
+    program = program_of(SHAPES[shape], PLACES["outer"], 1.0, 1.0, one_block=False).encode()
+    settings = load("fanuc-lathe", ['cycles.unroll="always"', f'cycles.finish_pass="{value}"'])
+    output = chipbreak.rewrite(program, settings).data
+    assert (b"ALONG THE CONTOUR" in output) is has_pass
+    assert chipbreak.restore(output) == program
 
 
 def test_there_are_enough_of_them() -> None:

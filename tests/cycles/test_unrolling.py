@@ -197,9 +197,7 @@ STAYS = [
     (b"N20 X52.", b"N20 X52. ,C1.", "CYC002"),
     (b"X30. Z-30.", b"X30. Z-30. ,A45.", "CYC002"),
     (b"X30. Z-30.", b"X30. Z-30. M98 P9", "CYC002"),
-    (b"X30. Z-30.", b"X30. Z-30. M8", "CYC007"),
     (b"X30. Z-30.", b"X#1 Z-30.", "CYC002"),
-    (b"N20 X52.", b"N20 G42 X52.", "CYC007"),
     (b"G0 X52. Z2.", b"G0 X52.", "CYC007"),
     (b"F0.3", b"F0.3 M8", "CYC007"),
     (b"G71 U2. R0.5\n", b"G71 U0.002 R0.5\n", "CYC004"),
@@ -221,6 +219,19 @@ def test_what_cannot_be_written_out_stays_with_all_that_share_its_contour(
     assert b"UNROLLED" not in result.data
     assert code in {d.code for d in result.diagnostics}
     assert code in {cut.said.code for cut in result.left}
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [(b"X30. Z-30.", b"X30. Z-30. M8"), (b"N20 X52.", b"N20 G42 X52."), (b"G0 X100.", b"G1 X50.\nG0 X100.")],
+)
+def test_a_finishing_cycle_that_stays_keeps_no_passes(old: bytes, new: bytes) -> None:
+    """Coolant, G42 or F that its contour leaves: its control knows what it does with them."""
+    program = CYCLE.replace(old, new, 1)
+    result = chipbreak.rewrite(program, load("fanuc-lathe", ["vibration.n=1.5"]))
+    assert result.cuts
+    assert b"\nG70 P10 Q20\n" in result.data
+    assert chipbreak.restore(result.data) == program
 
 
 @pytest.mark.parametrize(("old", "new", "code"), STAYS)
@@ -493,9 +504,13 @@ def test_compensation_of_the_contour_may_end_behind_its_finishing_cycle(
     "behind", [b"G0 X100. Z100.", b"G28 U0 W0\nG40", b"G1 X60. F0.2\nG40", b"/G40\nG0 X100."]
 )
 def test_one_that_goes_on_behind_the_cycle_keeps_it_as_it_is(behind: bytes) -> None:
+    """The passes before it are written; it finds its contour behind the end."""
     program = COMPENSATED.replace(b"G40 G0 X100. Z100.", behind)
     result = chipbreak.rewrite(program, load("fanuc-lathe", ALWAYS))
-    assert result.data == program
+    assert b"UNROLLED G71" in result.data
+    assert b"UNROLLED G70" not in result.data
+    assert b"\nG70 P10 Q20\n" in result.data
+    assert chipbreak.restore(result.data) == program
     assert any("leaves another compensation in force" in one.message for one in result.diagnostics)
 
 
@@ -542,8 +557,9 @@ def test_a_finishing_cycle_that_stays_does_not_keep_the_passes_where_nothing_com
     assert len(said) == (options == ALWAYS), "of the finishing cycle, where it was asked"
 
 
-def test_a_contour_on_the_way_of_the_program_keeps_the_passes_and_it_is_said_because_of_which_cycle() -> None:
-    program = CYCLE.replace(b"G0 X100.", b"G1 X50.\nG0 X100.")
+def test_a_contour_on_the_way_of_the_program_that_cannot_go_behind_its_end_keeps_the_passes() -> None:
+    """It is said because of which cycle."""
+    program = CYCLE.replace(b"G0 X100.", b"G1 X50.\nG0 X100.").replace(b"M30", b"/M30")
     result = chipbreak.rewrite(program, load("fanuc-lathe", ["vibration.n=1.5"]))
     assert result.data == program
     (said,) = [one for one in result.diagnostics if one.code == "CYC007"]

@@ -28,6 +28,7 @@ from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
 from chipbreak.settings.sections import Settings
+from chipbreak.syntax.nodes import Block, Word
 from chipbreak.syntax.shapes import bits_of
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
@@ -105,16 +106,18 @@ def corner_edit(interpreted: InterpretedProgram, run: CornerRun) -> Edit:
     if effects[-1].after.position != interpreted.before(run.last).position:
         message = "the block behind an angle does not name the axis that the angle gives"
         raise RefusalError(BAD_CONTOUR, message, "name both axes in it")
-    lines, motions = _written(effects, settings)
+    writer = _Writer(effects, settings)
+    for effect in effects:
+        writer.write(effect)
     said = [e.block.text_of(w) for e in effects for w in words_of_corner(e, settings)]
     title = f"CORNERS {' '.join(said[:_MOST_SAID])}"
     return Edit(
         run.first,
         run.last,
-        tuple(lines),
+        tuple(writer.lines),
         title,
         "the corners as the control cuts them",
-        OffsetMoves(frame=_LATHE, motions=tuple(motions)),
+        OffsetMoves(frame=_LATHE, motions=tuple(writer.motions)),
     )
 
 
@@ -150,28 +153,39 @@ def _faults(effect: BlockEffect, settings: Settings) -> Iterator[str]:
         yield "moves otherwise than in X and Z"
 
 
-def _written(effects: Sequence[BlockEffect], settings: Settings) -> tuple[list[str], list[Motion]]:
-    """The blocks of a run with its corners drawn, and their moves."""
-    writer = BlockWriter(effects[0].before, settings)
-    moved = [effect for effect in effects if effect.move is not None]
-    steps = [Step(effect.move, corner_of(effect, settings)) for effect in moved if effect.move is not None]
-    drawn = iter(zip(steps, pieces_of(steps, _LATHE), strict=True))
-    lines: list[str] = []
-    motions: list[Motion] = []
-    for effect in effects:
-        lines += [effect.block.text[one.start : one.end] for one in effect.block.comments]
-        said = " ".join(effect.block.text_of(word) for word in other_words(effect.block, effect.vibration))
-        if effect.move is None:
-            lines += [said] if said else []
-            continue
-        step, pieces = next(drawn)
-        wish = " ".join(effect.block.text_of(word) for word in effect.vibration)
-        for piece in pieces:
-            motion = Motion(step.move.kind != "rapid", piece.end, piece.centre, piece.turn)
-            text = block_of_motion(writer, _LATHE, piece.start, motion)
-            motions.append(motion)
+class _Writer:
+    """Writes the blocks of a run one after the other, and keeps their moves."""
+
+    def __init__(self, effects: Sequence[BlockEffect], settings: Settings) -> None:
+        self.blocks = BlockWriter(effects[0].before, settings)
+        steps = [Step(e.move, corner_of(e, settings)) for e in effects if e.move is not None]
+        self.pieces = iter(pieces_of(steps, _LATHE))
+        self.lines: list[str] = []
+        self.motions: list[Motion] = []
+
+    def write(self, effect: BlockEffect) -> None:
+        """The blocks that stand for one block."""
+        block = effect.block
+        self.lines += [block.text[one.start : one.end] for one in block.comments]
+        said = _joined(block, other_words(block, effect.vibration))
+        if effect.move is not None:
+            said = self._move(effect, said)
+        self.lines += [said] if said else []
+
+    def _move(self, effect: BlockEffect, said: str) -> str:
+        """A move and the corner behind it; the other words, where no block took them."""
+        assert effect.move is not None
+        cuts = effect.move.kind != "rapid"
+        wish = _joined(effect.block, effect.vibration) if cuts else ""
+        for piece in next(self.pieces):
+            motion = Motion(cuts, piece.end, piece.centre, piece.turn)
+            self.motions.append(motion)
+            text = block_of_motion(self.blocks, _LATHE, piece.start, motion)
             if text:
-                lines.append(" ".join(filter(None, (said, text, wish if motion.cuts else ""))))
+                self.lines.append(" ".join(filter(None, (said, text, wish))))
                 said = ""
-        lines += [said] if said else []
-    return lines, motions
+        return said
+
+
+def _joined(block: Block, words: Sequence[Word]) -> str:
+    return " ".join(block.text_of(word) for word in words)

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 
 from chipbreak.cycles.call import BAD_DEPTH, UNREAD_FORM, Call, kind_of, read_call
 from chipbreak.cycles.contour import Frame
 from chipbreak.cycles.corner_runs import corner_edit, corner_runs
 from chipbreak.cycles.corners import BAD_CONTOUR, words_of_corner
+from chipbreak.cycles.moved_contour import moved_contour
 from chipbreak.cycles.pattern import Pattern, offsets_of, pattern_passes
 from chipbreak.cycles.pecks import deep_hole_edit, is_deep_hole, is_peck, peck_edit
 from chipbreak.cycles.promise import CopiedContour, PlannedMoves, RemovedContour, UnrolledRoughing
@@ -65,12 +66,14 @@ _DIRECTIVE = re.compile(r"\s*(VIB|OP)\b", re.IGNORECASE)
 class UnrolledEdit(NamedTuple):
     """An edit of the unroll stage; ``kind`` is that of its cuts, None where the cycle says none.
 
-    ``group`` is the line of the first cycle that calls the same contour.
+    ``group`` is the line of the first cycle that calls the same contour.  A contour that was moved is no
+    cycle.
     """
 
     edit: Edit
     kind: Kind | None
     group: int = -1
+    is_cycle: bool = True
 
     @property
     def passes(self) -> int:
@@ -186,7 +189,7 @@ def _add_contours(plan: UnrollPlan, interpreted: InterpretedProgram, wanted: set
         if not lines:
             continue
         try:
-            edits, stay = _edits_of_group(interpreted, group, starts)
+            edits, stay = _edits_of_group(interpreted, group, starts, wanted)
         except _GroupError as error:
             refused = error.refused
             if refused.line not in wanted:
@@ -307,38 +310,58 @@ class _GroupError(Exception):
 
 
 def _edits_of_group(
-    interpreted: InterpretedProgram, group: Sequence[ContourCall], starts: Mapping[int, State]
+    interpreted: InterpretedProgram,
+    group: Sequence[ContourCall],
+    starts: Mapping[int, State],
+    wanted: Container[int],
 ) -> tuple[list[UnrolledEdit], list[Refused]]:
-    """The edits of all cycles of a contour, and the finishing cycles that stay with it.
+    """The edits of the cycles of a contour, and the finishing cycles that stay with it.
 
-    Errors: _GroupError for the first one that cannot be written out, and cannot stay alone.
+    Errors: _GroupError for the first one that cannot be written out, and cannot stay without the others.
     """
     edits = []
     stay = []
+    is_wanted = False
     for one in group:
         try:
             edits.append(_edit_of_call(interpreted, one, starts[one.line]))
+            is_wanted |= one.line in wanted
         except RefusalError as error:
-            if not _may_stay_alone(interpreted, one):
+            if kind_of(interpreted.program.block(one.line), interpreted.settings) != "finish":
                 raise _GroupError(one.line, error) from None
             stay.append(Refused(one.line, error))
+    # Behind the passes another motion code is in force than before them, and who knows what G70 makes of it.
+    if stay and (not is_wanted or leaves_motion(starts[stay[0].line])):
+        raise _GroupError(stay[0].line, stay[0].error)
     line = group[0].line
     try:
-        if not stay:
-            edits.append(_contour_edit(interpreted, group, starts[line]))
+        edits += _contour_edits(interpreted, group, starts[line], stay)
         _refuse_lines(interpreted, [one.edit for one in edits])
     except RefusalError as error:
         raise _GroupError(line, error) from None
     return [one._replace(group=line) for one in edits], stay
 
 
-def _may_stay_alone(interpreted: InterpretedProgram, one: ContourCall) -> bool:
-    """True for a finishing cycle whose contour stands behind an end, where nothing but a cycle comes to it.
+def _contour_edits(
+    interpreted: InterpretedProgram, group: Sequence[ContourCall], start: State, stay: Sequence[Refused]
+) -> list[UnrolledEdit]:
+    """The contour is taken out of the way; for those that stay it goes behind the end of the program.
 
-    Its blocks can stay when the roughing before it is written out.
+    Nothing but a cycle comes to it there.  Where it stands there already, it stays.
+    Errors: CYC007, and _GroupError where it cannot go there.
     """
-    is_finish = kind_of(interpreted.program.block(one.line), interpreted.settings) == "finish"
-    return is_finish and one.first is not None and interpreted.before(one.first).ended
+    first = group[0].first
+    if not stay:
+        return [_contour_edit(interpreted, group, start)]
+    if first is not None and interpreted.before(first).ended:
+        return []
+    removed = _contour_edit(interpreted, group, start)
+    try:
+        moved = moved_contour(interpreted, removed.edit, group[-1].line)
+    except RefusalError:
+        raise _GroupError(stay[0].line, stay[0].error) from None
+    removed = removed._replace(edit=removed.edit._replace(keeps_number=False))  # it goes with the contour
+    return [removed, UnrolledEdit(moved, None, is_cycle=False)]
 
 
 def _refuse_lines(interpreted: InterpretedProgram, edits: Sequence[Edit]) -> None:
@@ -404,7 +427,7 @@ def _refuse_noses(interpreted: InterpretedProgram, call: Call, state: State) -> 
     """Where the control compensates the nose in roughing too, passes without it would leave another shape."""
     if call.kind == "finish" or interpreted.settings.cycles.nose_in_roughing == "ignored":
         return
-    effects = effects_of_contour(interpreted, state, call.contour_first, call.contour_last)
+    effects = effects_of_contour(interpreted, state, call.contour_first, call.contour_last, roughs=True)
     if any(one.modes.compensation != "off" for one in (state, *(effect.after for effect in effects))):
         message = "this control compensates the nose in this cycle (cycles.nose_in_roughing)"
         raise RefusalError(UNREAD_FORM, message, "rough under G40, and take G41 and G42 out of the contour")
@@ -433,8 +456,14 @@ def _rough_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Ed
         raise RefusalError(TURNS_BACK, message, help_text)
     settings = interpreted.settings
     step_mm = settings.output.step_mm(is_inch=state.is_inch)
-    cycle = _cycle(call, contour)._replace(narrow_mm=_NARROW_STEPS * step_mm)
-    blocks = blocks_of_passes(roughing_passes(cycle), contour.frame, state, settings, call.feed)
+    is_type_two = contour.first_names_both or call.is_type_two
+    finishes = settings.cycles.finish_pass in ("always", "type-2" if is_type_two else "type-1")
+    cycle = _cycle(call, contour)._replace(narrow_mm=_NARROW_STEPS * step_mm, finishes=finishes)
+    passes = roughing_passes(cycle)
+    if not passes:
+        message = "no level of this cycle lies above its contour, and it has no pass along it"
+        raise RefusalError(BAD_DEPTH, message, "give a smaller depth")
+    blocks = blocks_of_passes(passes, contour.frame, state, settings, call.feed)
     blocks = _uncompensated(wished(blocks, call.wish), state, settings)
     content = tuple(text for text in (call.speed, *blocks, *_motion_back(state)) if text)
     reason = f"passes of {call.depth_mm:g} mm along {along} to the contour with its allowances"
@@ -487,7 +516,7 @@ def _against_cutting(z_mm: float, x_mm: float, frame: Frame) -> tuple[float, flo
 def _pattern_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Edit:
     settings = interpreted.settings
     frame = Frame("Z", 1, 1)
-    effects = effects_of_contour(interpreted, state, call.contour_first, call.contour_last)
+    effects = effects_of_contour(interpreted, state, call.contour_first, call.contour_last, roughs=True)
     steps = steps_of(effects, settings)
     first = steps[0].move
     offsets = offsets_of(

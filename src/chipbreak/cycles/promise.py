@@ -248,7 +248,9 @@ class _Left:
         """What is left is the contour with its allowances, as far as the stock reached."""
         aimed = np.minimum(self.contour, self.cycle.start.h)
         within = slice(_BESIDE, -_BESIDE)
-        above_mm = float((self.height[within] + _lowest_near(-aimed)).max(initial=0.0))
+        # Without a pass along the contour steps are left, none of them as high as a pass is deep.
+        steps_mm = 0.0 if self.cycle.ends_along_contour else self.cycle.depth_mm
+        above_mm = float((self.height[within] + _lowest_near(-aimed)).max(initial=0.0)) - steps_mm
         below_mm = float((_lowest_near(aimed) - self.height[within]).max(initial=0.0))
         if max(above_mm, below_mm) > self.tolerance_mm:
             wrong = f"{above_mm:z.3f} mm too much, {below_mm:z.3f} mm too little"

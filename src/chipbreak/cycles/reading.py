@@ -23,6 +23,7 @@ from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
 from chipbreak.model.points import WRITE_THE_POINT, first_without_point
 from chipbreak.settings.sections import Settings
+from chipbreak.syntax.nodes import Block
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 
@@ -48,9 +49,11 @@ class Contour(NamedTuple):
 
 
 def effects_of_contour(
-    interpreted: InterpretedProgram, state: State, first: int, last: int
+    interpreted: InterpretedProgram, state: State, first: int, last: int, *, roughs: bool = False
 ) -> list[BlockEffect]:
     """What the blocks of a contour, lines ``first`` to ``last`` (inclusive), do one after the other.
+
+    T acts in the finishing cycle alone: what ``roughs`` passes it over.
 
     Errors: CYC002 for a block that no contour can have.
     """
@@ -58,11 +61,16 @@ def effects_of_contour(
     reader = Interpreter(settings, Flow(frozenset(), ()))
     effects: list[BlockEffect] = []
     for line in range(first, last + 1):
-        effect = reader.advance(state, interpreted.program.block(line))
+        block = interpreted.program.block(line)
+        effect = reader.advance(state, _without_tool(block) if roughs else block)
         _check_block(effect, settings)
         state = add_placed(effects, effect, settings).after
     refuse_lone_angle(effects, settings)
     return effects
+
+
+def _without_tool(block: Block) -> Block:
+    return block._replace(words=tuple(word for word in block.words if word.address != "T"))
 
 
 def _check_block(effect: BlockEffect, settings: Settings) -> None:
@@ -117,7 +125,7 @@ def read_contour(
     Errors: CYC002 for a contour that cannot be used, CYC003 for one that turns back, CYC006 for one that
     begins beyond the start point, VIB022 for an arc that cannot be.
     """
-    steps = steps_of(effects_of_contour(interpreted, state, *lines), interpreted.settings)
+    steps = steps_of(effects_of_contour(interpreted, state, *lines, roughs=True), interpreted.settings)
     first = steps[0].move
     steps = _without_way_out(steps, along)
     frame = frame_of([step.move for step in steps], along)

@@ -44,6 +44,7 @@ class Roughing(NamedTuple):
     ``feeds_in``  the tool is fed, and does not rush, from one level to the next
     ``only_pockets`` only the pockets are cleared: what stands over the rest is gone
     ``stays_at_h_mm`` where the tool stays over the end of the contour; None where it goes back to the start
+    ``finishes``  the last pass runs along the contour
     ``narrow_mm`` a pass shorter than this is not made: the one along the contour takes the rest
     """
 
@@ -59,6 +60,12 @@ class Roughing(NamedTuple):
     narrow_mm: float = 1e-6
     only_pockets: bool = False
     stays_at_h_mm: float | None = None
+    finishes: bool = True
+
+    @property
+    def ends_along_contour(self) -> bool:
+        """True where the last pass runs along the contour: always where I or K leave something for it."""
+        return self.finishes or self.t_first_mm > 0.0 or self.h_first_mm > 0.0
 
     @property
     def rough_contour(self) -> tuple[Segment, ...]:
@@ -132,7 +139,8 @@ class _Cutter:
             self._clear(_Span(-math.inf, math.inf, is_open=True), 1)
         if self.cycle.t_first_mm > 0.0 or self.cycle.h_first_mm > 0.0:
             self._follow(self.cycle.level_contour)
-        self._follow(self.cycle.rough_contour)
+        if self.cycle.ends_along_contour:
+            self._follow(self.cycle.rough_contour)
         self._go_home()
         return self.made
 
@@ -152,7 +160,9 @@ class _Cutter:
         if lowest_mm >= self.top_mm - (number - 1) * self.cycle.depth_mm - _NOTHING_MM:
             return
         if level_mm <= lowest_mm + _NOTHING_MM:
-            return  # the pass along the contour takes the rest
+            if self.cycle.ends_along_contour:
+                return  # the pass along the contour takes the rest
+            level_mm = lowest_mm
         for span in self._spans(level_mm, within):
             self._cut(span, level_mm)
             self._clear(span, number + 1)

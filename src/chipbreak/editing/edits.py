@@ -44,6 +44,7 @@ class Edit(NamedTuple):
     must hold of it in the bytes that were written.  ``pass_name`` is filled in by who asked the pass.
     ``duration_s`` is about how long the programs take that the edit calls, None where nobody knows;
     ``otherwise_s`` are settings, as they are written, with which they would take another time.
+    ``keeps_number``: the number of the first block stays where it was, for what looks for it.
     """
 
     first: int
@@ -55,6 +56,7 @@ class Edit(NamedTuple):
     pass_name: str = ""
     duration_s: float | None = None
     otherwise_s: tuple[tuple[str, float], ...] = ()
+    keeps_number: bool = True
 
     def __repr__(self) -> str:
         return f"<Edit of {self.pass_name or 'no pass yet'}, lines {self.first} to {self.last}: {self.title}>"

@@ -45,7 +45,7 @@ def _region(program: Program, edit: Edit, settings: Settings, layer: bracket.Lay
     end = source.line_end
     originals = [source.raw(line) for line in range(edit.first, edit.last)]
     sequence = ""
-    if originals and (number := program.block(edit.first).sequence) is not None:
+    if originals and edit.keeps_number and (number := program.block(edit.first).sequence) is not None:
         sequence = f"{number.letter}{number.value_text} "
     marks = settings.dialect.comment_marks
     title = bracket.title_text(edit.title, control.max_line_chars, marks, sequence, layer)

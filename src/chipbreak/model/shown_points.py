@@ -68,6 +68,11 @@ def read_as_shown(program: Program, settings: Settings) -> list[Diagnostic]:
     return [program.diagnose(line, READ_AS, message, help_text, severity=Severity.WARNING)]
 
 
+def has_number_without_point(program: Program) -> bool:
+    """True where a length of a program is a whole number without a point."""
+    return any(not word.has_point for _, word in _whole_lengths(program))
+
+
 def _told(word: Word, *, whole: bool) -> str:
     return f"{word.value_text}." if whole else f"{word.value_text} steps of the control"
 

@@ -357,7 +357,8 @@ class Cycles(ValueRecord):
     decimal point counts in a block that says the whole cycle.  ``retract_mm`` is how far the tool goes back
     where the cycle does not say it.  ``plain_corners``: C, R, I, K and A without a comma in a straight move
     of a contour are a chamfer, a radius and an angle.  ``nose_in_roughing`` is what G41 and G42 are to G71,
-    G72 and G73: nothing, or what they are to G70.
+    G72 and G73: nothing, or what they are to G70.  ``finish_pass`` says which types of G71 and G72 end with
+    a pass along the contour with its allowances.
     """
 
     unroll: str = _one_of("asked", "always", "never")
@@ -365,6 +366,7 @@ class Cycles(ValueRecord):
     retract_mm: float = _at_least(0.5)
     plain_corners: bool = True
     nose_in_roughing: str = _one_of("ignored", "compensated")
+    finish_pass: str = _one_of("always", "type-1", "type-2", "never")
 
 
 class Times(ValueRecord):
