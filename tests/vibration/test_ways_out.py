@@ -106,6 +106,26 @@ def test_a_dwell_that_slow_axes_leave_nothing_of_gets_an_e_that_works(
     assert cut.verdict.breaks
 
 
+@pytest.mark.parametrize(("feed_mm", "wish"), [(0.15, "N1.5"), (0.05, "N1.5 WAVE SINE")])
+def test_what_a_step_of_a_facing_is_told_works_for_all_its_steps(feed_mm: float, wish: str) -> None:
+    """Words stand for all steps: an E, or a Q, may do for one and not for the next."""
+    limits = [f"axes.{axis}.max_acceleration_mm_s2=3000" for axis in "XZ"]
+    settings = chipbreak.load("fanuc-lathe", [*SLOW_AXES, *limits])
+    text = "G21 G18 G99\nG50 S3000\nG96 S200 M3\n(VIB {})\nG0 X80. Z0.\n"
+    text += f"G1 X10. F{feed_mm}\nG0 X90.\nM30\n"
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        chipbreak.rewrite(text.format(wish).encode(), settings)
+    said = caught.value.diagnostics[0].help
+    kept = " ".join(re.findall(r"WAVE \w+", wish))
+    ways = [f"N{n} F{f} {kept}" for n, f in re.findall(r"N ([0-9.]+) f ([0-9.]+) Hz \(S", said)]
+    ways += [f"E{turns} {kept}" for turns in re.findall(r"E ([0-9.]+) \(S", said)]
+    ways += [f"{wish} Q{ratio}" for ratio in re.findall(r"Q ([0-9.]+) with the same", said)]
+    assert ways, said
+    for way in ways:
+        result = chipbreak.rewrite(text.format(way).encode(), settings)
+        assert all(cut.verdict.breaks for cut in result.cuts), way
+
+
 def test_of_a_whole_n_that_was_given_another_s_is_no_way_out() -> None:
     settings = chipbreak.load("fanuc-lathe", ["vibration.correct=count"])
     text = "G21 G18 G99 G97 S150 M3\n(VIB {})\nG0 X20. Z2.\nG1 Z-20. F0.03\nG0 X80.\nM30\n"

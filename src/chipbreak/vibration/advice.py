@@ -18,6 +18,7 @@ from chipbreak.units import S_PER_MIN
 from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.chain import Chain
 from chipbreak.vibration.choice import NOTHING_FITS, Chooser
+from chipbreak.vibration.diameter_steps import diameter_steps
 from chipbreak.vibration.dwell import NO_STAND
 from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.plan import CutPlan, command_group, plan_cut
@@ -172,17 +173,21 @@ def chosen(cut: CutPlan, settings: Settings) -> str:
     """What the machine would choose near the programmed speed, for the whole chain or each of its blocks."""
     if not cut.wave.shape.turns_back:
         return ""
+    whole = cut.chain.whole or cut.chain
     requests = []
-    for request in cut.chain.requests:
+    for request in whole.requests:
         values = {key: given for key, given in request.values.items() if key not in "NEF"}
         requests.append(request._replace(values=values, chosen_by="AUTO"))
     instead = "(VIB AUTO) in place of N and f takes"
-    whole = _choice(Chain(tuple(requests)), settings)
-    if whole is not None:
-        solution = whole.solution
-        found = f"N {solution.per_rev:.4g} f {solution.frequency_hz:.4g} Hz S {solution.speed_rpm:z.0f}"
-        return f"{instead} {found}"
-    is_chain = len(requests) > 1
+    steps = diameter_steps(Chain(tuple(requests)), settings, is_open=True)
+    found = [_choice(step, settings) for step in steps]
+    if found[0] is not None and len(found) == 1:
+        solution = found[0].solution
+        chosen_here = f"N {solution.per_rev:.4g} f {solution.frequency_hz:.4g} Hz S {solution.speed_rpm:z.0f}"
+        return f"{instead} {chosen_here}"
+    if all(one is not None for one in found):
+        return f"{instead} each step of this cut on its own"
+    is_chain = len(requests) > 1 and len(steps) == 1
     if is_chain and all(_choice(Chain((request,)), settings) is not None for request in requests):
         return f"{instead} each block of this cut on its own"
     return ""

@@ -49,9 +49,13 @@ _NAME_IT = "where that code turns this spindle, name it: --set spindle.cw_codes=
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Cutting blocks in a row that vibrate as one; ``first`` to ``last`` (exclusive) are their lines."""
+    """Cutting blocks in a row that vibrate as one; ``first`` to ``last`` (exclusive) are their lines.
+
+    ``whole`` is the chain of which this is a step, None where it is one itself: words stand for all steps.
+    """
 
     requests: tuple[Request, ...]
+    whole: Chain | None = None
 
     @property
     def first(self) -> int:

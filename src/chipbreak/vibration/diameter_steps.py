@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 from chipbreak.model.block_effect import Move
 from chipbreak.settings.sections import Settings
@@ -40,7 +41,8 @@ def diameter_steps(chain: Chain, settings: Settings, *, is_open: bool, widening:
     steps = math.ceil(math.log(high / low) / math.log(most) - _FUZZ)
     if steps <= 1:
         return [chain]
-    return list(_Splitter(asked, (high / low) ** (1.0 / steps) * (1.0 + _FUZZ), settings).steps(chain))
+    splitter = _Splitter(asked, (high / low) ** (1.0 / steps) * (1.0 + _FUZZ), settings)
+    return [replace(step, whole=chain) for step in splitter.steps(chain)]
 
 
 class _Splitter:

@@ -10,6 +10,7 @@ from chipbreak.text.diagnostics import RefusalError, SelfCheckError
 from chipbreak.trajectory.filters import NO_FILTER
 from chipbreak.vibration.blocks import moves_of
 from chipbreak.vibration.chain import Chain
+from chipbreak.vibration.diameter_steps import diameter_steps
 from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.measure import CutReport, measure_planned
 from chipbreak.vibration.plan import CutPlan, plan_cut
@@ -36,10 +37,22 @@ class Trials:
         self.refusal = ""  # what the last try was refused for
 
     def works(self, chain: Chain, settings: Settings | None = None) -> CutReport | None:
-        """The cut, if it breaks its chips and runs as planned; None where not, or where it is enough."""
+        """The cut, if it breaks its chips and runs as planned; None where not, or where it is enough.
+
+        Where it becomes several steps all of them must, and the first is told of.
+        """
         if self.left <= 0:
             return None
         settings = settings or self.settings
+        reports = list[CutReport]()
+        for step in diameter_steps(chain, settings, is_open=bool(chain.requests[0].chosen_by)):
+            report = self._works(step, settings)
+            if report is None:
+                return None
+            reports.append(report)
+        return reports[0]
+
+    def _works(self, chain: Chain, settings: Settings) -> CutReport | None:
         self.refusal = ""
         try:
             plan = plan_cut(chain, settings)
@@ -93,9 +106,9 @@ def first_by_halving(holds: Callable[[int], bool], before: int, place: int) -> i
 
 
 def with_values(chain: Chain, wish: Mapping[str, float], *, without: str, waveform: str = "") -> Chain:
-    """The chain with other values; ``without`` names those that go, a letter a key."""
+    """The chain, all of it where it is a step, with other values; ``without`` names the keys that go."""
     requests = []
-    for request in chain.requests:
+    for request in (chain.whole or chain).requests:
         values = {key: given for key, given in request.values.items() if key not in without}
         values |= {key: SourcedValue(value, _ORIGIN) for key, value in wish.items()}
         requests.append(request._replace(values=values, waveform=waveform or request.waveform))
@@ -103,9 +116,9 @@ def with_values(chain: Chain, wish: Mapping[str, float], *, without: str, wavefo
 
 
 def fed(chain: Chain, share: float) -> Chain:
-    """The chain at a share of its feed, or a multiple."""
+    """The chain, all of it where it is a step, at a share of its feed, or a multiple."""
     requests = []
-    for request in chain.requests:
+    for request in (chain.whole or chain).requests:
         after = request.effect.after
         assert after.feed is not None
         feed = after.feed._replace(value=after.feed.value * share)
