@@ -183,6 +183,10 @@ def compare_shapes(source: Source, dialect: Dialect) -> None:
     program = parse(source, dialect)
     plain, found = program.plain, program.shapes
     assert len(plain) == source.line_count
+    blocks = map(program.block, source.body)
+    numbered = {block.line for block in blocks if block.sequence is not None}
+    said = program.lines_with_numbers()
+    assert numbered == {line for line in said if plain[line] >= 0 or line in numbered}
     for line, index in enumerate(plain.tolist()):
         if index >= 0:
             compare_shape_and_block(found[index], read_block(line, source.text(line), dialect))

@@ -193,7 +193,7 @@ def _calls(block: Block, dialect: Dialect, cycles: Sequence[str]) -> bool:
 def sequence_lines(program: Program) -> dict[int, list[int]]:
     """The lines on which each block number stands."""
     found: dict[int, list[int]] = {}
-    for line in program.source.body:
+    for line in program.lines_with_numbers():
         sequence = program.block(line).sequence
         if sequence is not None and sequence.number is not None:
             found.setdefault(int(sequence.number), []).append(line)

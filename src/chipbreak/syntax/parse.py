@@ -68,6 +68,14 @@ class Program(NamedTuple):
         """Every block of the body that is more than a plain motion."""
         return (self.block(int(line)) for line in self.special_lines)
 
+    def lines_with_numbers(self) -> list[int]:
+        """The lines of the body that may begin with a block number: plain ones that do, and all others."""
+        body = slice(self.source.body.start, self.source.body.stop)
+        # The last one is for lines that have no shape.
+        of_shape = np.array([*(shape.numbered for shape in self.shapes), True])
+        lines: list[int] = (np.flatnonzero(of_shape[self.plain[body]]) + body.start).tolist()
+        return lines
+
     def diagnose(
         self,
         line: int,
