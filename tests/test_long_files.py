@@ -23,6 +23,7 @@ from chipbreak.report.build import report_of
 from chipbreak.settings import Settings
 from chipbreak.text.diagnostics import ChipbreakError, Severity
 from chipbreak.text.long_file import LongFile
+from longer import short_where
 
 TESTS = Path(__file__).parent
 SAMPLES = TESTS.parent / "samples"
@@ -88,7 +89,7 @@ def compared(data: bytes, settings: Settings, folder: Path) -> int:
     return len(excerpts)
 
 
-@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize("profile", short_where(PROFILES, lambda profile: profile in ("mill", "lathe")))
 def test_every_program_of_the_tests(profile: str, tmp_path: Path) -> None:
     count = sum(compared(file.read_bytes(), PROFILES[profile], tmp_path) for file in FILES)
     assert count > {"mill": 80, "linuxcnc": 30, "lathe": 25, "nothing is shown": 30}[profile]
@@ -148,7 +149,7 @@ HEAD += ["G43 Z50. H1 M8", "G0 Z2."]
 TAIL = ["G0 Z50. M9", "M5", "M30", "%"]
 
 
-@pytest.mark.few(60)
+@pytest.mark.few(20)
 @given(drawn, st.sampled_from(["mill", "linuxcnc"]), st.sampled_from(["\n", "\r\n"]), st.booleans())
 def test_drawn_programs(
     tmp_path_factory: pytest.TempPathFactory, parts: list[list[str]], profile: str, end: str, numbered: bool

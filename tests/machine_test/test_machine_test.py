@@ -50,7 +50,8 @@ def test_cuts_on_a_measured_machine_are_as_promised(seed: int, tmp_path: Path) -
     assert all(one.same_verdict for one in kept)
 
 
-@pytest.mark.parametrize("seed", [7017, pytest.param(7015, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [7017, 7015])
 def test_a_look_ahead_is_found_before_what_stands_behind_it(seed: int, tmp_path: Path) -> None:
     """Behind two lags alike, or a bell: searched for together, all its numbers go astray."""
     draw = np.random.default_rng(seed)
