@@ -109,3 +109,20 @@ def test_behind_a_corner_that_is_not_drawn_nothing_begins(blocks: str, cut: str)
     assert b"UNROLLED" not in result.data
     assert f"WAS {cut}" not in result.data.decode()
     assert "VIB051" in {left.said.code for left in result.left}
+
+
+def test_no_cut_goes_back_to_where_an_axis_was_before_an_angle() -> None:
+    """The line by its angle is not asked, so it stays; the control has moved Z along it all the same."""
+    blocks = "G1 Z-10. F0.2\nX50. ,A135\nX60.\n(VIB N1.5)\nX70.\nZ-40.\n(VIB OFF)\n"
+    program = (HEAD + blocks + TAIL).encode()
+    interpreted = interpret_source(read(program), load("fanuc-lathe"))
+    line = program.decode().splitlines().index("X60.")
+    assert math.isnan(interpreted.before(line).position.z)
+    assert interpreted.before(line).position.x == 25.0
+    result = chipbreak.rewrite(program, load("fanuc-lathe", ["vibration.refused=leave"]))
+    said = [one.message for one in result.diagnostics if one.code == "VIB051"]
+    assert len(said) == 1
+    assert "the angle in line 6 gives an axis its place" in said[0]
+    assert b"\nZ-40.\n" in result.data, "left as it was"
+    assert not re.search(rb"Z-10\.\d", result.data), "what vibrates names X alone"
+    assert chipbreak.restore(result.data) == program

@@ -20,7 +20,7 @@ from chipbreak.model.cutting_speed import cutting_speed_of
 from chipbreak.model.flow import Flow
 from chipbreak.model.m_codes import m_code
 from chipbreak.model.modal import CALLED, LOOPED, UNKNOWN, UNREAD, Position, Setting, State
-from chipbreak.model.motion import move_of
+from chipbreak.model.motion import ANGLE, move_of
 from chipbreak.model.paths import (
     CALLERS_STATE,
     begins_program,
@@ -228,7 +228,10 @@ class Interpreter:
             return state.lost("a G code this profile does not know stands with axis words"), None
         move = move_of(block, state, axis_words, self.settings, codes.non_modal)
         after = state._replace(position=move.end)
-        if any(math.isnan(getattr(move.end, axis.lower())) for axis in move.axes):
+        if block.has(ANGLE):
+            line = self._user_line(block)
+            after = after._replace(unknown_why=f"the angle in line {line} gives an axis its place")
+        elif any(math.isnan(getattr(move.end, axis.lower())) for axis in move.axes):
             why = self._why_lost(state, block, axis_words, codes)
             after = after._replace(unknown_why=why or after.unknown_why)
         return after, move

@@ -25,6 +25,8 @@ _KINDS: Mapping[Motion, MoveKind] = {
 _OTHER_WAY: Mapping[MoveKind, MoveKind] = {"cw": "ccw", "ccw": "cw"}
 _ELSEWHERE = frozenset({"machine", "skip"})
 _ARC_WORDS = frozenset({*CENTRES, "R"})
+ANGLE = ",A"
+_TURNED = frozenset("XZ")
 _Ends = dict[str, float]
 
 
@@ -44,6 +46,8 @@ def move_of(
     kind = _kind(block, state, settings, non_modal)
     goes_elsewhere = state.modes.motion not in _STRAIGHT or not non_modal.isdisjoint(_ELSEWHERE)
     ends = _ends_of_other(state, named, non_modal) if goes_elsewhere else named.ends
+    if block.has(ANGLE):  # it gives the other axis of the plane its place
+        ends = {axis: math.nan if axis in _TURNED - {*named.axes} else end for axis, end in ends.items()}
     move_end = Position(*(ends[axis] for axis in AXES))
     move = Move(kind, state.position, move_end, named.axes, named.relative)
     return _as_arc(move, block, state, settings) if kind in _OTHER_WAY else move
