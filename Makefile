@@ -13,8 +13,11 @@ CODE := src tests benchmarks
 FUZZ_SECONDS ?= 120
 # Runs on simulated machines wait more than they compute.
 WORKERS := $(shell $(PYTHON) -c 'import os; print(3 * (os.cpu_count() or 1))')
+# Otherwise each of them, and each Python that a test starts, compiles everything anew.
+export PYTHONDONTWRITEBYTECODE :=
+SUBMAKE := $(MAKE) --no-print-directory
 
-.PHONY: test-long lock machine-test real-control demo test check-table fuzz lint man site cookbook diagnostics test-pythons hooks bench wheel release-dry-run clean
+.PHONY: test-long judges linuxcnc klipper compiled-tests lock machine-test real-control demo test check-table fuzz lint man site cookbook diagnostics test-pythons hooks bench wheel release-dry-run clean
 
 $(BIN)/chipbreak: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -24,7 +27,7 @@ $(BIN)/chipbreak: pyproject.toml
 
 # Every tool by its version and hash: the same ones everywhere, every time.
 $(VENV)/.dev: $(BIN)/chipbreak tests/requirements.txt
-	$(BIN)/python -m pip install --quiet --require-hashes --requirement tests/requirements.txt
+	$(BIN)/python -m pip install --quiet --no-compile --require-hashes --requirement tests/requirements.txt
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
 	@touch $@
 
@@ -56,23 +59,34 @@ FAST := tests/test_advise.py tests/test_api.py tests/test_bad.py tests/test_boun
 FAST_FILES := $(foreach path,$(FAST),$(or $(wildcard $(path)/test_*.py),$(path)))
 
 # Coverage is measured on these, because that takes half as long again; not on those that run what others run, too.
-RUN_ALL_THE_SAME := tests/test_faults.py tests/cycles/test_real_programs.py tests/cycles/test_removed_region.py \
+RUN_ALL_THE_SAME := tests/test_bounds.py tests/test_faults.py tests/checks/test_calibrate_place.py \
+	tests/checks/test_durations.py tests/cycles/test_moved_contour.py tests/cycles/test_real_programs.py tests/cycles/test_removed_region.py \
 	tests/cycles/test_roughing.py tests/cycles/test_shop_programs.py tests/dialects/test_one_object_a_control.py \
-	tests/editing/test_emit.py tests/editing/test_restore.py tests/hooks/test_git.py \
-	tests/model/test_arrivals.py tests/model/test_model.py tests/syntax/test_blocks.py tests/tools/test_tool_fuzz.py \
-	tests/trajectory/test_laws.py tests/vibration/test_refusals.py
+	tests/editing/test_beside.py tests/editing/test_emit.py tests/editing/test_restore.py tests/hooks/test_git.py \
+	tests/model/test_arrivals.py tests/model/test_model.py tests/restart/test_long_programs.py \
+	tests/syntax/test_blocks.py tests/tools/test_tool_fuzz.py tests/trajectory/test_laws.py \
+	tests/trajectory/test_stretches.py tests/vibration/test_refusals.py
 MEASURED := $(filter-out $(RUN_ALL_THE_SAME),$(FAST_FILES))
 
-test: $(VENV)/.dev lint
+# What others wrote, to judge by.
+judges: linuxcnc klipper
+linuxcnc:
 	@sh tests/linuxcnc/install.sh
+klipper:
 	@sh tests/klipper/install.sh $(VENV)/klipper
+
+# Once, before all workers do it at the same time.
+compiled-tests: $(VENV)/.dev
+	@$(BIN)/pytest --collect-only -qq > /dev/null || true  # what is wrong, the tests themselves say
+
+test:
+	@$(SUBMAKE) -j 2 $(VENV)/.dev judges
+	@$(SUBMAKE) -j 2 lint compiled-tests
 	$(BIN)/pytest -n auto --dist worksteal -m "not long" --cov --cov-report= $(MEASURED)
 	$(BIN)/pytest -n $(WORKERS) --dist worksteal -m "not long" $(MEASURED:%=--ignore=%)
 
 # What "make test" has a choice of: every tool, every drawn cut, every program.
-test-long: $(VENV)/.dev
-	@sh tests/linuxcnc/install.sh
-	@sh tests/klipper/install.sh $(VENV)/klipper
+test-long: $(VENV)/.dev judges
 	$(BIN)/pytest -n $(WORKERS) --dist worksteal -m long
 
 # Faults, tools, controls, units and speeds: the macros and numpy must say the same (some minutes).

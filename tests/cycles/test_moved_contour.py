@@ -9,6 +9,7 @@ from chipbreak.model.flow import contour_calls
 from chipbreak.model.from_source import interpret_source
 from chipbreak.settings import load
 from chipbreak.text.source import read
+from longer import short_where
 
 HEAD = "O1\nG21 G40 G99\nT0101\nG97 S900 M3\nG0 X52. Z2.\nG71 U2. R1.\nG71 P10 Q20 U0.4 W0.1 F0.25\n"
 CONTOUR = "N10 G0 X30. S1200\nG1 Z-30. F0.1 (SHOULDER)\nX40. ,R2.\nZ-40.\nN20 X52.\n"
@@ -27,8 +28,15 @@ STAYS = {
 TAIL = "G28 U0 W0\nM30\n"
 
 
-@pytest.mark.parametrize(("contour", "rest"), STAYS.values(), ids=STAYS)
-@pytest.mark.parametrize("end", ["M30\n", "N99 M2\n", "M30 (END)\n%\n", "M99\nO2\nG0 X1.\nM99\n"])
+ENDS = ("M30\n", "N99 M2\n", "M30 (END)\n%\n", "M99\nO2\nG0 X1.\nM99\n")
+# The ends in turn: what keeps the contour and what ends the program have nothing to do with each other.
+_EACH_WITH_AN_END = short_where(
+    [(contour, rest, end) for contour, rest in STAYS.values() for end in ENDS],
+    lambda case: list(STAYS.values()).index(case[:2]) in (ENDS.index(case[2]), ENDS.index(case[2]) - 1),
+)
+
+
+@pytest.mark.parametrize(("contour", "rest", "end"), _EACH_WITH_AN_END)
 def test_the_roughing_is_written_and_the_contour_stands_behind_the_end(
     contour: str, rest: str, end: str
 ) -> None:

@@ -16,6 +16,7 @@ from chipbreak.settings import load
 from chipbreak.syntax.parse import parse
 from chipbreak.text.diagnostics import ProgramRejectedError
 from chipbreak.text.source import read
+from longer import short_where
 
 SAMPLE = (Path(__file__).parents[2] / "samples" / "roughing.nc").read_bytes()
 CONTOUR = b"N10 G0 X16. F0.1\nG1 Z-15.\nX30. Z-30.\nN20 X52.\n"
@@ -64,12 +65,19 @@ def test_what_nobody_asks_stays_byte_for_byte(options: tuple[str, ...]) -> None:
     assert filtered(CYCLE, *options) == CYCLE
 
 
-@pytest.mark.parametrize(
-    "options",
-    [ALWAYS, ["vibration.n=1.5"], ["vibration.n=1.5", 'vibration.only=["rough", "finish"]']],
-    ids=str,
+# The sample with all that may be asked, other line ends with one of these.
+_WAYS = [ALWAYS, ["vibration.n=1.5"], ["vibration.n=1.5", 'vibration.only=["rough", "finish"]']]
+_PUT_BACK = short_where(
+    [
+        (program, options)
+        for program in (SAMPLE, CYCLE, CYCLE.replace(b"\n", b"\r\n"), CYCLE[:-1])
+        for options in _WAYS
+    ],
+    lambda case: case[0] == SAMPLE or case[1] == ALWAYS,
 )
-@pytest.mark.parametrize("program", [CYCLE, CYCLE.replace(b"\n", b"\r\n"), CYCLE[:-1], SAMPLE], ids=len)
+
+
+@pytest.mark.parametrize(("program", "options"), _PUT_BACK)
 def test_it_is_put_back_and_a_second_run_changes_nothing(program: bytes, options: list[str]) -> None:
     output = filtered(program, *options)
     assert b"(CHIPBREAK UNROLLED G71 P10 Q20)" in output

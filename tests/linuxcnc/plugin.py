@@ -6,6 +6,8 @@ as well.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import pytest
 
 from . import machine, rs274
@@ -31,6 +33,21 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         marker = item.get_closest_marker("linuxcnc")
         if marker and (reason := missing(marker)):
             item.add_marker(pytest.mark.skip(reason=reason))
+    items[:] = dealt(items)
+
+
+def dealt(items: Sequence[pytest.Item]) -> list[pytest.Item]:
+    """Tests that wait for a machine evenly among those that compute: if all workers wait, cores are idle."""
+    waiting = [item for item in items if _waits(item)]
+    computing = [item for item in items if not _waits(item)]
+    places = {id(item): at / len(waiting) for at, item in enumerate(waiting)}
+    places |= {id(item): at / len(computing) for at, item in enumerate(computing)}
+    return sorted(items, key=lambda item: places[id(item)])
+
+
+def _waits(item: pytest.Item) -> bool:
+    marker = item.get_closest_marker("linuxcnc")
+    return marker is not None and "machine" in marker.args
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 from chipbreak.dialects import FANUC_MILL
 from chipbreak.syntax.nodes import Block
@@ -41,32 +42,38 @@ class Library:
 
     def add(self, text: str | bytes) -> list[int]:
         """Read the programs of a text; each starts with its O number.  Returns the numbers."""
-        data = text.encode("latin-1") if isinstance(text, str) else text
-        program = parse(read(data), FANUC_MILL)
-        found: list[tuple[int, list[Block]]] = []
-        for line in program.source.body:
-            block = program.block(line)
-            start = _NUMBER.match(block.text)
-            if start:
-                found.append((int(start[1]), []))
-            if block.opaque:
-                place = f"line {line + 1}: {block.text.strip()}"
-                raise fault(UNREADABLE, f"{place} cannot be read ({block.opaque})")
-            if found and not block.mark:
-                found[-1][1].append(block)
-        if not found:
-            raise fault(NO_PROGRAM, "the text holds no program number")
-        for number, blocks in found:
-            self.programs[number] = MacroProgram(
-                number, tuple(blocks), _labels(blocks), _loops(number, blocks)
-            )
-        return [number for number, _ in found]
+        found = _programs_of(text.encode("latin-1") if isinstance(text, str) else text)
+        self.programs |= {program.number: program for program in found}
+        return [program.number for program in found]
 
     def get(self, number: int) -> MacroProgram:
         """A program by its number."""
         if number not in self.programs:
             raise fault(NO_PROGRAM, f"there is no program O{number:04}")
         return self.programs[number]
+
+
+@lru_cache(maxsize=256)
+def _programs_of(data: bytes) -> tuple[MacroProgram, ...]:
+    """The programs of a text: the same macros go into the memory of many controls."""
+    program = parse(read(data), FANUC_MILL)
+    found: list[tuple[int, list[Block]]] = []
+    for line in program.source.body:
+        block = program.block(line)
+        start = _NUMBER.match(block.text)
+        if start:
+            found.append((int(start[1]), []))
+        if block.opaque:
+            place = f"line {line + 1}: {block.text.strip()}"
+            raise fault(UNREADABLE, f"{place} cannot be read ({block.opaque})")
+        if found and not block.mark:
+            found[-1][1].append(block)
+    if not found:
+        raise fault(NO_PROGRAM, "the text holds no program number")
+    return tuple(
+        MacroProgram(number, tuple(blocks), _labels(blocks), _loops(number, blocks))
+        for number, blocks in found
+    )
 
 
 def _labels(blocks: list[Block]) -> dict[int, int]:

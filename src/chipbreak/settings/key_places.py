@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
 
 from chipbreak.text.named_tuple import NamedTuple
 
@@ -28,10 +29,16 @@ class KeyPlace(NamedTuple):
 
 def find_key(text: str, name: str) -> KeyPlace:
     """Where a key stands; where it does not, the nearest of what it is in; the first line at last."""
-    places = {place.name: place for place in reversed(list(_key_places(text)))}
+    places = _first_places(text)
     while name not in places and "." in name:
         name = name.rpartition(".")[0]
     return places.get(name) or KeyPlace(name, 1, 0, 1, text.split("\n", 1)[0])
+
+
+@lru_cache(maxsize=32)
+def _first_places(text: str) -> Mapping[str, KeyPlace]:
+    """The first place of each key: where a value came from is asked for every value of a profile."""
+    return {place.name: place for place in reversed(list(_key_places(text)))}
 
 
 def _key_places(text: str) -> Iterator[KeyPlace]:
