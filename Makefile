@@ -56,17 +56,25 @@ FAST := tests/test_advise.py tests/test_api.py tests/test_bad.py tests/test_boun
 	tests/trajectory tests/syntax/test_blocks.py tests/vibration/test_several_paths.py \
 	tests/vibration/test_wishes.py tests/vibration/test_left_cuts.py tests/vibration/test_large_changes.py \
 	tests/vibration/test_refusals.py
-FAST_FILES := $(foreach path,$(FAST),$(or $(wildcard $(path)/test_*.py),$(path)))
 
-# Coverage is measured on these, because that takes half as long again; not on those that run what others run, too.
-RUN_ALL_THE_SAME := tests/test_bounds.py tests/test_faults.py tests/checks/test_calibrate_place.py \
-	tests/checks/test_durations.py tests/cycles/test_moved_contour.py tests/cycles/test_real_programs.py tests/cycles/test_removed_region.py \
-	tests/cycles/test_roughing.py tests/cycles/test_shop_programs.py tests/dialects/test_one_object_a_control.py \
-	tests/editing/test_beside.py tests/editing/test_emit.py tests/editing/test_restore.py tests/hooks/test_git.py \
-	tests/model/test_arrivals.py tests/model/test_model.py tests/restart/test_long_programs.py \
-	tests/syntax/test_blocks.py tests/tools/test_tool_fuzz.py tests/trajectory/test_laws.py \
-	tests/trajectory/test_stretches.py tests/vibration/test_refusals.py
-MEASURED := $(filter-out $(RUN_ALL_THE_SAME),$(FAST_FILES))
+# Coverage is measured on these, because that takes half as long again: all others reach little that these do not.
+MEASURED := tests/test_advise.py tests/test_api.py tests/test_bad.py tests/test_cases.py \
+	tests/test_long_files.py tests/test_outcome.py tests/checks/test_calls.py tests/checks/test_clashes.py \
+	tests/checks/test_makers.py tests/checks/test_plan.py tests/checks/test_tool_data.py \
+	tests/checks/test_touch_plate.py tests/cycle_time/test_cycle_time.py tests/cycles/test_any_words.py \
+	tests/cycles/test_corner_runs.py tests/cycles/test_patterns.py tests/cycles/test_pecks.py \
+	tests/cycles/test_single_passes.py tests/cycles/test_unrolling.py tests/dialects/test_dialect_plug_ins.py \
+	tests/editing/test_diff.py tests/editing/test_diff_shop.py tests/hooks/test_notes.py \
+	tests/machine_files/test_fanuc_parameters.py tests/machine_files/test_linuxcnc_ini.py \
+	tests/machine_test/test_machine_test.py tests/model/test_arrivals.py tests/model/test_callers.py \
+	tests/model/test_code_systems.py tests/model/test_modes.py tests/model/test_offsets.py \
+	tests/model/test_shown_points.py tests/model/test_stops.py tests/model/test_words_beside_codes.py \
+	tests/operations/test_kinds.py tests/operations/test_linear_pattern.py tests/passes/test_contract.py \
+	tests/passes/test_plug_ins.py tests/restart/test_resume.py tests/settings/test_settings.py \
+	tests/settings/test_spindle_codes.py tests/text/test_record.py tests/tools/test_plug_ins.py \
+	tests/tools/test_tool_commands.py tests/tools/test_tool_readers.py tests/tools/test_tool_sources.py \
+	tests/trajectory/test_junction.py tests/trajectory/test_planner.py tests/trajectory/test_stretches.py \
+	tests/vibration/test_large_changes.py tests/vibration/test_several_paths.py
 
 # What others wrote, to judge by.
 judges: linuxcnc klipper
@@ -88,6 +96,7 @@ test:
 # What "make test" has a choice of: every tool, every drawn cut, every program.
 test-long: $(VENV)/.dev judges
 	$(BIN)/pytest -n $(WORKERS) --dist worksteal -m long
+	$(BIN)/pytest -n $(WORKERS) --dist worksteal -m "hypothesis and not long" --hypothesis-profile=many
 
 # Faults, tools, controls, units and speeds: the macros and numpy must say the same (some minutes).
 check-table: $(VENV)/.dev

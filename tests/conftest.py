@@ -20,7 +20,9 @@ _asked: dict[object, settings] = {}
 _NO_PROGRAMS = {".md", ".tsv", ".csv", ".json", ".toml", ".tbl", ".fctb", ".fctl"}
 
 # The tests draw the same examples every time; new ones are searched for with ``make fuzz`` (tests/fuzz.py).
-settings.register_profile("same", deadline=None, max_examples=150, derandomize=True, print_blob=True)
+settings.register_profile("same", deadline=None, max_examples=60, derandomize=True, print_blob=True)
+# The same ones and more, for ``make test-long``.
+settings.register_profile("many", deadline=None, max_examples=600, derandomize=True, print_blob=True)
 # Tests that say how many examples they want keep their number: the search repeats them with other seeds.
 settings.register_profile("fuzz", deadline=None, max_examples=150, derandomize=False, print_blob=True)
 settings.load_profile("same")  # another one is chosen with ``--hypothesis-profile``
