@@ -58,14 +58,16 @@ FAST := tests/test_advise.py tests/test_api.py tests/test_bad.py tests/test_boun
 	tests/vibration/test_refusals.py
 
 # Coverage is measured on these, because that takes half as long again: all others reach little that these do not.
-MEASURED := tests/test_advise.py tests/test_api.py tests/test_bad.py tests/test_cases.py \
-	tests/test_long_files.py tests/test_outcome.py tests/checks/test_calls.py tests/checks/test_clashes.py \
-	tests/checks/test_makers.py tests/checks/test_plan.py tests/checks/test_tool_data.py \
-	tests/checks/test_touch_plate.py tests/cycle_time/test_cycle_time.py tests/cycles/test_any_words.py \
-	tests/cycles/test_corner_runs.py tests/cycles/test_patterns.py tests/cycles/test_pecks.py \
+MEASURED := tests/test_advise.py tests/test_api.py tests/test_bad.py tests/test_cases.py tests/test_cli.py \
+	tests/test_long_files.py tests/test_outcome.py tests/test_streams.py tests/batch/test_batch.py \
+	tests/checks/test_calls.py tests/checks/test_clashes.py tests/checks/test_makers.py \
+	tests/checks/test_plan.py tests/checks/test_tool_data.py tests/checks/test_touch_plate.py \
+	tests/cycle_time/test_cycle_time.py tests/cycles/test_any_words.py tests/cycles/test_corner_runs.py \
+	tests/cycles/test_noses.py tests/cycles/test_patterns.py tests/cycles/test_pecks.py \
 	tests/cycles/test_single_passes.py tests/cycles/test_unrolling.py tests/dialects/test_dialect_plug_ins.py \
-	tests/editing/test_diff.py tests/editing/test_diff_shop.py tests/hooks/test_notes.py \
-	tests/machine_files/test_fanuc_parameters.py tests/machine_files/test_linuxcnc_ini.py \
+	tests/editing/test_diff.py tests/editing/test_diff_shop.py tests/figures/test_figures.py \
+	tests/hooks/test_hooks.py tests/hooks/test_notes.py tests/machine_files/test_fanuc_parameters.py \
+	tests/machine_files/test_linuxcnc_ini.py tests/machine_files/test_profile_commands.py \
 	tests/machine_test/test_machine_test.py tests/model/test_arrivals.py tests/model/test_callers.py \
 	tests/model/test_code_systems.py tests/model/test_modes.py tests/model/test_offsets.py \
 	tests/model/test_shown_points.py tests/model/test_stops.py tests/model/test_words_beside_codes.py \
