@@ -16,6 +16,7 @@ from chipbreak.editing.restore import restore
 from chipbreak.model.findings import findings
 from chipbreak.model.from_source import interpret_source
 from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.shown_points import read_as_shown
 from chipbreak.model.unread_words import UNREAD_WORD
 from chipbreak.operations.kinds import KindRules
 from chipbreak.operations.main_program import MainProgram, main_program
@@ -265,7 +266,7 @@ class _Tried(NamedTuple):
 def _tried(context: Context, passes: Sequence[Pass], output: bytes | None) -> _Tried:
     """Plan, write (or take the ``output`` there is) and look after every promise."""
     interpreted = context.interpreted
-    diagnostics = findings(interpreted, context.named_cycles)
+    diagnostics = [*context.said, *findings(interpreted, context.named_cycles)]
     planned = _planned(passes, context)
     context.options.progress(_PLANNED)
     diagnostics += [diagnostic for one in planned for diagnostic in one.diagnostics]
@@ -315,6 +316,7 @@ def _context(whole: Whole, unrolled: Unrolled, options: RunOptions) -> Context:
         split_operations=unrolled.cut_operations,
         named_cycles=unrolled.named,
         compensated=unrolled.compensated,
+        said=read_as_shown(whole.interpreted.program, whole.interpreted.settings),
     )
 
 

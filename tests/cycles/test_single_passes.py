@@ -47,6 +47,18 @@ def test_distances_count_from_the_start() -> None:
     assert blocks_of(b"G90 U-4. W-22. F0.2\nU-6.\n") == blocks_of(b"G90 X48. Z-20. F0.2\nX46.\n")
 
 
+def test_a_move_without_length_is_none() -> None:
+    """A pass at the height of the start, or at the diameter of it, is cut as the control cuts it."""
+    assert blocks_of(b"G94 X20. Z2. F0.2\nZ1.\n") == [
+        *("G1 X20. F0.2", "G0 X52."),
+        *("G0 Z1.", "G1 X20.", "G1 Z2.", "G0 X52."),
+    ]
+    assert blocks_of(b"G90 X52. Z-20. F0.2\nX50.\n") == [
+        *("G1 Z-20. F0.2", "G0 Z2."),
+        *("G0 X50.", "G1 Z-20.", "G1 X52.", "G0 Z2."),
+    ]
+
+
 def test_what_stands_between_passes_stays() -> None:
     assert "S1000 M8" in blocks_of(b"G90 X48. Z-20. F0.2\nS1000 M8\nX46.\n")
 

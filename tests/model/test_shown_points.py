@@ -44,6 +44,11 @@ def passes(data: bytes) -> list[bytes]:
     return lines[begin : next(i for i, line in enumerate(lines) if b"CHIPBREAK ROLLED" in line)]
 
 
+def blocks(data: bytes) -> list[bytes]:
+    """The same without comments."""
+    return [line for line in passes(data) if not line.startswith(b"(")]
+
+
 @pytest.mark.parametrize(("times", "rule"), [(1, "calculator"), (1000, "increment")])
 def test_a_program_shows_its_reading(times: int, rule: str) -> None:
     """The passes are those of the program with points."""
@@ -101,3 +106,46 @@ def test_a_profile_that_says_it_is_not_asked() -> None:
     result = chipbreak.rewrite(program, load("fanuc-lathe", [*WISH, "control.decimal_point=required"]))
     assert result.data == program
     assert not result.shown.rule
+
+
+POINTED = PROGRAM.replace("X62. Z2.", "X62.5 Z2.5")
+
+
+@pytest.mark.parametrize("unit", ["G20", "G21"])
+def test_the_depths_of_cycles_show_increments(unit: str) -> None:
+    """Beside places with points: no pass is 1500 mm or inches deep."""
+    per_unit = 10_000 if unit == "G20" else 1_000
+    depths = [f"U{round(0.15 * per_unit)} R{round(0.05 * per_unit)}", f"U{round(0.1 * per_unit)} W100"]
+    pointless_depths = POINTED.replace("U2. R1.", depths[0]).replace("U1. W0.1", depths[1])
+    pointless_depths = pointless_depths.replace("G21", unit)
+    pointed = POINTED.replace("U2. R1.", "U0.15 R0.05").replace("U1. W0.1", f"U0.1 W{100 / per_unit}")
+    settings = load("fanuc-lathe", WISH)
+    result = chipbreak.rewrite(pointless_depths.encode(), settings)
+    wanted = chipbreak.rewrite(pointed.replace("G21", unit).encode(), settings)
+    assert blocks(result.data) == blocks(wanted.data)
+    assert result.shown.rule == "increment"
+    assert chipbreak.restore(result.data) == pointless_depths.encode()
+    (said,) = [one for one in result.diagnostics if one.code == "MOD006"]
+    assert said.place is not None
+    assert said.place.line == 6
+    assert depths[0].split()[0] in said.message
+
+
+@pytest.mark.parametrize(
+    ("depths", "allowances"),
+    [
+        ("U1500 R0.5", "U1. W0.1"),  # one number alone is a slip
+        ("U2 R500", "U1000 W100"),  # 2 steps are no depth
+        ("U20 R50", "U50 W10"),  # each may be either
+    ],
+)
+def test_depths_that_show_neither(depths: str, allowances: str) -> None:
+    program = POINTED.replace("U2. R1.", depths).replace("U1. W0.1", allowances).encode()
+    result = chipbreak.rewrite(program, load("fanuc-lathe", WISH))
+    assert result.data == program
+    assert not result.shown.rule
+
+
+def test_a_place_that_shows_the_other_reading_keeps_depths_unknown() -> None:
+    program = POINTED.replace("U2. R1.", "U1500 R500").replace("Z-15.", "Z-15").encode()
+    assert not chipbreak.rewrite(program, load("fanuc-lathe", WISH)).shown.rule

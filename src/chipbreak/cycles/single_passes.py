@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TypeAlias
 
 from chipbreak.cycles.call import UNREAD_FORM, refuse_modes
 from chipbreak.cycles.promise import SinglePasses
@@ -31,6 +32,8 @@ from chipbreak.text.named_tuple import NamedTuple
 
 _WORDS = frozenset("GXZUWRF")
 _BETWEEN = frozenset("SM")
+_CUT = 1  # of the moves of a pass, the one along it
+_Motion: TypeAlias = tuple[bool, float, float]
 
 
 class _Target(NamedTuple):
@@ -66,7 +69,7 @@ def single_passes(interpreted: InterpretedProgram, first: int) -> Edit:
     writer = BlockWriter(start, settings)
     target = _Target()
     content: list[str] = []
-    moves: list[tuple[bool, float, float]] = []
+    moves: list[_Motion] = []
     number = 0
     along_z = True
     for effect in effects:
@@ -76,9 +79,8 @@ def single_passes(interpreted: InterpretedProgram, first: int) -> Edit:
         number += 1
         target = _target(effect, target, settings)
         along_z = _goes_along_z(effect.block, settings, along_z=along_z)
-        made = _moves(target, start, along_z=along_z)
-        content.append(writer.comment(f"pass {number}"))
-        content += _blocks(writer, made, effect.block)
+        blocks, made = _blocks(writer, _moves(target, start, along_z=along_z), effect.block)
+        content += [writer.comment(f"pass {number}"), *blocks]
         moves += made
     reason = "one pass with each block: rapid in, cut, feed out, rapid back"
     name = effects[0].block.text.strip()
@@ -152,7 +154,7 @@ def _target(effect: BlockEffect, target: _Target, settings: Settings) -> _Target
     return _Target(said["X"], said["Z"], taper_mm)
 
 
-def _moves(target: _Target, start: State, *, along_z: bool) -> list[tuple[bool, float, float]]:
+def _moves(target: _Target, start: State, *, along_z: bool) -> list[_Motion]:
     """The moves of one pass: whether it cuts, Z and radius of its end."""
     from_z = start.position.z
     from_x = start.position.x
@@ -171,16 +173,22 @@ def _moves(target: _Target, start: State, *, along_z: bool) -> list[tuple[bool, 
     ]
 
 
-def _blocks(writer: BlockWriter, moves: Sequence[tuple[bool, float, float]], block: Block) -> list[str]:
-    """Each move as a block; F of the cycle's block stands where the cut begins."""
+def _blocks(writer: BlockWriter, moves: Sequence[_Motion], block: Block) -> tuple[list[str], list[_Motion]]:
+    """Each move as a block, and the moves that these make: one without length is none, as on the control.
+
+    F of the cycle's block stands where the cut begins.  Errors: CYC007 for a pass that cuts nothing.
+    """
     word = block.word("F")
     feed = "" if word is None else f"F{word.value_text}"
     blocks = []
-    for cuts, z_mm, radius_mm in moves:
+    made = []
+    for at, (cuts, z_mm, radius_mm) in enumerate(moves):
         text = writer.block("G1" if cuts else "G0", z_mm, radius_mm, feed if cuts else "")
-        if not text:
-            message = "a pass of this cycle has a move without length"
-            raise RefusalError(UNREAD_FORM, message, "start the cycle away from the corner that it cuts to")
-        feed = "" if cuts else feed
-        blocks.append(text)
-    return blocks
+        if text:
+            feed = "" if cuts else feed
+            blocks.append(text)
+            made.append((cuts, z_mm, radius_mm))
+        elif at == _CUT:
+            message = "a pass of this cycle has a cut without length"
+            raise RefusalError(UNREAD_FORM, message, "start the cycle away from where the pass ends")
+    return blocks, made

@@ -7,7 +7,6 @@ from collections.abc import Container, Iterator
 from chipbreak.model.code_systems import codes_of_another_system
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.setting_lines import other_settings
-from chipbreak.model.shown_points import read_as_shown
 from chipbreak.model.stops import stops
 from chipbreak.model.units_of_feed import feeds_in_other_units
 from chipbreak.model.unread_words import unread_words
@@ -32,7 +31,6 @@ def findings(
         *(one for line, one in missing_numbers(interpreted) if line not in without_contour),
         *other_settings(interpreted),
         *codes_of_another_system(interpreted),
-        *read_as_shown(interpreted.program, interpreted.settings),
         *stops(interpreted),
     ]
 

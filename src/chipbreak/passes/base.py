@@ -51,6 +51,7 @@ class Context(Record):
     ``split_operations`` are the operations with each cycle that was written out as one of its own.
     ``named_cycles`` are lines of cycles of which it is said already why they stay as they are.
     ``compensated``: why cuts under nose compensation, by their line, stay under it.
+    ``said`` is what was said of the program as it came in.
     """
 
     interpreted: InterpretedProgram
@@ -63,6 +64,7 @@ class Context(Record):
     split_operations: Sequence[Operation] = ()
     named_cycles: frozenset[int] = frozenset()
     compensated: Mapping[int, RefusalError] = field(default_factory=FrozenTable)
+    said: Sequence[Diagnostic] = ()
 
     @property
     def cut_operations(self) -> Sequence[Operation]:
