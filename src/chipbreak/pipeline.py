@@ -41,7 +41,7 @@ from chipbreak.text.place_order import in_place_order
 from chipbreak.text.source import Source
 from chipbreak.text.utf_16 import refuse_utf_16
 from chipbreak.tools.merge import ToolTable
-from chipbreak.unrolling import Span, Unrolled, reason_of, unroll
+from chipbreak.unrolling import UNROLL, Span, Unrolled, reason_of, unroll
 from chipbreak.vibration.left_cut import LeftCut
 
 if TYPE_CHECKING:
@@ -194,6 +194,7 @@ def run_stages(whole: Whole, output: bytes | None, options: RunOptions) -> Resul
             break
         idle |= {group: reason_of(tried.left, unrolled.spans, group) for group in groups}
         idle_runs |= {run: reason_of(tried.left, unrolled.runs, run) for run in runs}
+    _reject_wrong(_comments_around_cycles(whole, unrolled))
     diagnostics = [*unrolled.diagnostics, *tried.diagnostics]
     for one in passes:
         diagnostics += one.findings(context, _reports_of(tried.kept, one))
@@ -215,6 +216,12 @@ def run_stages(whole: Whole, output: bytes | None, options: RunOptions) -> Resul
         whole=whole,
         shown=settings.shown,
     )
+
+
+def _comments_around_cycles(whole: Whole, unrolled: Unrolled) -> list[Diagnostic]:
+    """What is said of comments for the sake of the cycles that were written out."""
+    lines = [(edit.first, edit.last) for edit in unrolled.edits if edit.pass_name == UNROLL]
+    return said_of_comments(whole.interpreted.program, lines) if lines else []
 
 
 def _as_kept(output: bytes, name: str, settings: Settings) -> Parted:
@@ -272,7 +279,7 @@ def _tried(context: Context, passes: Sequence[Pass], output: bytes | None) -> _T
     diagnostics += [diagnostic for one in planned for diagnostic in one.diagnostics]
     # Of two insertions before one line, what was planned later stands first.
     edits = [edit for one in reversed(planned) for edit in one.edits]
-    diagnostics += said_of_comments(interpreted.program, max((edit.last for edit in edits), default=0))
+    diagnostics += said_of_comments(interpreted.program, [(edit.first, edit.last) for edit in edits])
     _reject_wrong(diagnostics)
     if edits and context.settings.output.stamp:
         edits.append(stamp_edit(interpreted.program, context.settings))

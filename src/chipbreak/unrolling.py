@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from chipbreak.cycles.plan import Refused, UnrollPlan
 
 _NO_REASONS: Mapping[int, RefusalError] = FrozenTable({})
+UNROLL = "unroll"
 _UNKNOWN_REASON = "none of its passes can vibrate"
 
 
@@ -115,7 +116,7 @@ def unroll(
     named = {line for one in plan.refused for line in (one.line, *one.others)}
     if not plan.edits:
         return plain._replace(diagnostics=diagnostics, left=left, named=frozenset(named))
-    edits = [one.edit._replace(pass_name="unroll") for one in plan.edits]
+    edits = [one.edit._replace(pass_name=UNROLL) for one in plan.edits]
     output = b"".join(render(interpreted.program, edits, interpreted.settings, UNROLLED_CYCLES))
     result = verify_unrolled(interpreted, output, edits)
     found = regions(result.program.source, UNROLLED_CYCLES)

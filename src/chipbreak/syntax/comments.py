@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.parse import Program
@@ -14,16 +14,16 @@ NESTED_COMMENT = "SYN004"
 _OPEN_TAIL = re.compile(r"\([^)]*$")
 
 
-def said_of_comments(program: Program, changed_to: int) -> list[Diagnostic]:
-    """What is to be said of comments; ``changed_to`` is the line behind the last change, 0 without one."""
-    return _open_comments(program, changed_to) + _nested_comments(program)
+def said_of_comments(program: Program, changes: Sequence[tuple[int, int]]) -> list[Diagnostic]:
+    """What is to be said of comments; ``changes`` are first and last lines (exclusive) of what is changed."""
+    return _open_comments(program, changes) + _nested_comments(program)
 
 
-def _open_comments(program: Program, changed_to: int) -> list[Diagnostic]:
+def _open_comments(program: Program, changes: Sequence[tuple[int, int]]) -> list[Diagnostic]:
     """A warning for every comment that is not closed on its line.
 
-    It is an error where something is changed in its line or behind it: the comment of a change would close
-    what the program left open.
+    It is an error where something is changed in its line or behind it, and it matters where the comment ends:
+    the comment of a change would close what the program left open.
     """
     found = []
     for block in program.event_blocks():
@@ -32,7 +32,7 @@ def _open_comments(program: Program, changed_to: int) -> list[Diagnostic]:
             continue
         message = "this comment is not closed: the control stops here, or reads on to the next ) as comment"
         severity = Severity.WARNING
-        if changed_to > block.line:
+        if _is_closed_by_one(program, block, changes):
             message += "; the comments of a change behind it would close it"
             severity = Severity.ERROR
         at = (column, len(block.text))
@@ -44,6 +44,36 @@ def _open_comments(program: Program, changed_to: int) -> list[Diagnostic]:
             )
         )
     return found
+
+
+def _is_closed_by_one(program: Program, block: Block, changes: Sequence[tuple[int, int]]) -> bool:
+    """True where a change stands behind an open comment, or in it, and other blocks may be comment there."""
+    if not any(last > block.line for _, last in changes):
+        return False
+    end = _harmless_end(program, block)
+    return end is None or any(block.line < first <= end for first, _ in changes)
+
+
+def leaves_blocks_open(program: Program, line: int) -> bool:
+    """True for a comment that is not closed on its line, where the blocks behind it may be comment, too."""
+    block = program.block(line)
+    return _open_at(block) is not None and _harmless_end(program, block) is None
+
+
+def _harmless_end(program: Program, block: Block) -> int | None:
+    """The line of the next ), where nothing but comments stands up to there.
+
+    Then the same blocks run wherever the control ends the comment.  None where others would.
+    """
+    if block.opaque:
+        return None
+    for line in range(block.line + 1, program.source.body.stop):
+        behind = program.block(line)
+        if behind.words or behind.opaque or behind.controls:
+            return None
+        if ")" in behind.text:
+            return line
+    return None
 
 
 def _open_at(block: Block) -> int | None:

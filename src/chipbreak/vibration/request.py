@@ -13,6 +13,7 @@ from chipbreak.model.modal import State
 from chipbreak.operations.operations import Operation
 from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
+from chipbreak.syntax.comments import OPEN_COMMENT, leaves_blocks_open
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.text.lazy_pattern import LazyPattern
 from chipbreak.text.named_tuple import NamedTuple
@@ -154,6 +155,7 @@ class RequestReader:
         self.diagnostics: list[Diagnostic] = []
         self.stray: list[tuple[int, tuple[int, int]]] = []
         self.wished_cycles: set[int] = set()
+        self.open_comment: Diagnostic | None = None  # behind which other blocks may run than are read
 
     def read(self) -> None:
         """Fill ``requests``, ``left`` and ``diagnostics``."""
@@ -262,12 +264,17 @@ class RequestReader:
             self._leave(line, "", "feeds back through what was just cut", 'vibration.air = "vibrate"')
         elif wish.asked_by == "profile" and not self.scope.is_asked(line):
             self._leave_unasked(line)
-        elif wish.blocked is not None:
+        elif (blocked := self._blocked()) is not None:
             wish.reached += 1
-            self.left.append(LeftCut(line, line + 1, wish.blocked, wish.asked_by))
+            self.left.append(LeftCut(line, line + 1, blocked, wish.asked_by))
         else:
             wish.reached += 1
             self.requests.append(self._request(effect, {}, wish.asked_by))
+
+    def _blocked(self) -> Diagnostic | None:
+        """Why no cut can be planned here that may be left."""
+        may_stay = may_be_left(self.wish.asked_by, self.settings.vibration.refused)
+        return self.wish.blocked or (self.open_comment if may_stay else None)
 
     def _leave_unasked(self, line: int) -> None:
         """A cut of an operation that the profile's wish is not for; finishing is said where nobody chose."""
@@ -281,7 +288,15 @@ class RequestReader:
         said = self.program.diagnose(line, code, message, help_text, severity=Severity.WARNING)
         self.left.append(LeftCut(line, line + 1, said, self.wish.asked_by))
 
+    def _open(self, line: int) -> None:
+        """A comment that is not closed, and where it ends counts."""
+        if self.open_comment is None and leaves_blocks_open(self.program, line):
+            message = "this comment is not closed, and a control may take the blocks behind it as comment"
+            said = (OPEN_COMMENT, message, "close it with ) on its line")
+            self.open_comment = self.program.diagnose(line, *said, severity=Severity.WARNING)
+
     def _comments(self, line: int) -> None:
+        self._open(line)
         for comment in self.program.block(line).comments:
             at = (comment.start, comment.end)
             try:
