@@ -13,6 +13,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from chipbreak.cycles import alarms
+from chipbreak.cycles.alarms import with_alarm
 from chipbreak.dialects.base import ContourCycle
 from chipbreak.dialects.modes import Modes
 from chipbreak.model.findings import NUMBER_THE_SHAPE
@@ -103,7 +105,8 @@ def read_call(interpreted: InterpretedProgram, contour: ContourCall) -> Call:
         raise RefusalError(UNREAD_FORM, "this cycle is not written out as passes", "write its passes as G1")
     if contour.first is None or contour.last is None:
         missing = next(one for one in interpreted.flow.missing if one.line == contour.line)
-        raise RefusalError(NO_CONTOUR, missing.message, NUMBER_THE_SHAPE)
+        help_text = with_alarm(NUMBER_THE_SHAPE, alarms.NO_SUCH_BLOCK)
+        raise RefusalError(NO_CONTOUR, missing.message, help_text)
     _refuse_words(block, _WORDS_OF_CALL[kind])
     codes = [f"G{number:g}" for number in block.numbers("G")]
     name = f"{codes[0]} P{block.number('P'):g} Q{block.number('Q'):g}"
@@ -175,7 +178,8 @@ def _times(block: Block, letter: str) -> int:
         raise RefusalError(UNREAD_FORM, message, f"write a whole number up to {_MOST_TIMES}: {letter}3")
     if number < 1.0:
         message = f"{number:g} passes of a pattern cannot be"
-        raise RefusalError(BAD_DEPTH, message, f"give {letter} as a number above zero")
+        help_text = with_alarm(f"give {letter} as a number above zero", alarms.NO_TIMES)
+        raise RefusalError(BAD_DEPTH, message, help_text)
     return int(number)
 
 
@@ -197,7 +201,8 @@ def _checked(call: Call) -> Call:
     depth_mm = 1.0 if call.kind == "pattern" else call.depth_mm
     if depth_mm <= 0.0 or call.retract_mm < 0.0:
         message = f"a depth of {call.depth_mm:g} mm and a retract of {call.retract_mm:g} mm cannot be"
-        raise RefusalError(BAD_DEPTH, message, "give the depth of a pass as a number above zero")
+        help_text = with_alarm("give the depth of a pass as a number above zero", alarms.NO_DEPTH)
+        raise RefusalError(BAD_DEPTH, message, help_text)
     return call
 
 

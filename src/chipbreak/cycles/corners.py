@@ -13,6 +13,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from chipbreak.cycles import alarms
+from chipbreak.cycles.alarms import with_alarm
 from chipbreak.cycles.contour import Point, Segment
 from chipbreak.model.block_effect import BlockEffect, Move
 from chipbreak.model.points import WRITE_THE_POINT
@@ -88,8 +90,16 @@ def with_angle(effect: BlockEffect, settings: Settings) -> BlockEffect:
         raise _refused(effect.block, why, "name one axis beside the angle")
     end = move.end._replace(**_end_by_angle(move, words[0], settings))
     if math.isnan(end.x + end.z):
-        raise _refused(effect.block, "has an angle that never gets there", "write X and Z of its end")
+        raise _no_end(effect.block, words[0], settings)
     return effect._replace(move=move._replace(end=end), after=effect.after._replace(position=end))
+
+
+def _no_end(block: Block, word: Word, settings: Settings) -> RefusalError:
+    """Why an angle leads nowhere."""
+    if math.isnan(_direction_of(word, settings)[0]):
+        shown = f"says {word.address}{word.value_text} without a decimal point"
+        return _refused(block, shown, WRITE_THE_POINT)
+    return _refused(block, "has an angle that never gets there", "write X and Z of its end")
 
 
 def add_placed(effects: list[BlockEffect], effect: BlockEffect, settings: Settings) -> BlockEffect:
@@ -173,7 +183,8 @@ def cornered(segments: Sequence[Segment], corners: Sequence[Corner | None]) -> l
         if corner is None or corner.size_mm <= _NOTHING_MM:
             continue
         if index + 1 >= len(segments):
-            raise _bad("the last block of the contour says a corner, and no move follows it")
+            error = _bad("the last block of the contour says a corner, and no move follows it")
+            raise RefusalError(error.code, error.message, with_alarm(error.help, alarms.OPEN_CORNER))
         before = made[index][-1]
         after = made[index + 1][0]
         if before.centre is not None or after.centre is not None:

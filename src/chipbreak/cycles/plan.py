@@ -10,6 +10,8 @@ import math
 import re
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 
+from chipbreak.cycles import alarms
+from chipbreak.cycles.alarms import with_alarm
 from chipbreak.cycles.call import BAD_DEPTH, UNREAD_FORM, Call, kind_of, read_call
 from chipbreak.cycles.contour import Frame
 from chipbreak.cycles.corner_runs import corner_edit, corner_runs
@@ -453,7 +455,8 @@ def _rough_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Ed
             "the contour goes down again, which a cycle whose first contour block moves one axis does not cut"
         )
         help_text = "name X and Z in the first block of the contour, where the control has pockets (type II)"
-        raise RefusalError(TURNS_BACK, message, help_text)
+        other = "X" if along == "Z" else "Z"
+        raise RefusalError(TURNS_BACK, message, with_alarm(help_text, alarms.TURNS_BACK[other]))
     settings = interpreted.settings
     step_mm = settings.output.step_mm(is_inch=state.is_inch)
     is_type_two = contour.first_names_both or call.is_type_two

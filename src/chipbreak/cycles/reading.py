@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
+from chipbreak.cycles import alarms
+from chipbreak.cycles.alarms import with_alarm
 from chipbreak.cycles.contour import Frame, Point, Segment, turns_back_along_h, turns_back_along_t
 from chipbreak.cycles.corners import (
     BAD_CONTOUR,
@@ -75,10 +77,11 @@ def _without_tool(block: Block) -> Block:
 
 def _check_block(effect: BlockEffect, settings: Settings) -> None:
     """The first of the rules that a block breaks.  Errors: CYC002."""
-    why = next((why for why, breaks in _RULES if breaks(effect, settings)), "")
+    why, alarm = next((said for *said, breaks in _RULES if breaks(effect, settings)), ("", ""))
     if why:
         message = f"the contour block {effect.block.text.strip()[:40]} {why}"
-        raise RefusalError(BAD_CONTOUR, message, "a contour has G0, G1, G2 and G3 with plain numbers")
+        help_text = "a contour has G0, G1, G2 and G3 with plain numbers"
+        raise RefusalError(BAD_CONTOUR, message, with_alarm(help_text, alarm) if alarm else help_text)
 
 
 def _is_unreadable(effect: BlockEffect, _: Settings) -> bool:
@@ -108,12 +111,12 @@ def _leaves_the_contour(effect: BlockEffect, _: Settings) -> bool:
     return effect.block.has("T") or effect.does("program") or effect.does("subprogram") or effect.does("stop")
 
 
-_RULES: tuple[tuple[str, Callable[[BlockEffect, Settings], bool]], ...] = (
-    ("cannot be read, has block delete or is worked out on the control", _is_unreadable),
-    ("has a G code that does not belong into a contour", _has_foreign_code),
-    ("has a word that is not read here", _has_unread_word),
-    ("is no line and no arc", _moves_otherwise),
-    ("changes the tool, stops or leaves the program", _leaves_the_contour),
+_RULES: tuple[tuple[str, str, Callable[[BlockEffect, Settings], bool]], ...] = (
+    ("cannot be read, has block delete or is worked out on the control", "", _is_unreadable),
+    ("has a G code that does not belong into a contour", alarms.FOREIGN_COMMAND, _has_foreign_code),
+    ("has a word that is not read here", "", _has_unread_word),
+    ("is no line and no arc", "", _moves_otherwise),
+    ("changes the tool, stops or leaves the program", "", _leaves_the_contour),
 )
 
 
@@ -131,7 +134,7 @@ def read_contour(
     frame = frame_of([step.move for step in steps], along)
     start = frame.inside(first.start.z, first.start.x)
     segments = segments_of(steps[1:], frame)
-    _check_shape(segments, start)
+    _check_shape(segments, start, along)
     return Contour(frame, start, segments, first.kind == "line", {"X", "Z"} <= set(first.axes))
 
 
@@ -177,7 +180,8 @@ def steps_of(effects: Sequence[BlockEffect], settings: Settings) -> list[Step]:
         raise _unknown_point(effects, settings)
     if steps[0].move.kind not in ("rapid", "line") or steps[0].corner is not None:
         message = "the first block of the contour is an arc, or says a corner"
-        raise RefusalError(BAD_CONTOUR, message, "begin the contour with G0 or G1")
+        help_text = with_alarm("begin the contour with G0 or G1", alarms.FIRST_IS_NO_LINE)
+        raise RefusalError(BAD_CONTOUR, message, help_text)
     return steps
 
 
@@ -240,7 +244,7 @@ def leg_of(move: Move) -> Leg:
     )
 
 
-def _check_shape(segments: tuple[Segment, ...], start: Point) -> None:
+def _check_shape(segments: tuple[Segment, ...], start: Point, along: str) -> None:
     if not segments:
         raise RefusalError(BAD_CONTOUR, "the contour of this cycle has no length", "give it its shape")
     if segments[0].start.t < start.t - _SAME_MM:
@@ -248,7 +252,8 @@ def _check_shape(segments: tuple[Segment, ...], start: Point) -> None:
         raise RefusalError(BEYOND_START, message, "start the cycle before the contour")
     if turns_back_along_t(segments) is not None:
         message = "the contour turns back along the passes: an undercut"
-        raise RefusalError(TURNS_BACK, message, "take the undercut out of the contour, or cut it by itself")
+        help_text = "take the undercut out of the contour, or cut it by itself"
+        raise RefusalError(TURNS_BACK, message, with_alarm(help_text, alarms.TURNS_BACK[along]))
 
 
 def goes_down(contour: Contour) -> bool:
