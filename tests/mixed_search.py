@@ -10,6 +10,7 @@ from __future__ import annotations
 import sys
 from collections import Counter
 
+import chipbreak
 from linuxcnc.mixed_programs import program as linuxcnc_program
 from linuxcnc.test_mixed_programs import check
 from second_reader.compared import checked
@@ -25,11 +26,12 @@ def fanuc(seed: int) -> tuple[str, str]:
 
 def linuxcnc(seed: int) -> tuple[str, str]:
     """The same on LinuxCNC's interpreter."""
-    data, lathe = linuxcnc_program(seed)
+    mixed = linuxcnc_program(seed)
     try:
-        return check(data, lathe=lathe), ""
-    except AssertionError as error:
-        return "changed", f"{error}\n{'lathe' if lathe else 'mill'}\n{data.decode()}"
+        return check(mixed), ""
+    except (AssertionError, chipbreak.SelfCheckError) as error:
+        machine = "lathe" if mixed.lathe else "mill with checks" if mixed.checked else "mill"
+        return "changed", f"{error}\n{machine}\n{mixed.data.decode()}"
 
 
 def search(control: str, count: int, first: int) -> int:

@@ -21,6 +21,7 @@ _OTHERS = ("DWELL", "CHANGE_TOOL", "PROGRAM_STOP", "OPTIONAL_PROGRAM_STOP", "PRO
 _OFFSETS = ("SET_G5X_OFFSET", "SET_G92_OFFSET", "USE_TOOL_LENGTH_OFFSET")
 _FOLLOWED = ("SET_G5X_OFFSET", "SET_G92_OFFSET")
 _LENGTHS = ("SET_FEED_RATE", "SET_MOTION_CONTROL_MODE", "SET_NAIVECAM_TOLERANCE")
+_NEED_NO_SPINDLE = ("STRAIGHT_TRAVERSE", "DWELL", "PROGRAM_END")
 _SAME_MM = 2e-3
 
 
@@ -114,23 +115,33 @@ def actions(canon: Iterable[str]) -> Iterator[Action]:
         yield Action(name, start, machine.at, arguments, dict(machine.in_force), inserted)
 
 
-def difference(before: Iterable[str], after: Iterable[str]) -> str:
-    """What two programs do otherwise outside what was inserted into the second, "" where nothing.
+def difference(before: Iterable[str], after: Iterable[str], free: frozenset[str] = frozenset()) -> str:
+    """What two programs do otherwise outside their brackets, "" where nothing.
 
-    An insertion may leave the tool elsewhere; then X and Y come back in rapid, and Z behind them.
+    An insertion may leave the tool elsewhere; then X and Y come back in rapid, and Z behind them.  What is
+    ``free`` counts for cuts and stops only.
     """
-    old = list(actions(before))
+    old = [action for action in actions(before) if not action.inserted]
     new = [action for action in actions(after) if not action.inserted]
     if [action.name for action in old] != [action.name for action in new]:
         return f"{[action.name for action in old]} became {[action.name for action in new]}"
     for was, now in zip(old, new, strict=True):
-        changed = {name for name, value in was.in_force.items() if now.in_force.get(name) != value}
+        changed = _changed(was, now) - (free if _needs_no_spindle(was) else frozenset())
         if changed:
             return f"at {was.name}{was.arguments}: {sorted(changed)} of {was.in_force} became {now.in_force}"
         why = _moves_otherwise(was, now)
         if why:
             return f"{was.name} from {was.start} to {was.end} goes from {now.start} to {now.end}: {why}"
     return ""
+
+
+def _changed(was: Action, now: Action) -> frozenset[str]:
+    return frozenset(name for name, value in was.in_force.items() if now.in_force.get(name) != value)
+
+
+def _needs_no_spindle(action: Action) -> bool:
+    stays = action.name == "STRAIGHT_FEED" and dist(action.start, action.end) < _SAME_MM
+    return stays or action.name in _NEED_NO_SPINDLE
 
 
 def _rapid_otherwise(was: Action, now: Action) -> str:

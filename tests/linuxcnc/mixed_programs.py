@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from random import Random
+from typing import NamedTuple
 
 from . import rs274
 
@@ -29,6 +30,7 @@ class Writer:
     diameter: bool = False
     at: dict[str, float] = field(default_factory=dict)
     subroutines: list[str] = field(default_factory=list)
+    labels: int = 200
 
     def length(self, mm: float) -> str:
         """A length in the units in force, with more digits than the output has."""
@@ -149,32 +151,162 @@ class Writer:
         self.incremental = was
         self.arrive()
 
-    def called(self) -> None:
-        """A subroutine, called once or twice; it leaves the modes as they were."""
-        number = 900 + len(self.subroutines)
-        outer, self.lines = self.lines, []
-        self.arrive()
-        for item in self.random.choices([Writer.vibrated, Writer.cut, Writer.rapid, Writer.one_shot], k=2):
+    def tool(self) -> None:
+        """Another tool, or the same one for a finer operation, and a cut or two from above."""
+        was, self.incremental = self.incremental, False
+        self.write("G90", "G0 Z" + self.length(40.0))
+        number = self.random.randint(1, 4)
+        if self.random.random() < 0.7:
+            self.write(self.random.choice(["M5", "M9", "(NEXT)"]), f"T{number} M6", f"{self.speed()} M3")
+        self.write(self.random.choice(["(ROUGH)", "(FINISH)", "(SO)"]))
+        place = self.place()
+        self.write(f"G0 {self.words({'X': place['X'], 'Y': place['Y']})}")
+        self.write(f"G43 H{number} Z{self.length(30.0)}")
+        self.write(*(["G91"] if was else []))
+        self.incremental = was
+        self.at["Z"] = 30.0
+        for item in self.random.choices([Writer.cut, Writer.vibrated, Writer.arc, Writer.drilled], k=2):
             item(self)
-        body, self.lines = self.lines, outer
+        self.write("G90 G0 Z" + self.length(40.0), *(["G91"] if was else []))
+        self.at["Z"] = 40.0
+
+    def called(self) -> None:
+        """A subroutine, called once or twice, which may call an earlier one; the modes stay as they were."""
+        number = 900 + len(self.subroutines)
+        inner = [f"o{self.random.randrange(900, number)} call"] if self.subroutines else []
+        body = self._body(inner if self.random.random() < 0.5 else [])
         self.subroutines.append("\n".join([f"o{number} sub", *body, f"o{number} endsub"]))
         self.write(*[f"o{number} call"] * self.random.randint(1, 2))
+        self._said_again()
+
+    def looped(self) -> None:
+        """A loop of each kind, twice through."""
+        self.labels += 1
+        label = f"o{self.labels}"
+        body = self._body([])
+        count = f"#{self.labels}"
+        once_more = f"{count}=[{count}+1]"
+        forms = [
+            [f"{label} repeat [2]", *body, f"{label} endrepeat"],
+            [f"{count}=0", f"{label} while [{count} lt 2]", once_more, *body, f"{label} endwhile"],
+            [f"{count}=0", f"{label} do", *body, once_more, f"{label} while [{count} lt 2]"],
+        ]
+        self.write(*self.random.choice(forms))
+        self._said_again()
+
+    def _body(self, inner: list[str]) -> list[str]:
+        """Some blocks that begin at a place of their own."""
+        outer, self.lines = self.lines, []
+        self.arrive()
+        items = [Writer.vibrated, Writer.cut, Writer.rapid, Writer.one_shot, Writer.arc]
+        for item in self.random.choices(items, k=2):
+            item(self)
+            if inner:
+                self.write(*inner)
+                self.arrive()
+        body, self.lines = self.lines, outer
+        # How often a body runs is for the control to know, so a wish for vibration ends in it.
+        return [*body, "(VIB OFF)"]
+
+    def _said_again(self) -> None:
         self.write(*[text for text in (self.speed(), self.feed()) if self.random.random() < 0.8])
         self.arrive()
 
-    def arc(self) -> None:
-        """A quarter by its centre or by its radius, in the plane of the machine."""
-        if self.diameter:
+    def kept(self) -> None:
+        """Modes that are kept and given back.
+
+        What M72 makes of an F from before a change of units is another number in inches: the program says it.
+        """
+        modes = [
+            "G91",
+            "G90",
+            "G61",
+            "G94 F100",
+            "G1 F0.3",
+            "S900",
+            "M8",
+            "G20",
+            "G97 S800",
+            "G96 D2200 S110",
+            "G55",
+        ]
+        self.write(self.feed(), "M70", *self.random.sample(modes, k=2), "M72")
+        self._said_again()
+
+    def inverse(self) -> None:
+        """Inverse time: every cut says its own."""
+        cuts = [f"G1 {self.words(self.place())} F{self.random.choice([2, 5, 12.5])}" for _ in range(2)]
+        self.write("G93", *cuts, self.random.choice(["G94", "G95"]) + " " + self.feed(), "G95 " + self.feed())
+
+    def computed(self) -> None:
+        """Words that the control works out, also from the speed and the feed in force."""
+        self.write(self.random.choice(["G4 P[#<_rpm>/10000]", "#8=#<_rpm>\nG4 P[#8/10000]", "G4 P#<_feed>"]))
+        self.write(f"#7={self.length(3.0)}", f"F[{self.length(0.05)}*2]", "G4 P[0.1+0.1]")
+        if not self.incremental:
+            axis = self.random.choice("XZ")
+            self.write(f"G1 {axis}[#7+#7]")
+            self.at[axis] = 6.0 / (2.0 if axis == "X" and self.diameter else 1.0)
+
+    def home(self) -> None:
+        """Places of the machine; behind them the program says where it goes.
+
+        In inches with a length offset G28 of LinuxCNC goes elsewhere: it takes the offset for inches.
+        """
+        if self.inch:
             return
-        step = self.random.choice([1.0, 2.0, 3.5])
-        first, second, letter = ("Z", "X", "K") if self.lathe else ("X", "Y", "I")
+        places = ["G28 Z5", "G30 Z5", "G28"] + ([] if self.incremental else ["G53 G0 Z0", "G53 G0 X0"])
+        self.write(self.random.choice(places))
+        self.arrive()
+
+    def drilled(self) -> None:
+        """A canned cycle of a mill, at a place or two."""
+        if self.lathe or self.incremental:
+            return
+        code = self.random.choice(
+            ["G81", "G82 P0.1", "G83 Q" + self.length(1.0), "G85", "G73 Q" + self.length(1.0)]
+        )
         place = self.place()
-        self.write("G0 " + self.words(place))
-        goal = {first: place[first] + step, second: place[second] + step}
-        is_centre = self.random.random() < 0.5 and not self.inch
-        size = f"{letter}{self.length(step)}" if is_centre else f"R{self.length(step)}"
-        code = "G3" if is_centre else self.random.choice(["G2", "G3"])
-        self.write(f"{code} {self.words(goal)} {size} {self.feed()}")
+        at = self.words({"X": place["X"], "Y": place["Y"]})
+        again = self.words({"X": place["X"] + 2.0, "Y": place["Y"]})
+        deep = f"Z{self.length(-2.0)} R{self.length(21.0)}"
+        self.write(
+            "G17 G0 Z" + self.length(22.0),
+            f"{self.random.choice(['G98', 'G99'])} {code} {at} {deep} {self.feed()}",
+        )
+        self.write(*([again] if self.random.random() < 0.5 else []), "G80")
+        self.arrive()
+
+    def arc(self) -> None:
+        """A part of a circle or all of it, by its centre or by its radius, perhaps vibrated."""
+        plane = 18 if self.lathe else self.random.choice([17, 17, 18, 19])
+        first, second, across = {17: "XYZ", 18: "ZXY", 19: "YZX"}[plane]
+        letters = dict(zip("XYZ", "IJK", strict=True))
+        place = self.place()
+        self.write(*([] if self.lathe else [f"G{plane}"]), "G0 " + self.words(place))
+        radius = self.random.choice([1.0, 2.0, 3.5])
+        is_vibrated = self.random.random() < 0.4
+        wish = [f"(VIB {self.random.choice(['N1.5', 'E2', 'N0.5'])})"] if is_vibrated else []
+        # The centre stands beside the start along the first axis; the quarter ends above or below it.
+        centre = {first: place[first] + radius, second: place[second]}
+        quarter = {first: place[first] + radius, second: place[second] + radius}
+        helix = {across: place[across] - 1.0} if not self.lathe and self.random.random() < 0.3 else {}
+        code = self.random.choice(["G2", "G3"])
+        turns = self.random.choice(["", "", " P1", " P2"])
+        form = self.random.choice(["centre", "radius", "circle", "absolute"])
+        if form == "radius":
+            size = self.random.choice([radius, -radius])
+            words = f"{self.words(quarter | helix)} R{self.length(size)}"
+        elif form == "circle":
+            words = f"{self.words(helix)} {letters[first]}{self.length(radius)}{turns}"
+        elif form == "centre":
+            words = f"{self.words(quarter | helix)} {letters[first]}{self.length(radius)}{turns}"
+        else:
+            middle = " ".join(letters[axis] + self.length(centre[axis]) for axis in (first, second))
+            words = f"{self.words(quarter | helix)} {middle}"
+        before, behind = (["G90.1"], ["G91.1"]) if form == "absolute" else ([], [])
+        off = ["(VIB OFF)"] if is_vibrated else []
+        self.write(*before, *wish, f"{code} {words} {self.feed()}", *off, *behind)
+        self.write(*([] if self.lathe or plane == 17 else ["G17"]))
 
     def other(self) -> None:
         if self.incremental:
@@ -202,25 +334,60 @@ _ITEMS: tuple[Callable[[Writer], None], ...] = (
     Writer.diameters,
     Writer.skipped,
     Writer.called,
-    Writer.arc,
+    Writer.looped,
+    Writer.kept,
+    Writer.inverse,
+    Writer.computed,
+    Writer.home,
+    Writer.drilled,
+    *[Writer.arc] * 2,
 )
 
 
-def program(seed: int) -> tuple[bytes, bool]:
-    """The program of a seed, and whether it is one for a lathe."""
+class Mixed(NamedTuple):
+    """A program, the machine it is for, and whether its tools are checked."""
+
+    data: bytes
+    lathe: bool
+    checked: bool
+
+
+def program(seed: int) -> Mixed:
+    """The program of a seed."""
     random = Random(seed)
     write = Writer(random, lathe=random.random() < 0.5)
+    is_checked = not write.lathe and random.random() < 0.6
     write.write("G21 G18 G8" if write.lathe else "G21 G17", "G40 G54 G80 G90 G95 G97 G64", "M3 S2000")
     write.rapid()
     write.write("F0.1")
+    items = [*_ITEMS, *[Writer.tool] * 6] if is_checked else _ITEMS
+    if is_checked:
+        write.tool()
     for _ in range(random.randint(3, 9)):
-        random.choice(_ITEMS)(write)
+        random.choice(items)(write)
     write.rapid()
     labels = iter(range(100, 200))
     text = "\n".join([*write.subroutines, *write.lines, "M2", ""])
     # Every branch has a label of its own.
     text = re.sub(r"o100 if(.*\n.*\n)o100", lambda m: f"o{(n := next(labels))} if{m[1]}o{n}", text)
-    return text.encode(), write.lathe
+    return Mixed(_typed(random, text).encode(), write.lathe, is_checked)
+
+
+def _typed(random: Random, text: str) -> str:
+    """The same in another hand: small letters, blanks between words and numbers, block numbers, line ends."""
+    if random.random() < 0.6:
+        return text
+    lines = [_line_typed(random, line) for line in text.split("\n")]
+    return random.choice(["\n", "\r\n"]).join(lines)
+
+
+def _line_typed(random: Random, line: str) -> str:
+    if not line or line[0] in "(/oO#":
+        return line
+    line = line.lower() if random.random() < 0.4 else line
+    line = line.replace(" ", random.choice([" ", "", "  ", "\t"]))
+    line = re.sub(r"([A-Za-z])([-\d.])", r"\1 \2", line) if random.random() < 0.2 else line
+    return f"N{random.randint(1, 9999)} {line}" if random.random() < 0.3 else line
 
 
 # --- what a program does ----------------------------------------------------------------------------------

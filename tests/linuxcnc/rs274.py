@@ -20,6 +20,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 MM_PER_INCH = 25.4
+# Nothing of what the interpreter writes need reach a disk.
+_IN_MEMORY = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
 
 START_UP = {
     True: b"G18 G21 G8 G40 G49 G54 G80 G90 G94 G97",
@@ -80,7 +82,7 @@ def judge(
     ``/``. The program is accepted when the interpreter reads it to its end (M2, M30 or the second ``%``)
     without a complaint: a program cut short is a rejected one, whatever the exit status says.
     """
-    with tempfile.TemporaryDirectory(prefix="rs274-") as name:
+    with tempfile.TemporaryDirectory(prefix="rs274-", dir=_IN_MEMORY) as name:
         folder = Path(name)
         (folder / "program.ngc").write_bytes(_with_start_up(program, START_UP[lathe]))
         (folder / "tool.tbl").write_text("".join(tool.line() + "\n" for tool in tools))

@@ -76,7 +76,7 @@ def assert_goes_on(data: bytes, line: int, settings: chipbreak.Settings) -> bool
 
 @pytest.mark.parametrize("seed", range(8))
 def test_random_programs_go_on(seed: int) -> None:
-    data, lathe = program(seed)
+    data, lathe, _ = program(seed)
     settings = chipbreak.load("linuxcnc-lathe" if lathe else "linuxcnc-mill", ["planner.model=ideal"])
     if seed % 2:
         with contextlib.suppress(chipbreak.ProgramRejectedError):  # then it is started again as it is

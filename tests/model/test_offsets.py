@@ -84,6 +84,41 @@ def test_what_m70_keeps_m72_gives_back() -> None:
     assert linuxcnc("M70", "G0 X1", "M72").position.x == 1.0
 
 
+@pytest.mark.parametrize(
+    ("between", "feed", "speed"),
+    [
+        # What LinuxCNC 2.9 commands then; where it rounds, nothing is taken for granted.
+        ("F100|M70|F3", 100.0, 2000.0),
+        ("F0.1|M70|G94 F100", 0.1, 2000.0),
+        (
+            "F0.1|M70|G94 F0.1",
+            None,
+            2000.0,
+        ),  # the number is the same, so it is not said, and G95 has ended it
+        ("F0.1|M70|G94", 0.1, 2000.0),
+        ("F0.05|M70|F3", math.nan, 2000.0),
+        ("F0.05|M70|G91", 0.05, 2000.0),
+        ("F0.1|G20|M70|F3", 2.54, 2000.0),
+        ("F0.1|G20|M70", 0.1, 2000.0),
+        ("F0.1|M70|G20|F0.1", 2.54, 2000.0),
+        ("S123.5|M70|S3", None, math.nan),
+        ("S123.5|M70|G91", None, 123.5),
+    ],
+)
+def test_m72_says_f_and_s_where_they_are_others(between: str, feed: float | None, speed: float) -> None:
+    state = linuxcnc("G21 G95 M3 S2000", *between.split("|"), "M72")
+    assert (state.feed and state.feed.value) == pytest.approx(feed, nan_ok=True)
+    assert state.speed and state.speed.value == pytest.approx(speed, nan_ok=True)
+
+
+def test_m72_leaves_the_limit_of_a_surface_speed_where_it_stays() -> None:
+    limits = [
+        linuxcnc("M3 S2000", "G96 D1800 S100", "M70", *between, "M72").speed_limit
+        for between in ([], ["G96 D2500 S120"], ["G97 S800"])
+    ]
+    assert [limit and limit.value for limit in limits] == [1800.0, 2500.0, None]
+
+
 def test_linuxcnc_keeps_a_feed_over_a_change_of_units() -> None:
     state = linuxcnc("F300", "G20")
     assert state.feed == Setting(300.0, "300", 0, "mm")

@@ -255,6 +255,25 @@ def test_v_and_d_that_are_not_ours(line: str, profile: str) -> None:
     assert filtered(program, profile) == program
 
 
+# --- what reads the speed -----------------------------------------------------------------------------------
+
+READING = {
+    "fanuc-lathe": ["#500=#4119", "#500=#[#1+2]", "G4 X[#4119/1000]", "#1=#4002"],
+    "linuxcnc-lathe": ["#5=#<_rpm>", "#5=#<_RPM>", "G4 P[#<_rpm>/1000]", "M70", "M73", "#5=#[#6]"],
+}
+
+
+@pytest.mark.parametrize(("profile", "block"), [(p, block) for p in READING for block in READING[p]])
+def test_a_block_that_works_with_the_speed_finds_the_programmed_one(profile: str, block: str) -> None:
+    cut = "G95 G97 S2000 M3\nG0 X20. Z2.\n(VIB N1.5 F62.5)\nG1 Z-3. F0.1\n(VIB OFF)\n"
+    settings = chipbreak.load(profile, ['planner.model="ideal"'])
+    output = chipbreak.rewrite(f"{cut}{block}\nG0 X30.\nS900\nM30\n".encode(), settings).data.decode()
+    speeds = [line for line in output[: output.index(f"\n{block}\n")].split("\n") if line.startswith("S")]
+    assert speeds == ["S2500", "S2000"]
+    plain = chipbreak.rewrite(f"{cut}#5=7\nG0 X30.\nS900\nM30\n".encode(), settings).data.decode()
+    assert "S2000\n" not in plain.split("\n", 1)[1], "the program says a speed before anything needs one"
+
+
 # --- constant surface speed in both directions --------------------------------------------------------------
 
 

@@ -221,6 +221,7 @@ class Dialect(NamedTuple):
     ``deep_drilling`` the codes (times ten) that drill along Z by pecks
     ``nose``          how it compensates nose radii; None where that is not known
     ``place_variables`` numbers and names of the variables that hold the place where the tool stands
+    ``speed_variables`` those that hold the spindle speed in force, or its mode
     ``place_settings`` the L of those G10 that work with that place
     ``turns_offsets`` the R of ``G10 L2`` turns a work offset
     ``marks``         what a mark says on this control: its keyword -> PROGRAM, PATH, WAIT or SPINDLE
@@ -277,6 +278,8 @@ class Dialect(NamedTuple):
     nose: NoseRules | None = None
     deep_drilling: frozenset[int] = frozenset()
     place_variables: frozenset[int | str] = frozenset(range(5001, 5061))
+    # S and the groups of G96 and G97 of the block before and of this one; Haas has the speed itself as well.
+    speed_variables: frozenset[int | str] = frozenset({4119, 4319, 4002, 4202, 4013, 4213, 3027})
     place_settings: frozenset[float] = frozenset()
     turns_offsets: bool = False
     marks: Mapping[str, str] = FrozenTable({})

@@ -76,6 +76,7 @@ GRBL = Dialect(
     call_sets=PLAIN_SETS,
     no_macros="it has no variables, so runout, diameter and edges cannot be measured",
     place_variables=frozenset(),
+    speed_variables=frozenset(),
     place_settings=frozenset({20.0}),
     settings=_SETTINGS,
     stops_at=Stops(

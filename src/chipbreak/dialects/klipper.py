@@ -37,6 +37,7 @@ KLIPPER = Dialect(
     reads_comments_in_lower_case=True,
     own_words=FrozenTable({Code(NON_MODAL, "dwell"): "P"}),
     place_variables=frozenset(),
+    speed_variables=frozenset(),
     repeats_codes=True,
     # The host runs the file: M0 and M2 are nothing there, but for a macro of the shop.
     holds_programs=False,

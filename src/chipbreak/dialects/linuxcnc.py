@@ -108,6 +108,7 @@ _NOSE = NoseRules(
 )
 
 _PLACES = frozenset({*range(5420, 5429), *(f"_{way}{axis}" for way in ("", "abs_") for axis in "xyzabcuvw")})
+_SPEEDS = frozenset({"_rpm", "_spindle_rpm_mode", "_spindle_css_mode"})
 
 LINUXCNC_LATHE = Dialect(
     name="linuxcnc-lathe",
@@ -129,6 +130,7 @@ LINUXCNC_LATHE = Dialect(
     message_mark="MSG, ",
     loop=_LOOP,
     place_variables=_PLACES,
+    speed_variables=_SPEEDS,
     place_settings=frozenset({10.0, 11.0, 20.0}),
     turns_offsets=True,
     takes_nested_comments=False,

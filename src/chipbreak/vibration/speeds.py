@@ -11,11 +11,14 @@ import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
+from chipbreak.dialects import Dialect
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
 from chipbreak.settings.sections import Settings
+from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.numbers import print_number
+from chipbreak.syntax.variables import variables_of
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.vibration.chain import SPEED_MODES
@@ -205,7 +208,7 @@ def _before_own_speed(at: _Place) -> _Blocks | None:
 
 def _before_dependent(at: _Place) -> _Blocks | None:
     """What the block does depends on the speed.  Errors: VIB057."""
-    if at.is_air or not _depends_on_speed(at.effect):
+    if at.is_air or not _depends_on_speed(at.effect, at.interpreted.settings.dialect):
         return None
     return _known_blocks(at, at.effect.before)
 
@@ -249,13 +252,22 @@ def _own_blocks(state: State, settings: Settings) -> _Blocks:
     return (before, f"{now} {said}")
 
 
-def _depends_on_speed(effect: BlockEffect) -> bool:
+def _depends_on_speed(effect: BlockEffect, dialect: Dialect) -> bool:
     """True for a block whose effect depends on the spindle speed, or that hands the speed on."""
     if effect.block.is_empty or effect.in_contour:
         return False
     if effect.block.opaque or effect.block.controls or effect.non_modal - _FREE_NON_MODAL:
         return True
+    if _reads_speed(effect.block, dialect):
+        return True
     if effect.move is not None and effect.move.kind != "rapid":
         return True
-    leaves = effect.does("subprogram") or effect.does("program", "end")
+    leaves = effect.does("subprogram") or effect.does("program", "end") or effect.does("modes", "keep")
     return leaves or effect.does("spindle", "cw", "ccw")
+
+
+def _reads_speed(block: Block, dialect: Dialect) -> bool:
+    """True for a block that works with the speed in force (``#100=#4119``), or may (``#1=#[#2]``)."""
+    if not block.has_macro and not block.assignments:
+        return False
+    return any(key is None or key in dialect.speed_variables for key in variables_of(block))
