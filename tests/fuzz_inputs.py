@@ -7,7 +7,7 @@ control character on the screen.  What does is printed with all it takes to see 
 counts the cases.
 
 ``python tests/fuzz_inputs.py --coverage [ARGUMENTS OF LIBFUZZER]`` lets atheris choose the bytes by what they
-reach, where it is installed (``pip install atheris``).
+reach, where it is installed (``pip install atheris``); what reached something new stays in ``build/corpus``.
 """
 
 from __future__ import annotations
@@ -23,13 +23,15 @@ import tempfile
 import time
 import traceback
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from pathlib import Path
+from unittest.mock import patch
 
 import click.testing
 
 import chipbreak
+from chipbreak.batch.work import Finished, Task, filtered
 from chipbreak.checks.calls import check_sets
 from chipbreak.cli import cli
 from chipbreak.inspection.edges import judge_edge
@@ -44,6 +46,7 @@ from chipbreak.tools.lists import read_traces
 
 TESTS = Path(__file__).parent
 SAMPLES = TESTS.parent / "samples"
+CORPUS = TESTS.parent / "build" / "corpus"
 # Seconds of the processor for any input, and for each MB of it.
 _LEAST_S, _PER_MB_S = 2.0, 2.0
 _HANG_S = 30.0
@@ -480,7 +483,10 @@ _COMMANDS = (
     "advise -p {p} {n} {n}",
     "macros -p {p} -o macros",
     "hooks write cam -p {p} -o hooks",
+    "batch programs in.nc -p {p} -o out --jobs 1",
+    "batch programs -p t.toml -o out --jobs 1 --json",
 )
+_IN_FOLDER = ("O0001", "deep/O0002", "deep/part.nc")
 _RARE = ("report in.nc -p {p} -o out.html", "plot in.nc -p {p} -o out.svg")
 
 
@@ -498,15 +504,23 @@ def a_command(draw: random.Random) -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for file, content in files.items():
+            (folder / file).parent.mkdir(parents=True, exist_ok=True)
             (folder / file).write_bytes(content)
-        with contextlib.chdir(folder):
+        with contextlib.chdir(folder), patch("chipbreak.batch.processes.by_processes", in_this_process):
             done = click.testing.CliRunner().invoke(cli, arguments)
         if done.exception is not None and not isinstance(done.exception, SystemExit):
             raise done.exception
         wrong = next((said for rule in _RULES_OF_A_RUN if (said := rule(done, arguments[0], folder))), "")
         if wrong:
             raise FoundError(wrong)
-    return sum(map(len, files.values()))
+    # Each program of a batch may take as long as one alone.
+    others = len(_IN_FOLDER) if arguments[0] == "batch" else 0
+    return sum(map(len, files.values())) + int(others * _LEAST_S / _PER_MB_S * 1e6)
+
+
+def in_this_process(tasks: Iterable[Task], _jobs: int) -> Iterator[Finished]:
+    """The tasks of a batch where this search sees how long they take."""
+    return map(filtered, tasks)
 
 
 def _spoilt_files(draw: random.Random, suffix: str) -> dict[str, bytes]:
@@ -514,6 +528,7 @@ def _spoilt_files(draw: random.Random, suffix: str) -> dict[str, bytes]:
     one = draw.choice(programs())
     _, tools = draw.choice(tool_files())
     return {
+        **{f"programs/{name}": spoilt(draw, draw.choice(programs()), _PIECES) for name in _IN_FOLDER},
         "in.nc": spoilt(draw, one, _PIECES),
         "other.nc": spoilt(draw, one, _PIECES),
         f"t.{suffix}": spoilt(draw, tools, _PIECES),
@@ -540,8 +555,19 @@ def _clean_screen(done: click.testing.Result, command: str, _folder: Path) -> st
     return f"control character {found[0]!r} on the screen: {screen[:300]!r}" if found else ""
 
 
+def _all_or_a_reason(done: click.testing.Result, command: str, folder: Path) -> str:
+    """Of a batch each program is there, or a file that says why not."""
+    if command != "batch" or done.exit_code not in (0, 3):
+        return ""
+    for name in _IN_FOLDER:
+        there = [(folder / "out" / f"{name}{suffix}").exists() for suffix in ("", ".rejected")]
+        if there not in ([True, False], [False, done.exit_code == 3]):
+            return f"exit {done.exit_code}, but of {name} there is program, reason: {there}"
+    return ""
+
+
 def _nothing_left(_done: click.testing.Result, _command: str, folder: Path) -> str:
-    return "".join(f"{left.name} is left" for left in folder.glob("*.part"))
+    return "".join(f"{left.name} is left" for left in folder.rglob("*.part"))
 
 
 _RULES_OF_A_RUN: tuple[Callable[[click.testing.Result, str, Path], str], ...] = (
@@ -549,6 +575,7 @@ _RULES_OF_A_RUN: tuple[Callable[[click.testing.Result, str, Path], str], ...] = 
     _nothing_after_an_error,
     _clean_screen,
     _nothing_left,
+    _all_or_a_reason,
 )
 
 
@@ -647,7 +674,7 @@ def search(seconds: float, first_seed: int | None) -> int:
 
 
 def by_coverage(arguments: list[str]) -> None:
-    """Let atheris choose the seeds and the bytes of programs by what they reach."""
+    """Let atheris choose the bytes of programs by what they reach; it starts from those of the tests."""
     import atheris  # type: ignore[import-not-found]
 
     names = profile_names()
@@ -658,8 +685,11 @@ def by_coverage(arguments: list[str]) -> None:
             with bounded(), contextlib.suppress(ProgramRejectedError):
                 chipbreak.rewrite(data[1:], settings, allow_unbroken=True)
 
+    CORPUS.mkdir(parents=True, exist_ok=True)
+    for number, data in enumerate(programs()):
+        (CORPUS / str(number)).write_bytes(bytes([number % len(names)]) + data)
     atheris.instrument_all()
-    atheris.Setup([sys.argv[0], *arguments], one)
+    atheris.Setup([sys.argv[0], *arguments, str(CORPUS)], one)
     atheris.Fuzz()
 
 

@@ -76,9 +76,9 @@ TESTS = (
         "test_cli.py",
     ),
 )
-PATIENCE_S = 120.0
+PATIENCE_S = 60.0
 FEW_FILES = 3
-FEW_TESTS = 100
+HASTE_S = 5.0
 WORKERS = 2
 MOST_BYTES = 6 << 30
 # No number takes these: an error wherever they are reached.
@@ -266,7 +266,8 @@ class Reach:
         for lines in _lines_around(TREE / mutant.file, mutant.start[0]):
             contexts = {context.split("|")[0] for line in lines for context in by_line.get(line, ())}
             if found := contexts & self.seconds.keys():
-                return self._patient(sorted(found, key=lambda test: (self.seconds[test], test)))
+                ordered = sorted(found, key=lambda test: (self.seconds[test], test))
+                return self._patient(ordered, PATIENCE_S)
         return []
 
     def rounds(self, mutant: Mutant) -> list[Round]:
@@ -275,18 +276,18 @@ class Reach:
         files = Counter(_file_of(test) for test in every)
         room = f"tests/{mutant.file.split('/')[2]}/"
         likely = sorted(files, key=lambda file: (not file.startswith(room), -files[file]))[:FEW_FILES]
-        few = [test for test in every if _file_of(test) in likely][:FEW_TESTS]
+        few = self._patient([test for test in every if _file_of(test) in likely], HASTE_S)
         return [self._limited(tests) for tests in (few, every) if tests]
 
     def _limited(self, tests: list[str]) -> Round:
         return Round(tests, 60.0 + 8.0 * sum(self.seconds[test] for test in tests))
 
-    def _patient(self, tests: list[str]) -> list[str]:
+    def _patient(self, tests: list[str], most_s: float) -> list[str]:
         """The first of them, as many as there is time for."""
         total_s = 0.0
         for at, test in enumerate(tests):
             total_s += self.seconds[test]
-            if total_s > PATIENCE_S and at:
+            if total_s > most_s and at:
                 return tests[:at]
         return tests
 

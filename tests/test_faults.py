@@ -17,6 +17,7 @@ import click
 import pytest
 
 import chipbreak
+from beam import OPTIONS
 from chipbreak import whole_files
 from chipbreak.streams import keep_file, read_input, replace_file
 from warm import clean_environment, interruptible, warm
@@ -122,10 +123,10 @@ def test_an_interrupted_run_says_what_is_written(tmp_path: Path) -> None:
 # --- no room, no right ------------------------------------------------------------------------------------
 
 
-def no_room() -> None:
+def no_room(most_bytes: int = 1000) -> None:
     import resource
 
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
 
 
 @pytest.mark.parametrize("backup", [[], ["--backup", ".bak"]])
@@ -142,8 +143,18 @@ def test_no_room_for_a_new_file(file: Path) -> None:
         "filter", "-q", "-p", "generic-lathe", "a.nc", "-o", "b.nc", cwd=file.parent, preexec_fn=no_room
     )
     assert done.returncode == 2
-    assert b"cannot write b.nc: File too large; no file was written" in done.stderr
+    assert b"cannot write b.nc: File too large; no part of it is there" in done.stderr
     assert names(file.parent) == ["a.nc"]
+
+
+def test_of_several_files_it_is_said_which_are_new(tmp_path: Path) -> None:
+    line = ("macros", "-p", "linuxcnc-mill", *OPTIONS, "-o", "m")
+    done = command(*line, cwd=tmp_path, preexec_fn=lambda: no_room(1500))
+    assert done.returncode == 2
+    assert names(tmp_path / "m") == ["cb_above.ngc"]
+    assert (tmp_path / "m" / "cb_above.ngc").read_bytes().endswith(b"M2\n")
+    said = "cannot write m/cb_calibrate.ngc: File too large; no part of it is there"
+    assert f"{said}; written before: m/cb_above.ngc" in done.stderr.decode()
 
 
 def test_one_program_of_many_that_cannot_be_written(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NoReturn
 import click
 
 from chipbreak.options import PROFILE, REPORTING, SET, USAGE, Asked, asking, settings_of
-from chipbreak.streams import replace_file, write_json
+from chipbreak.streams import replace_file, replace_files, write_json
 from chipbreak.text.encoding import escaped
 
 if TYPE_CHECKING:
@@ -85,8 +85,8 @@ def write(
         _refuse(asked, error)
     error_ms = _CLOCK_ERROR_MS if variables else _HAND_ERROR_MS
     profile = asked.profile or settings.name
-    replace_file(target, [text.encode("ascii", "replace")])
-    replace_file(form, [form_text(profile, target.name, groups, variables, error_ms).encode()])
+    said = form_text(profile, target.name, groups, variables, error_ms).encode()
+    replace_files({target: text.encode("ascii", "replace"), form: said})
     if not asked.quiet:
         told = f"{target}: {len(groups)} groups of {letters}; {form}: the form for their times"
         click.echo(escaped(told), err=True)

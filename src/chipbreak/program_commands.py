@@ -50,6 +50,7 @@ from chipbreak.streams import (
     note_rejection,
     open_long,
     replace_file,
+    replace_files,
     say,
     write_json,
     write_lines,
@@ -426,5 +427,4 @@ def macros(asked: Asked, output: str) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise click.UsageError(f"cannot write {output}: {error.strerror}") from None
-    for name, data in files.items():
-        replace_file(folder / name, [data])
+    replace_files({folder / name: data for name, data in files.items()})

@@ -7,7 +7,7 @@ import gc
 import os
 import sys
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -251,6 +251,18 @@ def replace_file(
         raise click.UsageError(escaped(f"cannot write {target}: {error.strerror}{_left(target)}")) from None
 
 
+def replace_files(files: Mapping[Path, bytes]) -> None:
+    """Write some files, each old or new.  Raises click.UsageError (exit 2), which says which ones are new."""
+    written: list[str] = []
+    for target, data in files.items():
+        try:
+            replace_file(target, [data])
+        except click.UsageError as error:
+            done = escaped(f"; written before: {', '.join(written)}") if written else ""
+            raise click.UsageError(f"{error.message}{done}") from None
+        written.append(str(target))
+
+
 @contextmanager
 def _noted(target: Path) -> Iterator[None]:
     """Remember a file that has been replaced, for the message of an interrupted run."""
@@ -266,7 +278,7 @@ def _left(target: Path) -> str:
     """What a target is when it could not be written; a device or pipe may have taken a part."""
     if target.is_file():
         return "; the file is as it was"
-    return "" if os.path.lexists(target) else "; no file was written"
+    return "" if os.path.lexists(target) else "; no part of it is there"
 
 
 def keep_file(original: Path, data: bytes, suffix: str) -> Path:
