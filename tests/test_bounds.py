@@ -162,3 +162,14 @@ def test_included_files_have_an_end(tmp_path: Path) -> None:
     (tmp_path / "one.ini").write_text("[TRAJ]\nLINEAR_UNITS = mm\n")
     with pytest.raises(RefusalError, match="includes itself"):
         machine_of_ini(tmp_path / "wide.ini")
+
+
+def test_a_number_of_thousands_of_digits_is_no_number(tmp_path: Path) -> None:
+    number = "9" * 6000
+    file = tmp_path / "a.toml"
+    file.write_text(f"vibration.n = {number}")
+    for profile, sets in ((file, []), ("fanuc-lathe", [f"control.lathe_system={number}"])):
+        with pytest.raises(chipbreak.SettingsError):
+            chipbreak.load(profile, sets)
+    with pytest.raises(chipbreak.ToolFileError):
+        read_tools("a.toml", f"[[tool]]\nnumber = {number}".encode())

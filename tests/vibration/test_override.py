@@ -151,3 +151,24 @@ def test_a_variable_of_the_control_holds_them_on_fanuc() -> None:
 def test_who_holds_the_override_gives_it_back() -> None:
     with pytest.raises(chipbreak.SettingsError, match="override_on"):
         chipbreak.load("linuxcnc-lathe", ["planner.override_on=[]"])
+
+
+@pytest.mark.parametrize(
+    ("profile", "block"),
+    [
+        (f"{name}-lathe", block)
+        for name in ("linuxcnc", "fanuc")
+        for block in ("X", "M3", "M30", "M98 P1", "F9")
+    ]
+    + [("fanuc-lathe", "G91"), ("fanuc-lathe", "#1=2"), ("fanuc-lathe", "#3004=X"), ("grbl", "#3004=2")],
+)
+def test_a_block_that_does_anything_else_is_refused(profile: str, block: str) -> None:
+    sets = ["planner.override_off=M48", f'planner.override_on="{block}"']
+    with pytest.raises(chipbreak.SettingsError, match="holds overrides or gives them back"):
+        chipbreak.load(profile, sets)
+
+
+@pytest.mark.parametrize("profile", ["grblhal-lathe", "haas-lathe", "linuxcnc-lathe"])
+def test_m_codes_of_overrides_are_taken(profile: str) -> None:
+    sets = ["planner.override_off=M49", "planner.override_on=M48"]
+    assert chipbreak.load(profile, sets).planner.override_on == ("M48",)

@@ -82,7 +82,7 @@ def _build(
     check_ranges(layer, sections["command"], sections["spindle"])
     check_only(layer, sections["vibration"])
     check_steps(layer, axes)
-    check_override(layer, sections["planner"])
+    check_override(layer, sections["planner"], dialect)
     check_filters(layer, axes)
     check_macros(layer, sections["macros"], dialect)
     check_sisters(layer, sections["checks"])
@@ -227,7 +227,7 @@ def _profile_layers(profile: str, seen: set[str]) -> Iterable[Layer]:
         values = tomllib.loads(text)
     except RecursionError:
         raise _too_deep(name) from None
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:  # no TOML, or a number of thousands of digits
         where = re.search(r"line (\d+), column (\d+)", str(error))
         line, column = (int(where[1]), int(where[2])) if where else (1, 1)
         lines = text.split("\n")
@@ -279,7 +279,7 @@ def _option_layer(option: str) -> Layer:
         value = tomllib.loads(f"v = {text}")["v"]
     except RecursionError:
         raise _too_deep(f"--set {key}") from None
-    except tomllib.TOMLDecodeError:
+    except ValueError:  # no TOML, or a number of thousands of digits: then it is text
         value = text.strip()
     if "." in name:
         name, _, inner = name.partition(".")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
+from chipbreak.dialects.base import Dialect
 from chipbreak.settings.checking import IMPOSSIBLE, Layer, hint_at
 from chipbreak.settings.sections import OPERATION_KINDS, Axis, Command, Planner, Spindle, Vibration
 
@@ -55,10 +56,30 @@ def check_steps(layer: Layer, axes: Mapping[str, Axis]) -> None:
             raise layer.fail(IMPOSSIBLE, f"axes.{name}.steps_per_mm", message, "give one of them")
 
 
-def check_override(layer: Layer, planner: Planner) -> None:
-    """What takes the feed override from the operator gives it back."""
+# End and return of programs, calls: no control has another use for them.
+_OTHER_USES = frozenset({30, 98, 99})
+# Another block would change what the cut meets: M50 P0, or a variable of the control.
+_HOLDS_OVERRIDE = re.compile(r"M([0-9]{2,3})(?: *[PQ] *[0-9.]+)?|#[0-9]{4,}=[0-9.]+", re.IGNORECASE)
+
+
+def check_override(layer: Layer, planner: Planner, dialect: Dialect) -> None:
+    """What takes the feed override from the operator gives it back, and does nothing else."""
     for key, other in (("override_off", "override_on"), ("override_on", "override_off")):
+        for text in filter(None, getattr(planner, key)):
+            if not _holds_override(text, dialect):
+                message = f"planner.{key}: {text!r} is no block that holds overrides or gives them back"
+                hint = 'an M code, such as "M50 P0", or a variable of the control, such as "#3004=2"'
+                raise layer.fail(IMPOSSIBLE, f"planner.{key}", message, hint)
         if any(getattr(planner, key)) and not any(getattr(planner, other)):
             message = f"planner.{key} = {list(getattr(planner, key))!r} without {other}"
             hint = 'give both, on LinuxCNC "M50 P0" and "M50 P1", or neither'
             raise layer.fail(IMPOSSIBLE, f"planner.{key}", message, hint)
+
+
+def _holds_override(text: str, dialect: Dialect) -> bool:
+    found = _HOLDS_OVERRIDE.fullmatch(text)
+    if found is None or not found[1]:
+        return found is not None and bool(dialect.place_variables)  # it has variables
+    number = int(found[1])
+    code = dialect.m_codes.get(number)
+    return number not in _OTHER_USES and (code is None or code.group == "override")

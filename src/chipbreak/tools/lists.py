@@ -60,7 +60,7 @@ def read_toml(data: bytes, name: str, _unit: Unit) -> list[ToolData]:
     text = "\n".join(errors.lines)
     try:
         given = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # a number of thousands of digits is none
         where = re.search(r"line (\d+), column (\d+)", str(error))
         line, column = (int(where[1]), int(where[2]) - 1) if where else (1, 0)
         why = str(error).split(" (at", maxsplit=1)[0].lower()
