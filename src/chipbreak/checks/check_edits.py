@@ -97,7 +97,14 @@ class _Blocks:
         for text in retract_blocks(self.settings):
             self.write(text)
         if self.before.turns:
-            self.write(self.dialect.m_code("spindle", "stop"))
+            self._stop_spindle()
+
+    def _stop_spindle(self) -> None:
+        self.write(" ".join([self.dialect.m_code("spindle", "stop"), *self._choice()]))
+
+    def _choice(self) -> list[str]:
+        """The word by which the program has chosen its spindle."""
+        return [self.before.choice] if self.before.choice else []
 
     def put_back(self) -> None:
         """Speed and spindle, the position from above, coolant, and the modal groups."""
@@ -114,19 +121,19 @@ class _Blocks:
 
     def _put_back_spindle(self) -> None:
         if not self.point.restarts and self.now.turns:  # a call has started it
-            self.write(self.dialect.m_code("spindle", "stop"))
+            self._stop_spindle()
         is_changed = self.now.speed != self.before.speed
         if not (self.before.speed and (self.point.needs_speed or is_changed)):
             return
         starts = [self.dialect.m_code("spindle", self.before.spindle)] if self.point.restarts else []
         typed = self.before.speed.units
         if typed == self.before.modes.units or not self._reads_before_units():
-            self.write(" ".join([f"S{speed_text(self.before)}", *starts]))
+            self.write(" ".join([f"S{speed_text(self.before)}", *starts, *self._choice()]))
             return
         # The control keeps the number: it is read in the units in which it was set.
         self.write(self.dialect.code("units", typed))
         back = self.dialect.code("units", self.before.modes.units)
-        self.write(" ".join([back, f"S{self.before.speed.text}", *starts]))
+        self.write(" ".join([back, f"S{self.before.speed.text}", *starts, *self._choice()]))
 
     def _reads_before_units(self) -> bool:
         """True where an S of surface speed is read before the units of its block."""

@@ -589,7 +589,7 @@ def _refuse_left_behind(before: State, behind: State, may_differ: set[str]) -> N
     changed = sorted(set(before.modes.changed(behind.modes)) - may_differ)
     if before.coolant != behind.coolant:
         changed.append("coolant")
-    if before.spindle != behind.spindle:
+    if (before.spindle, before.choice) != (behind.spindle, behind.choice):
         changed.append("spindle")
     if changed:
         message = f"the contour leaves another {', '.join(changed)} in force behind this cycle"

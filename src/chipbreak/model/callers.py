@@ -295,7 +295,8 @@ def _leaves_another_state(inside: Sequence[BlockEffect]) -> bool:
     after = inside[-1].after
     changed = set(before.modes.changed(after.modes)) - _FOLLOWED_BEHIND
     calls_tool = any(effect.block.has("T") for effect in inside)
-    return bool(changed) or calls_tool or before.spindle != after.spindle or before.coolant != after.coolant
+    spindle = (before.spindle, before.choice) != (after.spindle, after.choice)
+    return bool(changed) or calls_tool or spindle or before.coolant != after.coolant
 
 
 def _agreed(states: Sequence[State | None]) -> State | None:

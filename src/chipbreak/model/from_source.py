@@ -4,19 +4,26 @@ from __future__ import annotations
 
 from chipbreak.model.code_systems import shown_system
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
+from chipbreak.model.paths import work_spindles
 from chipbreak.model.shown_points import shown_rule
 from chipbreak.settings.sections import SHOWN, Settings, Shown
-from chipbreak.syntax.parse import parse
+from chipbreak.syntax.parse import Program, parse
 from chipbreak.text.source import Source
 
 
 def interpret_source(source: Source, settings: Settings) -> InterpretedProgram:
-    """Read and interpret; what the profile leaves to the program (``"shown"``) is looked for first."""
-    control = settings.control
+    """Read and interpret; what the program shows of its control is looked for first."""
     program = parse(source, settings.dialect)
-    if SHOWN in (control.decimal_point, control.lathe_system) and settings.shown == Shown():
-        rule = shown_rule(program) if control.decimal_point == SHOWN else ""
-        system = shown_system(program) if control.lathe_system == SHOWN else ""
-        settings = settings.as_shown(Shown(rule, system))
-        program = parse(source, settings.dialect) if system else program
+    if settings.shown == Shown():
+        shown = _shown_by(program, settings)
+        settings = settings.as_shown(shown)
+        program = parse(source, settings.dialect) if shown.system else program
     return interpret(program, settings)
+
+
+def _shown_by(program: Program, settings: Settings) -> Shown:
+    """What a program shows: of numbers and code systems where the profile leaves that to it (``"shown"``)."""
+    control = settings.control
+    rule = shown_rule(program) if control.decimal_point == SHOWN else ""
+    system = shown_system(program) if control.lathe_system == SHOWN else ""
+    return Shown(rule, system, work_spindles(program))

@@ -27,6 +27,7 @@ from chipbreak.model.paths import (
     behind_choice,
     behind_unknown_start,
     behind_wait,
+    behind_work_spindle,
     entered,
     spindle_choice,
 )
@@ -286,6 +287,8 @@ class Interpreter:
             after = behind_wait(after, block, self.dialect, self._user_line(block))
             after = behind_unknown_start(after, block, self.dialect, self._user_line(block))
         choice = spindle_choice(block, codes, self.dialect)
+        if choice in self.settings.shown.spindles:
+            return behind_work_spindle(after, before, choice, block, self._user_line(block))
         return behind_choice(after, before, choice, self._user_line(block)) if choice else after
 
     def _unread(self, block: Block, seen: Words, after: State, move: Move | None) -> Words:
@@ -322,4 +325,6 @@ def _maybe(before: State, after: State, line: int) -> State:
     if position != after.position:
         why = f"line {line} is skipped while block delete is on"
         after = after._replace(position=position, unknown_why=why)
+    if before.choice != after.choice:
+        after = after._replace(spindle_why=f"line {line}, which chooses it, is skipped with block delete on")
     return after._replace(ended=before.ended)

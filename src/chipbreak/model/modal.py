@@ -53,6 +53,7 @@ class State(NamedTuple):
     ``path_words``     the path mode as the program wrote it, with its P and Q; empty while it said none
     ``smooth_words``   the same for look-ahead and smoothing (``G5.1 Q1 R3``)
     ``spindle_why``    why it is not followed what turns the spindle; empty where it is
+    ``choice``         the word by which the program has chosen its spindle (P11); empty where it chooses none
     ``path``           the mark of the path that the lines are of; empty in a program without marks
     ``parked``         the states of the other paths, by mark
     ``kept``           what LinuxCNC's M70 has kept for M72
@@ -74,6 +75,7 @@ class State(NamedTuple):
     smooth_words: str = ""
     kept: State | None = None
     spindle_why: str = ""
+    choice: str = ""
     path: str = ""
     parked: tuple[tuple[str, State], ...] = ()
     motion_before_cycle: Motion = "rapid"

@@ -15,6 +15,7 @@ from chipbreak.dialects.base import PATH, PROGRAM, SPINDLE, WAIT, MCode
 from chipbreak.model.codes import BlockCodes
 from chipbreak.model.modal import State
 from chipbreak.syntax.nodes import Block, Control
+from chipbreak.syntax.parse import Program
 
 CALLERS_STATE = "a subprogram, or another program, begins in line {line}: the caller's state is not followed"
 # Of an M code that may turn the spindle.
@@ -24,6 +25,7 @@ _LEAST_WAITING_CODE = 100
 # Two paths or more, each once, in order: P12, P123, P13.
 _PATHS = re.compile(r"(?=\d\d)1?2?3?4?5?6?7?8?9?")
 _STARTS = frozenset({("spindle", "cw"), ("spindle", "ccw")})
+_LAST_AXIS = 9
 
 
 def begins_program(block: Block, dialect: Dialect) -> bool:
@@ -108,7 +110,45 @@ def behind_choice(state: State, before: State, choice: str, line: int) -> State:
     reason = UNNAMED if choice.upper().startswith("M") else "which is not followed"
     why = f"line {line} chooses a spindle ({choice}), {reason}"
     spindle, limit = before.spindle, before.speed_limit
-    return state._replace(speed=None, spindle=spindle, speed_limit=limit, spindle_why=why)
+    return state._replace(speed=None, spindle=spindle, speed_limit=limit, spindle_why=why, choice=choice)
+
+
+def work_spindles(program: Program) -> tuple[str, ...]:
+    """The words by which a program chooses spindles that turn the work, not a tool in the turret.
+
+    Such a spindle is started under constant surface speed, which counts with the diameter that is turned:
+    ``G96 S200 M3 P11``.  A P of one digit may say there whose axis that diameter is of.
+    """
+    dialect = program.dialect
+    if not dialect.spindle_word or not dialect.can("speed_mode", "surface"):
+        return ()
+    surface = float(dialect.code("speed_mode", "surface").lstrip("G"))
+    found = set()
+    for block in program.event_blocks():
+        named = block.word(dialect.spindle_word)
+        if named is None or surface not in block.numbers("G") or not block.has("S"):
+            continue
+        functions = (dialect.m_codes.get(int(number)) for number in block.numbers("M"))
+        starts = any(one is not None and one[:2] in _STARTS for one in functions)
+        if starts and (named.number or 0.0) > _LAST_AXIS:
+            found.add(block.text_of(named))
+    return tuple(sorted(found))
+
+
+def behind_work_spindle(state: State, before: State, choice: str, block: Block, line: int) -> State:
+    """The state behind a block that speaks of a spindle that turns the work; ``before`` is the one before it.
+
+    What was commanded of the spindle before it says nothing of this one.  ``line`` is that of the block in
+    the user's file.
+    """
+    after = state._replace(choice=choice)
+    if choice == before.choice:
+        return after
+    if not block.has("S"):
+        after = after._replace(speed=None)
+    if block.numbers("M"):
+        return after
+    return after._replace(spindle_why=f"line {line} chooses a spindle ({choice}), and does not start it")
 
 
 def spindle_choice(block: Block, codes: BlockCodes, dialect: Dialect) -> str:

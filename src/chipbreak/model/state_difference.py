@@ -59,6 +59,10 @@ def _spindle(was: State, now: State) -> str:
     return "the spindle" if was.spindle != now.spindle else ""
 
 
+def _choice(was: State, now: State) -> str:
+    return "the choice of spindle" if was.choice != now.choice else ""
+
+
 def _path(was: State, now: State) -> str:
     return "the path" if was.path != now.path else ""
 
@@ -75,6 +79,7 @@ _RULES: tuple[_Rule, ...] = (
     _speed_limit,
     _tool,
     _spindle,
+    _choice,
     _coolant,
     _path,
 )

@@ -146,7 +146,12 @@ class _Writer:
         starts = self.dialect.m_code("spindle", self.state.spindle) if self.case.restarts else ""
         if mode and not speed and self.dialect.surface_needs_speed:
             mode = self.mode("speed_mode") if self.state.modes.speed_mode != "surface" else ""
-        self.write(mode, with_limit, speed if needs or mode else "", starts)
+        said = speed if needs or mode else ""
+        self.write(mode, with_limit, *self._for_choice(said, starts))
+
+    def _for_choice(self, speed: str, starts: str) -> tuple[str, ...]:
+        """S and the start, for the spindle that the program has chosen."""
+        return (speed, starts, self.state.choice if speed or starts else "")
 
     def _limit_code(self, line: int) -> str:
         """The program's own code for it: G50 or G92."""

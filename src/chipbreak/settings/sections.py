@@ -41,10 +41,12 @@ class Shown(NamedTuple):
     """What a program shows of its control where the profile leaves that to it; empty where it does not.
 
     ``rule`` is what a number without a decimal point is worth, ``system`` its code system (A, B, C).
+    ``spindles`` are the words by which it chooses spindles that turn the work (P11).
     """
 
     rule: str = ""
     system: str = ""
+    spindles: tuple[str, ...] = ()
 
 
 # The value of a key that the program is to show.

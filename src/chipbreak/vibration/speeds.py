@@ -92,7 +92,7 @@ def speed_words(
 ) -> str:
     """S, and the speed mode where it is another than ``now``: mode and speed."""
     # A speed is on the resolution of the spindle, or the program's own.
-    speed = f"S{print_number(wanted[1], 3, point=False)}"
+    speed = _for_choice(f"S{print_number(wanted[1], 3, point=False)}", state)
     is_same = now is not None and now[0] == wanted[0]
     if is_same or not settings.dialect.can("speed_mode", wanted[0]):
         return settings.dialect.with_code(state.spindle, speed)
@@ -188,6 +188,7 @@ def _before_target(at: _Place) -> _Blocks | None:
 def _before_other_path(at: _Place) -> _Blocks | None:
     """Another path begins, waits, or turns the spindle: it finds the programmed speed.  Errors: VIB057."""
     leaves = at.effect.after.path != at.state.path or _loses_spindle(at.effect)
+    leaves = leaves or at.effect.after.choice != at.state.choice
     return at.own_blocks if leaves else None
 
 
@@ -235,9 +236,14 @@ def _says_speed_mode(effect: BlockEffect) -> bool:
     return effect.block.has("G", *SPEED_MODES)
 
 
+def _for_choice(speed: str, state: State) -> str:
+    """An S for the spindle that the program has chosen, which is said anew."""
+    return f"{speed} {state.choice}" if speed and state.choice else speed
+
+
 def _own_blocks(state: State, settings: Settings) -> _Blocks:
     """The program's own speed, in its own digits and units."""
-    text = "" if state.speed is None else f"S{state.speed.text}"
+    text = "" if state.speed is None else _for_choice(f"S{state.speed.text}", state)
     if state.modes.speed_mode == "rpm":
         return (settings.dialect.with_code(state.spindle, text),) if text else ()
     words = [settings.dialect.code("speed_mode", state.modes.speed_mode)]
