@@ -188,8 +188,10 @@ class _Scan:
 
     def _all_said(self, block: Block, *, may_name: bool) -> list[_Said]:
         """What the comments of a block say; "O7 (FINISH SIDE 2)" only names the program."""
-        said = [self._said(block, comment, may_name=may_name) for comment in block.comments]
-        return [one for one in said if one.ordered] if _names_the_program(block) else said
+        comments = block.comments
+        if _names_the_program(block):
+            comments = tuple(comment for comment in comments if self._directive(block, comment))
+        return [self._said(block, comment, may_name=may_name) for comment in comments]
 
     def _said(self, block: Block, comment: Comment, *, may_name: bool) -> _Said:
         """What a comment says; ``may_name`` is False beside a block that it only explains."""
