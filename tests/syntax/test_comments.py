@@ -43,7 +43,10 @@ def test_an_open_comment_that_other_comments_close_is_harmless(comment: str) -> 
     assert {d.severity.value for d in result.diagnostics if d.code == "SYN003"} == {"warning"}
 
 
-@pytest.mark.parametrize("comment", ["(ROUGH\nS1000\n(CNMG 12)\n", "(ROUGH\n"])
+@pytest.mark.parametrize(
+    "comment",
+    [f"(ROUGH\n{one}(CNMG 12)\n" for one in ("S1000\n", "#1=5\n", "N7\n", "N7 ", "%\n")] + ["(ROUGH\n"],
+)
 def test_cuts_behind_an_open_comment_stay_where_the_profile_asks(comment: str) -> None:
     program = f"{_ROUGH}{comment}{_ROUGH}M30\n".encode()
     result = chipbreak.rewrite(program, chipbreak.load("fanuc-lathe", [_PROFILE]))

@@ -69,7 +69,7 @@ def _harmless_end(program: Program, block: Block) -> int | None:
         return None
     for line in range(block.line + 1, program.source.body.stop):
         behind = program.block(line)
-        if behind.words or behind.opaque or behind.controls:
+        if not behind.is_empty or behind.mark or behind.sequence is not None:  # a number may be gone to
             return None
         if ")" in behind.text:
             return line
