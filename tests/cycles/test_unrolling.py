@@ -594,6 +594,72 @@ def test_the_finishing_cycle_that_stays_finds_what_it_would_have_found(control: 
         assert before.text.rstrip(".") == after.text.rstrip(".")
 
 
+def without_comments(data: bytes) -> list[str]:
+    return [line for line in data.decode().splitlines() if not line.startswith("(")]
+
+
+LONGER = CYCLE.replace(b"G70 P10 Q20", b"N21 Z2.\nG70 P10 Q21")
+
+
+def test_a_finishing_cycle_may_call_more_than_the_roughing_one() -> None:
+    """The block behind the shape of the roughing cycle runs there, and again as the last one of G70."""
+    output = filtered(LONGER, *ALWAYS)
+    assert chipbreak.restore(output) == LONGER
+    assert filtered(output, *ALWAYS) == output
+    written = without_comments(output)
+    shorter = without_comments(filtered(CYCLE, *ALWAYS))
+    # The last block cuts to where a rapid led back, and leaves the motion code in force as that did.
+    assert shorter[-3] == "G0 Z2."
+    assert [line for line in written if line not in ("N21 Z2.", "G0")] == [
+        *shorter[:-3],
+        "Z2.",
+        *shorter[-2:],
+    ]
+    assert written[-3] == "G0"
+    assert written.index("N21 Z2.") < written.index("G0 X16. F0.1", written.index("N21 Z2."))
+
+
+def test_one_that_stays_finds_all_of_what_it_calls() -> None:
+    program = LONGER.replace(b"X30. Z-30.", b"X30. Z-30. M8")
+    assert filtered(program, *ALWAYS) == program
+    assert filtered(program.replace(b"N21 Z2.\n", b"").replace(b"Q21", b"Q20"), *ALWAYS) != program
+
+
+def test_roughing_cycles_that_call_other_parts_of_a_contour_stay() -> None:
+    other = b"G71 P10 Q15 U1. W0.5 F0.3\nG71 U2. R0.5\nG71 P10 Q20"
+    program = CYCLE.replace(b"G71 P10 Q20", other, 1).replace(b"X30.", b"N15 X30.")
+    result = chipbreak.rewrite(program, load("fanuc-lathe", ALWAYS))
+    assert result.data == program
+    assert "another part of the same contour" in " ".join(one.message for one in result.diagnostics)
+
+
+HOME = CYCLE.replace(b"N20 X52.", b"X52.\nN20 Z2.")
+
+
+@pytest.mark.parametrize(
+    ("program", "behind"),
+    [
+        (HOME, [b"Z2.", b"G0"]),
+        (
+            HOME.replace(b"G71 U2. R0.5", b"G73 U4. W1. R3").replace(
+                b"G71 P10 Q20 U0.4 W0.1", b"G73 P10 Q20"
+            ),
+            [],
+        ),
+        (HOME.replace(b"G71 U2. R0.5", b"G1 Z3. F0.2\nZ2.\nG71 U2. R0.5"), [b"X52.", b"Z2."]),
+    ],
+    ids=["finish", "pattern", "behind G1"],
+)
+def test_a_contour_that_ends_at_the_start_leaves_the_motion_code_that_was_in_force(
+    program: bytes, behind: list[bytes]
+) -> None:
+    """No rapid leads back from there."""
+    output = filtered(program, *ALWAYS)
+    assert chipbreak.restore(output) == program
+    last = [line for line in output.split(b"G0 X100.")[0].split(b"\n") if line and not line.startswith(b"(")]
+    assert last[len(last) - len(behind) :] == behind
+
+
 def test_a_depth_that_is_more_than_there_is_to_take_is_said() -> None:
     """18 mm from the start to the contour, less an allowance of 0.2 mm."""
     for depth, is_said in ((b"20.", True), (b"17.9", True), (b"17.8", False), (b"2.", False)):

@@ -62,6 +62,8 @@ _MOST_LINES_BETWEEN = 2000
 _MOST_PASSES = 500
 _NARROW_STEPS = 8  # of the output; the digits blur what is shorter
 _PASS = re.compile(r"[(;] ?PASS \d")
+_MOTION_CODE = re.compile(r"G0*([0-3])(?![\d.])", re.IGNORECASE)
+_COMMENT = re.compile(r"\([^)]*\)|;.*")
 _DIRECTIVE = re.compile(r"\s*(VIB|OP)\b", re.IGNORECASE)
 
 
@@ -358,6 +360,8 @@ def _contour_edits(
     if first is not None and interpreted.before(first).ended:
         return []
     removed = _contour_edit(interpreted, group, start)
+    if any((one.first, one.last) != (first, group[0].last) for one in group):
+        raise _GroupError(stay[0].line, stay[0].error)  # one of them would find only a part of it
     try:
         moved = moved_contour(interpreted, removed.edit, group[-1].line)
     except RefusalError:
@@ -401,10 +405,13 @@ def _contour_edit(
 ) -> UnrolledEdit:
     """The contour of cycles, the first of them from ``start``, is taken out of the way.
 
-    Errors: CYC007 where the cycles call different parts of it.
+    The control passes over what cycles before it call.  A finishing cycle behind it may call less or more:
+    to what more it calls the control comes by itself.
+    Errors: CYC007 where the cycles before it call different parts of it.
     """
     _, first, last = group[0]
-    if first is None or last is None or any((one.first, one.last) != (first, last) for one in group):
+    before = [one for one in group if one.first is not None and one.line < one.first]
+    if first is None or last is None or any((one.first, one.last) != (first, last) for one in before):
         message = "other cycles call another part of the same contour"
         raise RefusalError(UNREAD_FORM, message, "let P and Q of all of them name the same blocks")
     numbers = [interpreted.program.block(line).sequence for line in (first, last)]
@@ -468,7 +475,7 @@ def _rough_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Ed
         raise RefusalError(BAD_DEPTH, message, "give a smaller depth")
     blocks = blocks_of_passes(passes, contour.frame, state, settings, call.feed)
     blocks = _uncompensated(wished(blocks, call.wish), state, settings)
-    content = tuple(text for text in (call.speed, *blocks, *_motion_back(state)) if text)
+    content = tuple(text for text in (call.speed, *blocks, *_motion_back(state, blocks)) if text)
     reason = f"passes of {call.depth_mm:g} mm along {along} to the contour with its allowances"
     promise = UnrolledRoughing(cycle=cycle, contour=contour, leaves_motion=leaves_motion(state))
     return Edit(call.first, call.last, content, call.name, reason, promise)
@@ -533,7 +540,7 @@ def _pattern_edit(interpreted: InterpretedProgram, call: Call, state: State) -> 
     passes = pattern_passes(Pattern(start, begin, segments, offsets, first.kind == "line"))
     blocks = blocks_of_passes(passes, frame, state, settings, call.feed)
     blocks = _uncompensated(wished(blocks, call.wish), state, settings)
-    content = tuple(text for text in (call.speed, *blocks, *_motion_back(state)) if text)
+    content = tuple(text for text in (call.speed, *blocks, *_motion_back(state, blocks)) if text)
     reason = f"{call.times} passes along the contour, the last one at its allowances"
     to_start = () if state.modes.compensation == "off" else (Motion(False, start),)
     motions = (*to_start, *(motion for one in passes for motion in one.moves))
@@ -561,7 +568,7 @@ def _finish_edit(interpreted: InterpretedProgram, call: Call, state: State) -> E
     home = BlockWriter(effects[-1].after, settings)
     back = home.block("G0", state.position.z, state.position.x)
     head = " ".join(text for text in (call.speed, call.feed) if text)
-    content = (head, *blocks, back, *_motion_back(state))
+    content = (head, *blocks, back, *_motion_back(state, [*blocks, back]))
     reason = "the contour as the finishing cycle runs it"
     promise = CopiedContour(
         ends=tuple(ends), leaves_motion=leaves_motion(state), leaves_compensation=stays_on
@@ -619,6 +626,8 @@ def _copied(effect: BlockEffect, wish: str, settings: Settings) -> str:
     return with_wish(text, wish) if cuts else text
 
 
-def _motion_back(state: State) -> list[str]:
-    """The motion code that was in force, where it was not G0; none is given back of an arc or a cycle."""
-    return ["G1"] if state.modes.motion == "line" else []
+def _motion_back(state: State, blocks: Sequence[str]) -> list[str]:
+    """The motion code that was in force, where the blocks leave another; none of an arc or a cycle."""
+    wanted = {"line": "G1", "rapid": "G0"}.get(state.modes.motion, "")
+    codes = [f"G{code}" for text in blocks for code in _MOTION_CODE.findall(_COMMENT.sub("", text))]
+    return [wanted] if wanted and codes and codes[-1] != wanted else []
