@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chipbreak.cycles.contour import Frame, Point, Segment, turns_back_along_h, turns_back_along_t
+from chipbreak.cycles.contour import Frame, Point, Segment, drop_mm, turns_back_along_t
 from chipbreak.cycles.roughing import Motion, Pass, Roughing, roughing_passes
 from chipbreak.cycles.stock import Stock
 from chipbreak.text.diagnostics import SelfCheckError
@@ -51,7 +51,7 @@ def contours(draw: st.DrawFn, *, pockets: bool) -> tuple[Segment, ...]:
         for (a, b), bulge in zip(pairwise(points), bulges, strict=True)
     ]
     straight = [Segment(one.start, one.end) for one in made]
-    fits = turns_back_along_t(made) is None and (pockets or turns_back_along_h(made) is None)
+    fits = turns_back_along_t(made) is None and (pockets or drop_mm(made) <= 1e-6)
     return tuple(made if fits else straight)
 
 

@@ -660,6 +660,21 @@ def test_a_contour_that_ends_at_the_start_leaves_the_motion_code_that_was_in_for
     assert last[len(last) - len(behind) :] == behind
 
 
+def test_an_arc_that_goes_down_by_less_than_the_last_digit_makes_no_pocket() -> None:
+    """Its ends are rounded; the passes are those of a contour that may have pockets."""
+    rounded = CYCLE.replace(b"N10 G0 X16.", b"N10 G0 X19.").replace(
+        b"Z-15.", b"Z0.\nG3 X20. Z-0.51 R0.5\nG1 Z-15."
+    )
+    output = filtered(rounded, *ALWAYS)
+    assert chipbreak.restore(output) == rounded
+    pockets = rounded.replace(b"N10 G0 X19.", b"N10 G0 X19. Z2.")
+    assert list(cut_lines(output)) == list(cut_lines(filtered(pockets, *ALWAYS)))
+    deeper = rounded.replace(b"Z-0.51", b"Z-0.6")
+    result = chipbreak.rewrite(deeper, load("fanuc-lathe", ALWAYS))
+    assert result.data == deeper
+    assert "CYC003" in {one.code for one in result.diagnostics}
+
+
 def test_a_depth_that_is_more_than_there_is_to_take_is_said() -> None:
     """18 mm from the start to the contour, less an allowance of 0.2 mm."""
     for depth, is_said in ((b"20.", True), (b"17.9", True), (b"17.8", False), (b"2.", False)):

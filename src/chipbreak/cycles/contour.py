@@ -131,12 +131,14 @@ def turns_back_along_t(contour: Sequence[Segment]) -> int | None:
     return None
 
 
-def turns_back_along_h(contour: Sequence[Segment]) -> int | None:
-    """The first segment that goes down again, a pocket; None where there is none."""
-    for index, one in enumerate(contour):
-        if any(part.end.h < part.start.h - 1e-6 for part in one.split()):
-            return index
-    return None
+def drop_mm(contour: Sequence[Segment]) -> float:
+    """How far a contour goes down again behind its highest place so far: the depth of its deepest pocket."""
+    highest_mm = -math.inf
+    deepest_mm = 0.0
+    for part in parts_of(contour):
+        highest_mm = max(highest_mm, part.start.h)
+        deepest_mm = max(deepest_mm, highest_mm - part.end.h)
+    return deepest_mm
 
 
 class Pocket(NamedTuple):

@@ -457,15 +457,15 @@ def _rough_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Ed
     along = "Z" if call.kind == "along-z" else "X"
     lines = (call.contour_first, call.contour_last)
     contour = read_contour(interpreted, state, lines, along)
-    if goes_down(contour) and not (contour.first_names_both or call.is_type_two):
+    settings = interpreted.settings
+    step_mm = settings.output.step_mm(is_inch=state.is_inch)
+    if goes_down(contour, step_mm) and not (contour.first_names_both or call.is_type_two):
         message = (
             "the contour goes down again, which a cycle whose first contour block moves one axis does not cut"
         )
         help_text = "name X and Z in the first block of the contour, where the control has pockets (type II)"
         other = "X" if along == "Z" else "Z"
         raise RefusalError(TURNS_BACK, message, with_alarm(help_text, alarms.TURNS_BACK[other]))
-    settings = interpreted.settings
-    step_mm = settings.output.step_mm(is_inch=state.is_inch)
     is_type_two = contour.first_names_both or call.is_type_two
     finishes = settings.cycles.finish_pass in ("always", "type-2" if is_type_two else "type-1")
     cycle = _cycle(call, contour)._replace(narrow_mm=_NARROW_STEPS * step_mm, finishes=finishes)

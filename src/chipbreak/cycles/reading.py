@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 from chipbreak.cycles import alarms
 from chipbreak.cycles.alarms import with_alarm
-from chipbreak.cycles.contour import Frame, Point, Segment, turns_back_along_h, turns_back_along_t
+from chipbreak.cycles.contour import Frame, Point, Segment, drop_mm, turns_back_along_t
 from chipbreak.cycles.corners import (
     BAD_CONTOUR,
     Corner,
@@ -256,6 +256,9 @@ def _check_shape(segments: tuple[Segment, ...], start: Point, along: str) -> Non
         raise RefusalError(TURNS_BACK, message, with_alarm(help_text, alarms.TURNS_BACK[along]))
 
 
-def goes_down(contour: Contour) -> bool:
-    """True for a contour with pockets, which cycles of type I cannot cut."""
-    return turns_back_along_h(contour.segments) is not None
+def goes_down(contour: Contour, least_mm: float) -> bool:
+    """True for a contour with pockets, which cycles of type I cannot cut.
+
+    An arc whose ends have the digits of a program may go down by less than the last of them (``least_mm``).
+    """
+    return drop_mm(contour.segments) > least_mm
