@@ -17,7 +17,7 @@ WORKERS := $(shell $(PYTHON) -c 'import os; print(3 * (os.cpu_count() or 1))')
 export PYTHONDONTWRITEBYTECODE :=
 SUBMAKE := $(MAKE) --no-print-directory
 
-.PHONY: test-long judges linuxcnc klipper compiled-tests lock machine-test real-control demo test check-table fuzz lint man site cookbook diagnostics test-pythons hooks bench wheel release-dry-run clean
+.PHONY: test-long judges linuxcnc klipper compiled-tests lock machine-test real-control demo test check-table fuzz lint mutants man site cookbook diagnostics test-pythons hooks bench wheel release-dry-run clean
 
 $(BIN)/chipbreak: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -38,6 +38,7 @@ lock: $(BIN)/chipbreak
 	$(BIN)/python -m pip install --quiet uv
 	$(RESOLVE) --extra dev --output-file tests/requirements.txt
 	$(RESOLVE) --extra bench --constraint tests/requirements.txt --output-file benchmarks/requirements.txt
+	$(RESOLVE) --extra mutants --constraint tests/requirements.txt --output-file tests/mutants-requirements.txt
 
 demo: $(BIN)/chipbreak
 	$(BIN)/chipbreak filter -p $(PROFILE) $(SAMPLE) -o $(VENV)/turning.out.nc
@@ -115,6 +116,11 @@ lint: $(VENV)/.dev
 	$(BIN)/ruff format --check $(CODE)
 	$(BIN)/mypy
 	$(BIN)/complexipy --failed --color no $(CODE)
+
+# Changes of the code at random places: does a test notice? (an hour; tests/mutants.py alone takes a room and a number)
+mutants: $(VENV)/.dev
+	$(BIN)/python -m pip install --quiet --require-hashes --requirement tests/mutants-requirements.txt
+	$(BIN)/python tests/mutants.py all
 
 test-pythons:
 	sh tests/pythons.sh $(VENV) -m "not long" $(FAST)

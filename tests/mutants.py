@@ -1,6 +1,6 @@
 """Changes the code at random places and sees whether a test notices.
 
-    pip install cosmic-ray==8.7.0                       it makes the changes
+    make mutants                                        40 changes of every room
     python tests/mutants.py kinematics                  40 changes of one room
     python tests/mutants.py cycles 100 7                100 of them, drawn with the seed 7
     python tests/mutants.py diff --see 12               what the change number 12 of a draw is
@@ -34,6 +34,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import islice
 from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
@@ -101,6 +102,14 @@ class Mutant(NamedTuple):
         text = (TREE / self.file).read_text("utf-8")
         return str(mutate_code(text, get_operator(self.operator)(), self.occurrence))
 
+    def is_code(self) -> bool:
+        """False where nobody could run it: the ``*`` of a signature is no product."""
+        try:
+            ast.parse(self.code())
+        except SyntaxError:
+            return False
+        return True
+
     def shown(self) -> str:
         """The changed lines, for a reader."""
         was, now = ((TREE / self.file).read_text("utf-8").split("\n"), self.code().split("\n"))
@@ -156,7 +165,9 @@ def draw(subject: str, count: int, seed: int) -> list[Mutant]:
     for mutant in (one for file in files for one in mutants_of(file)):
         places.setdefault((mutant.file, mutant.start), []).append(mutant)
     choose = random.Random(seed)
-    return [choose.choice(places[place]) for place in choose.sample(sorted(places), min(count, len(places)))]
+    order = choose.sample(sorted(places), len(places))
+    chosen = (choose.choice(places[place]) for place in order)
+    return list(islice((mutant for mutant in chosen if mutant.is_code()), count))
 
 
 # --- which tests come by ----------------------------------------------------------------------------------
@@ -261,25 +272,29 @@ class Reach:
         return self.data.contexts_by_lineno(str(TREE / file))
 
     def tests(self, mutant: Mutant) -> list[str]:
-        """Those that come by the statement; for one that runs on import, by the function or the file."""
+        """Those that come by the statement; for one that runs on import, by the function or the file.
+
+        Those of the room itself come first, each part quickest first.
+        """
         by_line = self._by_line(mutant.file)
+        room = _room_of(mutant)
         for lines in _lines_around(TREE / mutant.file, mutant.start[0]):
             contexts = {context.split("|")[0] for line in lines for context in by_line.get(line, ())}
             if found := contexts & self.seconds.keys():
-                ordered = sorted(found, key=lambda test: (self.seconds[test], test))
-                return self._patient(ordered, PATIENCE_S)
+                return sorted(found, key=lambda test: (not test.startswith(room), self.seconds[test], test))
         return []
 
     def rounds(self, mutant: Mutant) -> list[Round]:
-        """First some tests of a few files, of the room itself where there are such; then all that come by."""
+        """First some tests of a few files, then all that there is time for."""
         every = self.tests(mutant)
-        files = Counter(_file_of(test) for test in every)
-        room = f"tests/{mutant.file.split('/')[2]}/"
+        files = Counter(map(_file_of, every))
+        room = _room_of(mutant)
         likely = sorted(files, key=lambda file: (not file.startswith(room), -files[file]))[:FEW_FILES]
-        few = self._patient([test for test in every if _file_of(test) in likely], HASTE_S)
-        return [self._limited(tests) for tests in (few, every) if tests]
+        few = [test for test in every if _file_of(test) in likely]
+        return [self._round(few, HASTE_S), self._round(every, PATIENCE_S)] if every else []
 
-    def _limited(self, tests: list[str]) -> Round:
+    def _round(self, tests: list[str], most_s: float) -> Round:
+        tests = self._patient(tests, most_s)
         return Round(tests, 60.0 + 8.0 * sum(self.seconds[test] for test in tests))
 
     def _patient(self, tests: list[str], most_s: float) -> list[str]:
@@ -290,6 +305,11 @@ class Reach:
             if total_s > most_s and at:
                 return tests[:at]
         return tests
+
+
+def _room_of(mutant: Mutant) -> str:
+    """Where the tests of its room lie."""
+    return f"tests/{mutant.file.split('/')[2]}/"
 
 
 def _file_of(test: str) -> str:

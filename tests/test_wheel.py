@@ -12,6 +12,11 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 _BUILT_FROM = ("src", "grammar", "pyproject.toml", "README.md", "LICENSE")
+_PINS = {
+    "dev": "tests/requirements.txt",
+    "mutants": "tests/mutants-requirements.txt",
+    "bench": "benchmarks/requirements.txt",
+}
 _PINNED = re.compile(r"^([A-Za-z0-9._-]+)==", re.MULTILINE)
 
 
@@ -45,8 +50,8 @@ def test_two_builds_are_the_same_bytes(tmp_path: Path) -> None:
 
 def test_every_tool_is_pinned_with_its_hash() -> None:
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
-    for extra, place in (("dev", "tests"), ("bench", "benchmarks")):
-        text = (ROOT / place / "requirements.txt").read_text("utf-8")
+    for extra, file in _PINS.items():
+        text = (ROOT / file).read_text("utf-8")
         pinned = {name.lower() for name in _PINNED.findall(text)}
         names = extras[extra]
         for own in (name for name in extras[extra] if name.startswith("chipbreak[")):

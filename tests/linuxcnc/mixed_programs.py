@@ -384,7 +384,8 @@ def _typed(random: Random, text: str) -> str:
 def _line_typed(random: Random, line: str) -> str:
     if not line or line[0] in "(/oO#":
         return line
-    line = line.lower() if random.random() < 0.4 else line
+    if random.random() < 0.4:
+        line = line.lower().replace("f", "F")  # f asks for a frequency
     line = line.replace(" ", random.choice([" ", "", "  ", "\t"]))
     line = re.sub(r"([A-Za-z])([-\d.])", r"\1 \2", line) if random.random() < 0.2 else line
     return f"N{random.randint(1, 9999)} {line}" if random.random() < 0.3 else line

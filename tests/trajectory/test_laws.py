@@ -274,3 +274,23 @@ def test_a_branch_is_found() -> None:
     assert branches(ast.parse('match law:\n    case "ideal":\n        pass')) == {("ideal", 2)}
     assert not branches(ast.parse('name = "ideal"'))
     assert module_of_laws.LAWS is LAWS
+
+
+@settings(deadline=None)
+@given(st.lists(st.floats(0.01, 2.0), min_size=2, max_size=6), st.floats(1.0, 5.0))
+def test_parts_with_rests_between_share_the_time_of_a_stroke_by_their_length(
+    ways_mm: list[float], share: float
+) -> None:
+    law = Trapezoid(velocity_mm_s=150.0, acceleration_mm_s2=4000.0)
+    # From rest to rest: there and back over half the way each at full acceleration.
+    least_s = [2.0 * (way / 4000.0) ** 0.5 for way in ways_mm]
+    wanted_s = share * sum(least_s)
+    given_s = law._shared_out(wanted_s, ways_mm, [4000.0] * len(ways_mm))
+    step_s = law.time_step_s(wanted_s)
+    parts = len(ways_mm)
+    assert sum(given_s) == pytest.approx(wanted_s, abs=parts * (step_s + law.servo_period_s))
+    spare_s = sum(given_s) - sum(least_s)
+    for way, least, time in zip(ways_mm, least_s, given_s, strict=True):
+        assert time >= least - 1e-9
+        by_length = least + spare_s * way / sum(ways_mm)
+        assert time == pytest.approx(by_length, abs=parts * (step_s + law.servo_period_s))

@@ -16,6 +16,7 @@ from chipbreak.trajectory.linuxcnc_feeds import Wanted, factors_for
 from chipbreak.trajectory.linuxcnc_joints import bends_of
 from chipbreak.trajectory.linuxcnc_many import Stretches, linuxcnc_many, times_of_many
 from chipbreak.trajectory.linuxcnc_planner import Clock, Stretch, linuxcnc
+from chipbreak.trajectory.linuxcnc_runs import counted
 from chipbreak.trajectory.linuxcnc_strokes import middle_feeds, places_of
 
 MODEL = LinuxCnc(velocity_mm_s=100.0, acceleration_mm_s2=2000.0)
@@ -50,6 +51,20 @@ def test_many_stretches_run_like_one(drawn: Stretches, clock: Clock, before: flo
         assert times[row].tolist() == pytest.approx(took, abs=1e-8)
         assert alone[row].tolist() == pytest.approx(took, abs=1e-8)
         assert places[row][~np.isnan(places[row])].tolist() == pytest.approx(ways, abs=1e-7)
+
+
+@settings(deadline=None)
+@given(stretches(), clocks, st.one_of(st.just(0.0), speeds))
+def test_of_the_block_before_one_of_two_speeds_stands_for_all(
+    drawn: Stretches, clock: Clock, before: float
+) -> None:
+    rows = len(drawn.before)
+    stands_for = counted(np.full(rows, before), drawn.lengths[:, 0], clock)
+    assert set(stands_for) <= {0.0, inf}
+    for row in range(rows):
+        columns = [tuple(column[row].tolist()) for column in drawn[:4]]
+        took = linuxcnc(Stretch(*columns, before), clock)[0]
+        assert linuxcnc(Stretch(*columns, float(stands_for[row])), clock)[0] == pytest.approx(took, abs=1e-9)
 
 
 @settings(deadline=None)

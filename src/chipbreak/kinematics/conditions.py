@@ -172,7 +172,7 @@ def _all(wanted: Wanted, periods: Sequence[Period], rules: SolverRules, limits: 
     back_mm = stroke_mm - (1.0 - table.alpha) * advance_mm
     forward_s = table.alpha * table.period_s - limits.stop_s
     back_s = (1.0 - table.alpha) * table.period_s - limits.stop_s
-    breaks = (drop > 0.0) & (stroke_mm * drop >= feed_mm) & (back_mm > 0.0)
+    breaks = (stroke_mm * drop >= feed_mm) & (back_mm > 0.0)
     keep = np.flatnonzero(breaks & (forward_s > 0.0) & (back_s > 0.0))
     ways = ((forward_mm[keep], forward_s[keep]), (back_mm[keep], back_s[keep]))
     need = np.maximum(*(4.0 * way / time**2 for way, time in ways))

@@ -153,7 +153,7 @@ def lowest_of(
     return peak, enter, leave
 
 
-def highest_minimum(left: Floats, right: Floats, known: float = -np.inf) -> float:
+def highest_minimum(left: Floats, right: Floats, known: float) -> float:
     """Greatest value of the least of straight lines, each given at both ends of n segments: shapes (m, n).
 
     Not less than a value that is ``known`` already.
