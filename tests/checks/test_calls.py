@@ -313,6 +313,24 @@ def test_a_call_that_leaves_something_behind_is_refused(block: str, what: str) -
 
 
 @pytest.mark.parametrize(
+    ("field", "longest"),
+    [
+        # Tools of 2 m and eight digits, lengths to 0.0001 mm.
+        ("diameter", "1999.9999"),
+        ("length", "1999.9999"),
+        ("tool", "99999999"),
+    ],
+)
+def test_a_block_is_as_long_as_its_values_can_make_it(field: str, longest: str) -> None:
+    block = "G65 P1 " + f"A{{{field}}} " * 8
+    own = [f'calls.own={{tool_check="{block.rstrip()}"}}', "checks.calls=own"]
+    wanted = len(block.rstrip()) + 8 * (len(longest) - len(f"{{{field}}}"))
+    with pytest.raises(RefusalError, match=f"can become {wanted} characters long") as caught:
+        check_sets(settings.load("fanuc-mill", own))
+    assert caught.value.code == "SET034"
+
+
+@pytest.mark.parametrize(
     "block",
     [
         *(

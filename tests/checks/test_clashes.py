@@ -29,6 +29,8 @@ def told(result: chipbreak.Result) -> list[str]:
         ("fanuc-mill", "#105=4.", "X#105", "#105"),
         ("fanuc-mill", "", "X[#150+1.]", "#150"),
         ("fanuc-mill", "#600=1", "X4.", "#600"),
+        ("fanuc-mill", "#500=1", "X4.", "#500"),
+        ("fanuc-mill", "#999=1", "X4.", "#999"),
         ("fanuc-mill", "#1=2", "X#[#1+1]", "worked out"),
         ("fanuc-mill", "IF [#140 EQ 2] GOTO 9", "N9 X4.", "#140"),
         ("linuxcnc-mill", "#700=4", "X4", "#700"),

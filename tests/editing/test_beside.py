@@ -60,6 +60,18 @@ def test_there_and_back(program: bytes) -> None:
     assert chipbreak.rewrite(with_comments, SETTINGS).data == result.data
 
 
+@pytest.mark.parametrize("end", [b"", b"\n", b"\r\n"])
+def test_a_file_without_a_last_line_end_keeps_none(end: bytes) -> None:
+    line_end = end or b"\n"
+    program = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5".replace(b"\n", line_end) + end
+    result = bare(program)
+    assert result.data.count(line_end) > 10
+    assert re.sub(rb".*[^\r\n]", b"", result.data, flags=re.DOTALL) == end
+    # And so does one whose last line is none of ours.
+    below = bare(program.removesuffix(end) + line_end + b"M30" + end)
+    assert below.data.endswith(line_end + b"M30" + end)
+
+
 def settings_of(program: str) -> chipbreak.Settings:
     words = shlex.split(program.splitlines()[0].removeprefix(FLAGS)) if program.startswith(FLAGS) else []
     pairs = list(zip(words[::2], words[1::2], strict=True))

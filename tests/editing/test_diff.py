@@ -314,3 +314,30 @@ def test_a_changed_stretch_is_not_larger_than_it_was(lines: list[bytes], at: int
     keys = [i.key for i in a], [i.key for i in b]
     best = sum(m.size for m in difflib.SequenceMatcher(None, *keys, autojunk=False).get_matching_blocks())
     assert kept >= best / 2
+
+
+@given(
+    st.integers(0, 30),
+    st.lists(
+        st.tuples(st.integers(0, 30), st.sampled_from(["cut", "add", "change"])), min_size=1, max_size=4
+    ),
+)
+def test_hunks_are_those_of_difflib(count: int, changes: list[tuple[int, str]]) -> None:
+    """Each line says something else, so there is one way to go from one program to the other."""
+    old = [f"G1 X{number}." for number in range(count)]
+    new = list(old)
+    for number, (place, change) in enumerate(changes):
+        at = min(place, len(new))
+        if change != "add":
+            del new[at : at + 1]
+        if change != "cut":
+            new.insert(at, f"G1 Y{number}.")
+    sides = [items_of("\n".join([*lines, ""]).encode(), "x") for lines in (old, new)]
+    ours = list(unified(compare(*sides), "a", "b"))
+    theirs = [line.rstrip("\n") for line in difflib.unified_diff(old, new, "a", "b", lineterm="")]
+    # Ours say the number of lines also where it is one; the order inside of a change is free.
+    wanted = [
+        re.sub(r"(@@ |\+|-)(\d+)(?= )", r"\1\2,1", line) if line[:2] == "@@" else line for line in theirs
+    ]
+    assert [line for line in ours if line[:2] == "@@"] == [line for line in wanted if line[:2] == "@@"]
+    assert Counter(ours) == Counter(wanted)

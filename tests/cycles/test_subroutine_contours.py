@@ -1,0 +1,49 @@
+"""Contours in subroutines (LinuxCNC): what a block need not say, and what it must."""
+
+from __future__ import annotations
+
+import pytest
+
+import chipbreak
+
+SAID = "G0 X8\nG1 Z-15\nG1 X12\nG1 X15 Z-22\nG1 Z-30\nG1 X26"
+ARC = "G0 X8\nG1 Z-5\nG2 X12 Z-9 I4 K0\nG1 X26"
+CYCLES = ("G71 Q100 I2 R0.5", "G70 Q100", "G70 Q100 D0.6 E0.2 P3")
+
+
+def filtered(shape: str, cycle: str) -> chipbreak.Result:
+    program = (
+        "G8 G18 G21 G90 G94 G40\nF200 S800 M3\no100 sub\n"
+        f"{shape}\no100 endsub\nG0 X28 Z2\n{cycle}\nG0 X40 Z10\nM2\n"
+    )
+    settings = chipbreak.load("linuxcnc-lathe", ['cycles.unroll="always"'])
+    return chipbreak.rewrite(program.encode(), settings)
+
+
+def unrolled(shape: str, cycle: str) -> str:
+    return filtered(shape, cycle).data.decode().partition(cycle)[2]
+
+
+@pytest.mark.parametrize("cycle", CYCLES)
+def test_a_line_need_not_say_g1_again(cycle: str) -> None:
+    modal = "G0 X8\nG1 Z-15\nX12\nX15 Z-22\nZ-30\nX26"
+    assert "G1" in unrolled(SAID, cycle)
+    assert unrolled(modal, cycle) == unrolled(SAID, cycle)
+
+
+@pytest.mark.parametrize("cycle", CYCLES)
+def test_an_arc_says_its_own_code(cycle: str) -> None:
+    said = filtered(ARC, cycle)
+    assert said.changed and not said.diagnostics
+    left = filtered(ARC.replace("G1 X26", "X16 Z-13 I0 K-4\nG1 X26"), cycle)
+    assert not left.changed
+    assert ["does not say G2 or G3 itself" in one.message for one in left.diagnostics] == [True]
+
+
+def test_finishing_passes_are_counted() -> None:
+    passes = [line for line in unrolled(SAID, CYCLES[-1]).split("\n") if line.startswith("(PASS")]
+    # From D to E, evenly: 0.6 - 0.4 / 3 and so on.
+    assert passes == [
+        f"(PASS {number} {off} MM OFF THE CONTOUR)"
+        for number, off in ((1, "0.4667"), (2, "0.3333"), (3, "0.2"))
+    ]
