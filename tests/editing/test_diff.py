@@ -341,3 +341,12 @@ def test_hunks_are_those_of_difflib(count: int, changes: list[tuple[int, str]]) 
     ]
     assert [line for line in ours if line[:2] == "@@"] == [line for line in wanted if line[:2] == "@@"]
     assert Counter(ours) == Counter(wanted)
+
+
+def test_side_by_side_shows_three_blocks_around_a_change_and_none_far_from_one() -> None:
+    old = [f"G1 X{number}." for number in range(40)]
+    new = [*old[:12], "G1 Y1.", *old[13:25], "G1 Y2.", *old[26:]]
+    sides = [items_of("\n".join([*lines, ""]).encode(), "x") for lines in (old, new)]
+    rows = list(side_by_side(compare(*sides), "a", "b", 80))
+    shown = [number for number in range(40) if any(f"X{number}." in row for row in rows)]
+    assert shown == [*range(9, 16), *range(22, 29)]

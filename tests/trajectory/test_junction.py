@@ -233,3 +233,25 @@ def test_a_first_segment_on_the_edge_of_a_step_goes_by_lost_digits(steps: int) -
     way_mm = steps / 250.0
     (span,) = motion_of(law, [(0.0, 0.0), (0.0, way_mm)], feed_mm_s).spans_s
     assert span == pytest.approx(way_mm / feed_mm_s + feed_mm_s / 100.0, abs=1e-5)
+
+
+@pytest.mark.parametrize("corner_mm_s", [1.0, 3.0, 8.0])
+@pytest.mark.parametrize("angle", [30.0, 90.0, 140.0])
+def test_a_corner_is_passed_at_the_speed_that_is_given_for_a_right_angle(
+    angle: float, corner_mm_s: float
+) -> None:
+    """The circle that a right angle is rounded with at this speed rounds the others, too."""
+    free = (AxisLimits("X", inf, inf),) * 3
+    law = Junction(
+        path_velocity_mm_s=100.0, path_acceleration_mm_s2=400.0, corner_velocity_mm_s=corner_mm_s
+    ).along((1.0, 0.0, 1.0), free)
+    turn = radians(angle)
+    motion = motion_of(law, [(0.0, 0.0), (0.0, 5.0), (5.0 * sin(turn), 5.0 + 5.0 * cos(turn))], 30.0)
+    half = sin((pi - turn) / 2.0)
+    right = sin(pi / 4.0)
+    # v^2 = a d s / (1 - s), with the same a d.
+    passed = min(30.0, corner_mm_s * sqrt(half / (1.0 - half) * (1.0 - right) / right))
+    # From rest up to 30 mm/s, down to the corner; and the other way round.
+    took = (2.0 * 30.0 - passed) / 400.0 + (5.0 - (2.0 * 900.0 - passed**2) / 800.0) / 30.0
+    assert motion.spans_s == pytest.approx([took, took], rel=1e-6)
+    assert angle != 90.0 or passed == pytest.approx(corner_mm_s)
