@@ -192,3 +192,14 @@ def test_splitting_adds_knots_and_keeps_the_motion(steps: list[float], cuts: lis
     high = np.maximum(new_distance[:-1], new_distance[1:])
     for at in breakpoints:
         assert not np.any((low + 1e-9 < at) & (at < high - 1e-9)), "a move runs across a breakpoint"
+
+
+@pytest.mark.parametrize("length_mm", [1.0, 10.0, 12.0, 10.0 + math.pi, 18.0])
+def test_the_beginning_of_a_path(length_mm: float) -> None:
+    leg = Leg((10.0, 0.0, -10.0), (14.0, 0.0, -14.0), turn=1, plane="ZX", radius_mm=4.0)
+    path = path_of([Leg((10.0, 0.0, 0.0), leg.start), leg, Leg(leg.end, (20.0, 0.0, -14.0))])
+    beginning = path.beginning(length_mm)
+    places = np.linspace(0.0, length_mm, 30)
+    assert beginning.length_mm == length_mm
+    assert np.abs(beginning.points(places) - path.points(places)).max() < 1e-12
+    assert np.abs(beginning.tangents(places[:-1]) - path.tangents(places[:-1])).max() < 1e-12

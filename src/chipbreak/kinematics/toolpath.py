@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,6 +66,20 @@ class Path:
     def length_mm(self) -> float:
         """The whole arc length."""
         return float(self.ends_mm[-1])
+
+    def beginning(self, length_mm: float) -> Path:
+        """The path as far as an arc length within it."""
+        last = int(np.searchsorted(self.ends_mm[1:-1], length_mm, "left"))
+        x, y, z = self.points(np.array([length_mm]))[0].tolist()
+        share = (length_mm - self.ends_mm[last]) / (self.ends_mm[last + 1] - self.ends_mm[last])
+        arc = self.arcs[last]
+        if arc is not None:
+            arc = replace(arc, sweep_rad=share * arc.sweep_rad, rise_mm=share * arc.rise_mm)
+        return Path(
+            (*self.legs[:last], self.legs[last]._replace(end=(x, y, z))),
+            (*self.arcs[:last], arc),
+            np.append(self.ends_mm[: last + 1], length_mm),
+        )
 
     def points(self, s_mm: Floats) -> Floats:
         """Points at arc lengths: (n,) -> (n, 3).  The ends of the path are exact."""

@@ -109,11 +109,13 @@ def times_to_look_at(
     for one in filters:
         for shift in one.shifts_s:
             later += [sharp_s + shift + after_s for after_s in _soon_after(one, step_s, most / max(soon, 1))]
-    bends = np.concatenate(later)
+    end_s = float(time_s[-1]) + rest_s
+    bends = np.concatenate([*later, [end_s]])
     later.clear()  # a long cut has millions of them
-    bends.sort()
-    bends = np.append(bends[bends < time_s[-1] + rest_s - _SAME_S], time_s[-1] + rest_s)
-    bends = bends[np.append(True, np.diff(bends) > _SAME_S)]
+    bends.sort(kind="stable")  # rows that rise, one behind the other, are merged
+    last = int(np.searchsorted(bends, end_s - _SAME_S))
+    bends[last] = end_s
+    bends = bends[: last + 1]
     parts = (
         _in_pieces(bends[first : first + _BENDS_AT_ONCE + 1], step_s)
         for first in range(0, len(bends) - 1, _BENDS_AT_ONCE)
@@ -122,11 +124,17 @@ def times_to_look_at(
 
 
 def _in_pieces(bends: Floats, step_s: float) -> Floats:
-    """Times, (m,), from the first of some others, (n,), to before the last, at most a step apart."""
-    pieces = np.maximum(np.ceil(np.diff(bends) / step_s - 1e-6).astype(np.intp), 1)
+    """Times, (m,), from the first of some others, (n,), to before the last, at most a step apart.
+
+    Of times that are the same the last one counts.
+    """
+    between_s = np.diff(bends)
+    pieces = np.maximum(np.ceil(between_s / step_s - 1e-6).astype(np.intp), 1)
+    pieces[between_s <= _SAME_S] = 0
     starts = np.cumsum(pieces) - pieces
     rank = np.arange(int(pieces.sum())) - np.repeat(starts, pieces)
-    return np.asarray(np.repeat(bends[:-1], pieces) + np.repeat(np.diff(bends) / pieces, pieces) * rank)
+    between_s /= np.maximum(pieces, 1)
+    return np.asarray(np.repeat(bends[:-1], pieces) + np.repeat(between_s, pieces) * rank)
 
 
 def _sharp_bends(time_s: Floats, place_mm: Floats) -> Floats:

@@ -69,8 +69,8 @@ class ControlLaw(ABC):
     """It keeps seven digits of a number."""
     runs_whole_periods: ClassVar[bool] = False
     """Times are whole servo periods."""
-    is_slow_to_try: ClassVar[bool] = False
-    """Each stroke of several blocks takes milliseconds to plan."""
+    unlike_stroke_costs: ClassVar[int] = 1
+    """What a block costs to plan where hardly two strokes are alike, in blocks of a straight stroke."""
 
     velocity_mm_s: float = inf
     acceleration_mm_s2: float = inf

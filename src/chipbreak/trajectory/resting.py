@@ -9,6 +9,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -44,6 +45,8 @@ class Kind(NamedTuple):
 
 class RestingLaw(ControlLaw):
     """A law that is known when one stretch is: how it runs, and how far its times may be off."""
+
+    unlike_stroke_costs: ClassVar[int] = 15
 
     @abstractmethod
     def run(self, ways_mm: Floats, speeds_mm_s: Floats, before_mm_s: float) -> Run:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from math import inf, sqrt
 from typing import ClassVar
 
@@ -18,8 +17,10 @@ from numpy.typing import NDArray
 
 from chipbreak.kinematics.floats import Floats
 from chipbreak.trajectory.junctions import Blocks, Parts
-from chipbreak.trajectory.planner import Numbers, joint_speeds, speed_for_time
-from chipbreak.trajectory.resting import RestingLaw, Run
+from chipbreak.trajectory.planner import speed_for_time
+from chipbreak.trajectory.resting import Kind, RestingLaw, Run
+
+_NONE = np.empty(0)
 
 
 @dataclass(frozen=True)
@@ -30,11 +31,52 @@ class Trapezoid(RestingLaw):
 
     reversal_stop_s: float = 0.0
 
+    @property
+    def befores_mm_s(self) -> tuple[float, ...]:
+        """See :attr:`RestingLaw.befores_mm_s`: the block before a rest does not count."""
+        return (0.0,)
+
+    def counted(self, before_mm_s: float, length_mm: float) -> float:
+        """See :meth:`RestingLaw.counted`."""
+        return 0.0
+
     def run(self, ways_mm: Floats, speeds_mm_s: Floats, before_mm_s: float) -> Run:
         """See :meth:`RestingLaw.run`."""
-        times_s = np.array(trapezoid(ways_mm.tolist(), speeds_mm_s.tolist(), self.acceleration_mm_s2))
+        acceleration = np.array([self.acceleration_mm_s2])
+        times_s = trapezoids(ways_mm[np.newaxis], speeds_mm_s[np.newaxis], acceleration)[0]
         times_s[-1] += self.reversal_stop_s
         return times_s, np.empty(0)
+
+    def run_kinds(self, kinds: Sequence[Kind]) -> list[Run]:
+        """See :meth:`RestingLaw.run_kinds`: those of as many blocks at once."""
+        if self.every_block_stops:
+            return super().run_kinds(kinds)
+        counts = np.array([len(kind.lengths_mm) for kind in kinds], dtype=np.intp)
+        runs: list[Run] = [(_NONE, _NONE)] * len(kinds)
+        for count in np.unique(counts):
+            places = np.flatnonzero(counts == count).tolist()
+            lengths, feeds, has, _ = zip(*(kinds[place] for place in places), strict=True)
+            times_s = self.times_alike(np.array(lengths), np.array(feeds), np.array(has), 0.0)
+            for place, row in zip(places, times_s, strict=True):
+                runs[place] = (row, _NONE)
+        return runs
+
+    def times_alike(
+        self, lengths_mm: Floats, feeds_mm_s: Floats, acceleration_mm_s2: Floats, before_mm_s: float
+    ) -> Floats:
+        """See :meth:`RestingLaw.times_alike`."""
+        if self.every_block_stops:
+            return super().times_alike(lengths_mm, feeds_mm_s, acceleration_mm_s2, before_mm_s)
+        speeds = np.minimum(feeds_mm_s, self.velocity_mm_s)
+        times_s = trapezoids(np.abs(lengths_mm), speeds, acceleration_mm_s2)
+        times_s[:, -1] += self.reversal_stop_s
+        return np.maximum(times_s, self.read_s)
+
+    def shortest_time(self, length_mm: float) -> float:
+        """See :meth:`ControlLaw.shortest_time`."""
+        way_mm = abs(length_mm)
+        top = min(self.velocity_mm_s, sqrt(way_mm * self.acceleration_mm_s2))
+        return max(way_mm / top + top / self.acceleration_mm_s2 + self.reversal_stop_s, self.read_s)
 
     def slack_s(self, wanted_s: float) -> float:
         """See :meth:`RestingLaw.slack_s`."""
@@ -62,25 +104,27 @@ class Trapezoid(RestingLaw):
         return 4.0 * length_mm / moving_s**2 if moving_s > 0.0 else inf
 
 
-def trapezoid(
-    lengths_mm: Sequence[float], speeds_mm_s: Sequence[float], acceleration_mm_s2: float
-) -> Numbers:
-    """Time of each block when the axis runs through the joints as fast as speeds and braking allow.
+def trapezoids(lengths_mm: Floats, speeds_mm_s: Floats, acceleration_mm_s2: Floats) -> Floats:
+    """Times of the blocks of stretches of n blocks each, (k, n), with an acceleration each, (k,).
 
-    One block alone takes d/v + v/a, or 2·sqrt(d/a) when it is too short to reach v.
+    The axis runs through the joints as fast as speeds and braking allow.  One block alone takes d/v + v/a, or
+    2·sqrt(d/a) when it is too short to reach v.
     """
     most = acceleration_mm_s2
-    ends = joint_speeds(lengths_mm, [min(pair) for pair in pairwise(speeds_mm_s)], most)
-    times_s: list[float] = []
-    start = 0.0
-    for length, speed, end in zip(lengths_mm, speeds_mm_s, ends, strict=True):
-        end_speed = min(end, sqrt(start * start + 2.0 * most * length))
-        top = min(speed, sqrt(most * length + (start * start + end_speed * end_speed) / 2.0))
-        ramps = (2.0 * top - start - end_speed) / most
-        way = (2.0 * top * top - start * start - end_speed * end_speed) / (2.0 * most)
-        times_s.append(ramps + max(length - way, 0.0) / top)
-        start = end_speed
-    return tuple(times_s)
+    ends = np.zeros(lengths_mm.shape)
+    np.minimum(speeds_mm_s[:, :-1], speeds_mm_s[:, 1:], out=ends[:, :-1])
+    for block in range(lengths_mm.shape[1] - 1, 0, -1):
+        braking = np.sqrt(ends[:, block] ** 2 + 2.0 * most * lengths_mm[:, block])
+        np.minimum(ends[:, block - 1], braking, out=ends[:, block - 1])
+    times_s = np.empty(lengths_mm.shape)
+    start = np.zeros(len(lengths_mm))
+    for block, length in enumerate(lengths_mm.T):
+        end = np.minimum(ends[:, block], np.sqrt(start**2 + 2.0 * most * length))
+        top = np.minimum(speeds_mm_s[:, block], np.sqrt(most * length + (start**2 + end**2) / 2.0))
+        way = (2.0 * top**2 - start**2 - end**2) / (2.0 * most)
+        times_s[:, block] = (2.0 * top - start - end) / most + np.maximum(length - way, 0.0) / top
+        start = end
+    return times_s
 
 
 def _with_stops(

@@ -15,6 +15,7 @@ from chipbreak.text.diagnostics import RefusalError, SelfCheckError
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.law import ControlLaw
 from chipbreak.units import S_PER_MIN
+from chipbreak.vibration.beginning import LIMITS, failure_of
 from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.chain import Chain
 from chipbreak.vibration.choice import NOTHING_FITS, Chooser
@@ -24,7 +25,6 @@ from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.plan import CutPlan, command_group, plan_cut
 from chipbreak.vibration.trial import Trials, first_by_halving, with_values
 
-LIMITS = ("VIB030", "VIB031", "VIB032")
 _ACCELERATION = "VIB030"
 _LEAST_SHARE = 0.05  # no cut is made at a twentieth of its speed
 _NEED = re.compile(r"needs ([0-9.e+]+) m/s2")
@@ -207,6 +207,8 @@ def _made(chain: Chain, trials: Trials) -> tuple[CutPlan, Expansion]:
     plan = plan_cut(chain, trials.settings)
     if not trials.affords(plan):
         raise RefusalError(NOTHING_FITS, "nothing was found in as many tries as are made", "give N, f and S")
+    if failure_of(plan, trials.settings) is not None:
+        raise RefusalError(NOTHING_FITS, "it fails from its beginning on", "give N, f and S")
     return plan, moves_of(plan, trials.settings)
 
 

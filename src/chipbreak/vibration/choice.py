@@ -36,7 +36,8 @@ from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.measure import measure_planned
 from chipbreak.vibration.plan import CutPlan, asked_of, command_group, feed_per_rev_mm, rules_of
 from chipbreak.vibration.surface_speed import bounds_rpm, surface_speed_of
-from chipbreak.vibration.trial import cost_of, fed
+from chipbreak.vibration.trial import fed
+from chipbreak.vibration.try_cost import cost_of
 
 NOTHING_FITS = "VIB036"
 _NO_STROKE_MM = 1e-9
@@ -116,9 +117,9 @@ class Chooser:
 
     def _again(self, cut: _Cut, known: Conditions, make: MakeCut) -> tuple[CutPlan, Expansion] | None:
         """What worked for another cut; None where this one is so short that it does not hold here."""
-        if _vibrations(known, cut, self.settings) >= _MANY:
-            return make(_with(cut, known, self.settings))
         try:
+            if _vibrations(known, cut, self.settings) >= _MANY:
+                return make(_with(cut, known, self.settings))
             tried = self._try(cut, known, make)
         except RefusalError:
             return None
@@ -139,7 +140,7 @@ class Chooser:
             try:
                 tried.append(self._try(cut, conditions, make))
             except RefusalError as error:
-                why = why or error
+                why = why or (None if error.code == NOTHING_FITS else error)
             if tried and self._is_enough(cut, tried):
                 break
         best = max(tried, key=lambda one: one.margin, default=None)

@@ -10,6 +10,7 @@ import numpy as np
 
 from chipbreak.editing.edits import Edit
 from chipbreak.editing.promise import SpeedGivenBack
+from chipbreak.kinematics.sourced_value import shown
 from chipbreak.kinematics.toolpath import BAD_ARC, path_of
 from chipbreak.kinematics.waveform import TOO_SHORT
 from chipbreak.model.interpreted_program import InterpretedProgram
@@ -20,12 +21,15 @@ from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.vibration.advice import with_advice
+from chipbreak.vibration.beginning import failure_of
 from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.called import in_called_programs, not_followed
 from chipbreak.vibration.chain import Chain, chains_of, legs_of
-from chipbreak.vibration.choice import Chooser, is_open
+from chipbreak.vibration.choice import NOTHING_FITS, Chooser, is_open
 from chipbreak.vibration.cut_edit import Step, cut_edit, overrides_of, settling
 from chipbreak.vibration.diameter_steps import diameter_steps
+from chipbreak.vibration.findings import first_error
+from chipbreak.vibration.judged import Judged
 from chipbreak.vibration.left_cut import LeftCut
 from chipbreak.vibration.look_ahead_feed import without_look_ahead
 from chipbreak.vibration.loop_names import LoopNames, free_names
@@ -102,7 +106,8 @@ def _tried(
     except RefusalError as error:
         return _without_loops(interpreted, chains, left, refused, error)
     advised = _MOST_ADVISED - len(refused)
-    made = _made(_Maker(interpreted, Chooser(interpreted.settings), given_up, advised), chains, names, around)
+    maker = _Maker(interpreted, Chooser(interpreted.settings), given_up, advised, around.allow_unbroken)
+    made = _made(maker, chains, names, around)
     refused += made.refused
     left += made.left
     if refused:
@@ -224,6 +229,7 @@ class _Maker(NamedTuple):
     chooser: Chooser
     given_up: Mapping[int, Diagnostic]
     advised: int
+    allow_unbroken: bool
 
     def given_up_in(self, chain: Chain) -> Diagnostic | None:
         """Why a chain was tried and stays, or one of the steps in which it was to vibrate."""
@@ -257,13 +263,30 @@ class _Maker(NamedTuple):
         def make(one: Chain) -> tuple[CutPlan, Expansion]:
             plan = plan_cut(one, self.interpreted.settings)
             _check_motion_mode(self.interpreted, one)
-            return plan, _expand(plan, self.interpreted.settings, names, advise=advise and one is chain)
+            is_asked = advise and one is chain
+            self._refuse_soon(plan, names, advise=is_asked)
+            return plan, _expand(plan, self.interpreted.settings, names, advise=is_asked)
 
         is_chosen = is_open(chain)
         plan, expansion = self.chooser.cut(chain, make, advise=advise) if is_chosen else make(chain)
         # Its blocks are made: the knots have served, and a long program has many.
         plan = replace(plan, time_s=_NO_KNOTS, distance_mm=_NO_KNOTS)
         return plan, replace(expansion, printed=None)
+
+    def _refuse_soon(self, plan: CutPlan, names: LoopNames | None, *, advise: bool) -> None:
+        """Refuse a long cut for what its beginning shows, before all of it is made.  Errors: RefusalError."""
+        settings = self.interpreted.settings
+        failure = failure_of(plan, settings, names)
+        if isinstance(failure, RefusalError):
+            raise with_advice(failure, plan, settings) if advise else failure
+        if failure is None:
+            return
+        if is_open(plan.chain):
+            raise RefusalError(NOTHING_FITS, "it fails from its beginning on", "give N, f and S")
+        said = first_error(Judged(self.interpreted, (), failure, self.allow_unbroken, advise))
+        if said is not None:
+            seen = f"{said.message}; seen in its first {shown(round(failure.plan.path.length_mm, 1))} mm"
+            raise RefusalError(said.code, seen, said.help)
 
 
 def _expand(plan: CutPlan, settings: Settings, names: LoopNames | None, *, advise: bool) -> Expansion:

@@ -66,13 +66,14 @@ def errors_of_cuts(
         if not isinstance(report, CutReport) or not report.plan.chain.may_be_left(key):
             continue
         advise = len(found) < _MOST_ADVISED
-        error = _first_error(Judged(interpreted, operations, report, allow_unbroken, advise))
+        error = first_error(Judged(interpreted, operations, report, allow_unbroken, advise))
         if error is not None:
             found[report.plan.chain.first] = error
     return found
 
 
-def _first_error(judged: Judged) -> Diagnostic | None:
+def first_error(judged: Judged) -> Diagnostic | None:
+    """What stops a cut; None where nothing does."""
     said = (rule(judged) for rule in _CAN_BE_ERRORS)
     return next((one for one in said if one is not None and one.severity is Severity.ERROR), None)
 

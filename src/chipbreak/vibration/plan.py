@@ -33,7 +33,7 @@ from chipbreak.vibration.machine import axes_follow_exactly, control_along, dire
 from chipbreak.vibration.request import OUT_OF_RANGE, solver_inputs
 from chipbreak.vibration.surface_speed import active_speed, limit_rpm
 
-MOST_MOVES = 10_000_000
+MOST_MOVES = 1_000_000
 _MOST_GAPS = 4_000_000  # between a knot of a vibration and the passes before it, for every such pass
 
 

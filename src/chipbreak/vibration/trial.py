@@ -7,24 +7,17 @@ from collections.abc import Callable, Mapping
 from chipbreak.kinematics.sourced_value import SourcedValue
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError, SelfCheckError
-from chipbreak.trajectory.filters import NO_FILTER
+from chipbreak.vibration.beginning import BEGINNINGS_COST, failure_of
 from chipbreak.vibration.blocks import moves_of
 from chipbreak.vibration.chain import Chain
 from chipbreak.vibration.diameter_steps import diameter_steps
-from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.measure import CutReport, measure_planned
 from chipbreak.vibration.plan import CutPlan, plan_cut
+from chipbreak.vibration.try_cost import cost_of
 
 # What a try costs counts in blocks of a straight stroke: 100,000 of these take about half a second.
-_MOST_COST = 300_000
-# Where hardly two strokes are alike on LinuxCNC, for every law that the profile leaves open.
-_SLOW_STROKES = 150
-_LEAST_SLOW = 40  # blocks that any such cut costs
-_FILTERED = 5
-_FILTERED_ON_BENDS = 70
+_MOST_COST = 100_000
 _REFUSED_EARLY = 0.7  # of what a try costs is not spent where it is refused
-_FEW_CORNERS = 8
-_MANY_IN_STROKES = 500  # moves of a cut whose strokes are several moves each
 _ORIGIN = "proposal"
 
 
@@ -61,6 +54,11 @@ class Trials:
             return None
         if not self.affords(plan):
             return None
+        failure = failure_of(plan, settings)
+        if failure is not None:
+            self.left += cost_of(plan, self.settings) - BEGINNINGS_COST
+            self.refusal = failure.message if isinstance(failure, RefusalError) else ""
+            return None
         try:
             report = measure_planned(settings, plan, moves_of(plan, settings))
         except RefusalError as error:
@@ -76,25 +74,6 @@ class Trials:
         """Take what a try of this plan costs; False where that is more than is left."""
         self.left -= cost_of(plan, self.settings)
         return self.left >= 0
-
-
-def cost_of(plan: CutPlan, settings: Settings) -> int:
-    """What it costs to make the blocks of a plan and to judge them, in blocks of a straight stroke."""
-    moves = plan.wave.vibrations * plan.wave.moves_per_vibration
-    law = control_along(settings, plan.path, plan.chain.before)
-    if law.is_slow_to_try and _has_unlike_strokes(plan, moves):
-        return _SLOW_STROKES * max(moves, _LEAST_SLOW) * len(law.variants())
-    if all(axis.filter == NO_FILTER for axis in law.axes):
-        return moves
-    is_straight = len(plan.path.legs) == 1 and plan.path.arcs[0] is None
-    return moves * (_FILTERED if is_straight else _FILTERED_ON_BENDS)
-
-
-def _has_unlike_strokes(plan: CutPlan, moves: int) -> bool:
-    """True where hardly two strokes are alike: of several blocks, which are rounded each on its own."""
-    is_long = plan.wave.form == "tick" and moves > _MANY_IN_STROKES
-    bends = any(arc is not None for arc in plan.path.arcs) or len(plan.path.corners_mm()) > _FEW_CORNERS
-    return bends or is_long
 
 
 def first_by_halving(holds: Callable[[int], bool], before: int, place: int) -> int:

@@ -1,0 +1,66 @@
+"""The beginning of a long cut, planned as all of it is: what fails there fails in the whole cut.
+
+A refusal then takes as long as that of a short cut, and so does a proposal that does not help.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from chipbreak.kinematics.waveform import sample
+from chipbreak.settings.sections import Settings
+from chipbreak.text.diagnostics import RefusalError, SelfCheckError
+from chipbreak.vibration.blocks import moves_of
+from chipbreak.vibration.loop_names import LoopNames
+from chipbreak.vibration.measure import CutReport, measure_planned
+from chipbreak.vibration.plan import CutPlan
+from chipbreak.vibration.try_cost import cost_of
+
+LIMITS = ("VIB030", "VIB031", "VIB032")  # refusals of what the control cannot make
+BEGINNINGS_COST = 20_000  # of both, in blocks of a straight stroke
+_RAMPS = 4.0  # times both ramps
+_LEAST_VIBRATIONS = 30.0
+_LONGER = 4.0  # times its beginning is a cut that is worth looking at in two parts
+_OTHER_END = 1.01  # times one beginning is the other, which ends at another place of a vibration
+
+
+def beginnings(plan: CutPlan, settings: Settings) -> Iterator[CutPlan]:
+    """Two beginnings of a long cut, which end differently; none of a cut that is not long.
+
+    They start as the cut does and then have the same full strokes, so that what both of them fail by does not
+    come from where they end.
+    """
+    wave = plan.wave
+    least = _LEAST_VIBRATIONS + _RAMPS * 2.0 * wave.ramp_in_s / wave.period_s
+    share = max(BEGINNINGS_COST / 2.0 / cost_of(plan, settings), least / max(wave.vibrations, 1))
+    if share * _LONGER > 1.0:
+        return
+    for longer in (1.0, _OTHER_END):
+        path = plan.path.beginning(longer * share * plan.path.length_mm)
+        shorter = replace(wave, length_mm=path.length_mm)
+        time_s, distance_mm = sample(shorter)
+        yield replace(plan, path=path, wave=shorter, time_s=time_s, distance_mm=distance_mm)
+
+
+def failure_of(
+    plan: CutPlan, settings: Settings, names: LoopNames | None = None
+) -> RefusalError | CutReport | None:
+    """Why a long cut fails from its beginning on: the refusal of a limit, or a report that does not hold.
+
+    None where it does not, or the cut is not long.
+    """
+    found: RefusalError | CutReport | None = None
+    for beginning in beginnings(plan, settings):
+        try:
+            found = measure_planned(settings, beginning, moves_of(beginning, settings, names))
+        except RefusalError as error:
+            if error.code not in LIMITS:
+                return None
+            found = error
+            continue
+        except SelfCheckError:
+            return None
+        if found.holds:
+            return None
+    return found
