@@ -1,22 +1,10 @@
-"""What planners of any control work out: joint speeds, and the speed that takes a time."""
+"""What planners of any control work out: the speed that takes a time."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from math import inf, sqrt
 
 Numbers = tuple[float, ...]
-
-
-def joint_speeds(lengths: Sequence[float], limits: Sequence[float], acceleration: float) -> list[float]:
-    """The highest speed at the end of each block from which all later ones can still brake to rest.
-
-    ``limits`` are those of the joints.  Lengths in mm, speeds in mm/s, acceleration in mm/s².
-    """
-    ends = [*limits, 0.0]
-    for index in range(len(lengths) - 1, 0, -1):
-        ends[index - 1] = min(ends[index - 1], sqrt(ends[index] ** 2 + 2.0 * acceleration * lengths[index]))
-    return ends
 
 
 def speed_for_time(length: float, time: float, acceleration: float) -> float:

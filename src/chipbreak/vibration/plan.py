@@ -112,8 +112,8 @@ def plan_cut(chain: Chain, settings: Settings) -> CutPlan:
     alpha = values["ALPHA"].value
     if settings.planner.dwell_step_ms is not None:
         wave = expander.in_whole_dwells(wave, control_along(settings, path, state), edges)
-    _check_size(wave)
     _check_passes(wave, edges)
+    _check_size(wave)
     wave = _commanded(wave, chain, path, settings, reasons)
     time_s, distance_mm = sample(wave)
     reasons += wave.shape.remarks(wave.ticks)
