@@ -55,7 +55,7 @@ class LinuxCnc(ControlLaw):
 
     name: ClassVar[str] = "linuxcnc"
     runs_whole_periods: ClassVar[bool] = True
-    unlike_stroke_costs: ClassVar[int] = 25
+    unlike_stroke_costs: ClassVar[int] = 50
 
     ramp_s: float = 0.01
     max_feed_override: float | None = None
