@@ -163,6 +163,16 @@ def test_an_own_set_may_stand_for_a_shipped_one() -> None:
     assert texts("fanuc-mill", *own) == {"tool_check": ("G65 P9853 T2 B0. H0.02",)}
 
 
+def test_built_in_calls_call_the_numbers_of_the_profile_and_other_sets_their_own() -> None:
+    moved = ("macros.first_program=9810",)
+    assert texts("fanuc-mill", *moved)["calibrate"] == ("G65 P9810",)
+    assert texts("fanuc-mill")["calibrate"] == ("G65 P8900",)
+    for maker in MAKERS:
+        assert texts("fanuc-mill", f"checks.calls={maker}", *moved) == texts(
+            "fanuc-mill", f"checks.calls={maker}"
+        )
+
+
 def test_the_number_of_workpieces_and_the_sister_are_handed_over() -> None:
     def written(profile: str, *options: str) -> list[str]:
         calls = calls_of(settings.load(profile, options))

@@ -126,6 +126,9 @@ G70 P40 Q75
         (b"M98 P1234\n", b"M98 P01234\n", True),
         (b"N5 G0 X1.\nM30\nO8\nM99 P5\n", b"N6 G0 X1.\nM30\nO8\nM99 P6\n", True),
         (b"G10 L50\nN1320 P1 R500\nG11\n", b"G10 L50\nN1321 P1 R500\nG11\n", False),
+        (b"G10 L51\nN1320 P1 R500\nG11\n", b"G10 L51\nN1321 P1 R500\nG11\n", False),
+        (b"G10 L52\nN1320 P1 R500\nG11\n", b"G10 L52\nN1321 P1 R500\nG11\n", False),
+        (b"G10 L2\nN1320 P1 X5.\nG11\n", b"G10 L2\nN1321 P1 X5.\nG11\n", True),
         (b"G10 L50\nN1320 P1 R500\nG11\nN1\nM30\n", b"G10L50\nN1320P1R500\nG11\nN2\nM30\n", True),
     ],
 )

@@ -330,6 +330,25 @@ def test_a_line_too_long_for_the_control_is_caught() -> None:
     assert caught(TRACE, EDITS, resealed(mutant))
 
 
+CHECKED = (
+    b"T1 M6\nS3000 M3\nM8\nG0 X0. Y0.\nG43 H1 Z5.\n(ROUGH)\nG1 Z-2. F300.\nX30.\nG0 Z5.\n"
+    b"(FINISH)\nG0 X0. Y0.\nZ5.\nG1 Z-2.5 F300.\nX30.\nG0 Z5.\nM30\n"
+)
+
+
+@pytest.mark.parametrize("word", [b"M3", b"M8"])
+def test_a_check_that_does_not_give_spindle_or_coolant_back_is_caught(word: bytes) -> None:
+    settings = chipbreak.load("fanuc-mill", BEAM)
+    result = chipbreak.rewrite(CHECKED, settings)
+    interpreted = interpret(parse(read(CHECKED), settings.dialect), settings)
+    first = result.data.index(b"BEGIN CHIP CHECK")
+    last = result.data.index(b"(CHIPBREAK END", first)
+    assert word in result.data[first:last]
+    mutant = result.data[:first] + result.data[first:last].replace(word, b"") + result.data[last:]
+    assert caught(interpreted, list(result.edits), resealed(mutant))
+    assert not caught(interpreted, list(result.edits), result.data)
+
+
 @pytest.mark.parametrize(
     ("profile", "program"),
     [
