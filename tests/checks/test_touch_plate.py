@@ -205,3 +205,10 @@ def test_what_a_control_cannot_measure_is_refused_with_the_reason(
     assert caught.value.code == "SET030"
     assert why in caught.value.message
     assert way_out in caught.value.help
+
+
+def test_in_inches_the_plate_is_where_it_is_in_mm() -> None:
+    text = filtered(INCH.format(offset="G54"))
+    (place, *_) = re.findall(r"G53 G0 X(\S+) Y(\S+)", text)
+    # Half of the last of four decimals.
+    assert [float(inches) * 25.4 for inches in place] == pytest.approx([-10.0, -20.0], abs=0.00005 * 25.4)

@@ -305,3 +305,11 @@ def test_an_assumed_tip_that_points_away_from_the_material_is_refused() -> None:
     assert any("does not point at the material" in left.said.message for left in refused.left)
     own = ("tools.nose_radius_mm.1=0.8", "tools.nose_tip.1=2")
     assert chipbreak.rewrite(bore.encode(), load("fanuc-lathe", [*ASKED, *ASSUMED, *own])).cuts
+
+
+@pytest.mark.parametrize(("behind", "last"), [("", 5), ("G0 X60.\n", 6), ("M8\nG0 X60.\n", 7), ("M30\n", 6)])
+def test_a_run_ends_behind_the_move_that_leads_out_or_behind_g40(behind: str, last: int) -> None:
+    settings = load("fanuc-lathe")
+    program = f"T0101\nG0 X20. Z2.\nG42 G1 X16. F0.2\nG1 Z-20.\nG40\n{behind}"
+    (run,) = compensated_runs(interpret(parse(read(program.encode()), settings.dialect), settings))
+    assert (run.first, run.last) == (2, last)

@@ -205,6 +205,8 @@ def test_numbers_are_read_as_the_control_reads_them(
     [
         (b"G1 X1.\nX2.\n", b"G1 X1.001\nX2.\n", 0.001, True),
         (b"G1 X1.\nX2.\n", b"G1 X1.002\nX2.\n", 0.001, False),
+        # 1.1 - 1.0 is a little more than 0.1 in binary digits.
+        (b"G1 X1.\n", b"G1 X1.1\n", 0.1, True),
         (b"G1 X1. S100\n", b"G1 X1. S101\n", 5.0, False),
         (b"G1 X1. F.1\n", b"G2 X1. F.1\n", 5.0, False),
         (b"G1 X1.\nM8\nX2.\n", b"G1 X1.001\nX2.001\n", 0.01, False),
