@@ -119,7 +119,7 @@ def difference(before: Iterable[str], after: Iterable[str], free: frozenset[str]
     """What two programs do otherwise outside their brackets, "" where nothing.
 
     An insertion may leave the tool elsewhere; then X and Y come back in rapid, and Z behind them.  What is
-    ``free`` counts for cuts and stops only.
+    ``free`` counts for cuts and stops only; where something is, a feed may be given back in other units.
     """
     old = [action for action in actions(before) if not action.inserted]
     new = [action for action in actions(after) if not action.inserted]
@@ -127,6 +127,8 @@ def difference(before: Iterable[str], after: Iterable[str], free: frozenset[str]
         return f"{[action.name for action in old]} became {[action.name for action in new]}"
     for was, now in zip(old, new, strict=True):
         changed = _changed(was, now) - (free if _needs_no_spindle(was) else frozenset())
+        if "SET_FEED_RATE" in changed and free and _is_same_feed(was, now):
+            changed -= {"SET_FEED_RATE"}
         if changed:
             return f"at {was.name}{was.arguments}: {sorted(changed)} of {was.in_force} became {now.in_force}"
         why = _moves_otherwise(was, now)
@@ -137,6 +139,13 @@ def difference(before: Iterable[str], after: Iterable[str], free: frozenset[str]
 
 def _changed(was: Action, now: Action) -> frozenset[str]:
     return frozenset(name for name, value in was.in_force.items() if now.in_force.get(name) != value)
+
+
+def _is_same_feed(was: Action, now: Action) -> bool:
+    """The interpreter says four decimals, in inches too."""
+    is_inch = was.in_force.get("USE_LENGTH_UNITS") == ("CANON_UNITS_INCHES",)
+    one, other = (float(action.in_force["SET_FEED_RATE"][0]) for action in (was, now))
+    return is_inch and abs(one - other) <= 1.01e-4 * rs274.MM_PER_INCH
 
 
 def _needs_no_spindle(action: Action) -> bool:
