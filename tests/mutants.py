@@ -75,6 +75,7 @@ TESTS = (
         "test_long_files.py",
         "test_messages.py",
         "test_cli.py",
+        "hooks/test_notes.py",
     ),
 )
 PATIENCE_S = 60.0

@@ -7,9 +7,11 @@ from pathlib import Path
 import pytest
 
 import chipbreak
-from chipbreak.editing.notes import stamp_of
+from chipbreak.editing.notes import does_something, stamp_of
 from chipbreak.settings import load
 from chipbreak.settings.fingerprint import fingerprint
+from chipbreak.syntax.parse import parse
+from chipbreak.text.source import read
 from warm import warm_text
 
 PROGRAM = b"%\nO0001 (SHAFT)\nG97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nM30\n%\n"
@@ -137,3 +139,26 @@ def test_a_program_with_warnings_only_gets_them_too(tmp_path: Path) -> None:
     done = warm_text("filter", "-p", "generic-lathe", "--operator-messages", "part.nc", cwd=tmp_path)
     assert done.returncode == 0
     assert "(CHIPBREAK LINE 3, VIB06" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("line", "does"),
+    [
+        ("<PART>", False),  # the name of a program
+        ("$1", False),  # the path that the lines are of
+        ("O0001", False),
+        ("(SO)", False),
+        ("N5", False),
+        ("$1 G0 X1.", True),
+        ("G28 U0.", True),
+    ],
+)
+def test_a_name_and_the_mark_of_a_path_do_nothing(line: str, does: bool) -> None:
+    settings = load("fanuc-lathe")
+    assert does_something(parse(read(f"{line}\n".encode()), settings.dialect), 0) is does
+    # So the stamp stands behind it.
+    output = chipbreak.rewrite(
+        f"{line}\nG97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N1.5\nM30\n".encode(),
+        load("fanuc-lathe", STAMPED),
+    )
+    assert lines(output.data)[0].startswith("(CHIPBREAK") is does
