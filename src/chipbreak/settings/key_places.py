@@ -35,7 +35,7 @@ def find_key(text: str, name: str) -> KeyPlace:
     return places.get(name) or KeyPlace(name, 1, 0, 1, text.split("\n", 1)[0])
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=4)
 def _first_places(text: str) -> Mapping[str, KeyPlace]:
     """The first place of each key: where a value came from is asked for every value of a profile."""
     return {place.name: place for place in reversed(list(_key_places(text)))}
