@@ -257,3 +257,13 @@ def test_a_feed_below_the_smallest_number_of_f_is_refused(decimals: str) -> None
     sets = [f"output.decimals={decimals}", "output.feed_decimals=3", "output.feed_mode=minute"]
     codes = [one.code for one in chipbreak.check(program, chipbreak.load("generic-lathe", sets))]
     assert codes[:1] == ["VIB059"]
+
+
+@pytest.mark.parametrize("profile", ["linuxcnc-mill", "fanuc-mill"])
+def test_a_feed_per_revolution_where_it_counts_per_minute_is_said(profile: str) -> None:
+    program = b"G97 S3000 M3\nG0 X0 Z2.\nG1 Z-30. F0.05 N1.5\nM30\n"
+    with pytest.raises(chipbreak.ProgramRejectedError) as refused:
+        chipbreak.rewrite(program, chipbreak.load(profile))
+    (said,) = [one for one in refused.value.diagnostics if one.code == "VIB021"]
+    assert "the feed F0.05 is per minute: 2e-05 mm per revolution" in said.message
+    assert said.help.startswith("command feed per revolution (G95, G99)")

@@ -35,7 +35,7 @@ from chipbreak.vibration.forms import WRITTEN_OUT, OutputForm, form_with
 from chipbreak.vibration.loop import Loop, among_kept, same_feeds
 from chipbreak.vibration.loop_names import LoopNames
 from chipbreak.vibration.machine import control_along
-from chipbreak.vibration.plan import CutPlan
+from chipbreak.vibration.plan import CutPlan, with_feed_per_minute
 from chipbreak.vibration.readback import ReadBack
 from chipbreak.vibration.small_returns import Crests, lost_returns, raise_crests, with_rests
 from chipbreak.vibration.tolerances import PLANNED_TIME_SHARE
@@ -232,12 +232,8 @@ def _check_digits(
         message = f"{stroke} has fewer than {_LEAST_STEPS} steps of {step_mm:g} mm"
         is_axis = step_mm > settings.output.step_mm(is_inch=cut.chain.before.is_inch)
         help_text = larger if is_axis else f"raise output.decimals, or {larger}"
-        feed = cut.chain.before.feed
-        if feed is not None and cut.chain.before.modes.feed_mode == "minute":
-            # The likeliest cause on a control that starts in G94: a feed per revolution, read per minute.
-            message += f"; the feed F{feed.text} is per minute: {cut.wave.feed_mm_rev:.3g} mm per revolution"
-            help_text = f"command feed per revolution (G95, G99), {help_text}"
-        raise RefusalError("VIB059", message, help_text)
+        said = with_feed_per_minute(message, help_text, cut.chain.before, cut.wave.feed_mm_rev)
+        raise RefusalError("VIB059", *said)
     if words.incremental and np.abs(words.points_mm[-1] - cut.path.legs[-1].end).max() > _SAME_MM:
         message = f"this cut is incremental, and its end lies between two steps of {words.decimals} decimals"
         raise RefusalError("VIB058", message, f"write {words.decimals} decimals, or absolute positions")

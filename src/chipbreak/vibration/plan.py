@@ -113,7 +113,7 @@ def plan_cut(chain: Chain, settings: Settings) -> CutPlan:
     if settings.planner.dwell_step_ms is not None:
         wave = expander.in_whole_dwells(wave, control_along(settings, path, state), edges)
     _check_passes(wave, edges)
-    _check_size(wave)
+    _check_size(wave, state)
     wave = _commanded(wave, chain, path, settings, reasons)
     time_s, distance_mm = sample(wave)
     reasons += wave.shape.remarks(wave.ticks)
@@ -244,11 +244,20 @@ def _wave_of(
     )
 
 
-def _check_size(wave: WaveformParameters) -> None:
+def _check_size(wave: WaveformParameters, state: State) -> None:
     moves = wave.vibrations * wave.knots_per_vibration
     if moves > MOST_MOVES:
         message = f"this cut would become {moves} blocks; no program may have more than {MOST_MOVES} of them"
-        raise RefusalError("VIB021", message, 'take output.segments "stroke", a lower f, or a higher feed')
+        help_text = 'take output.segments "stroke", a lower f, or a higher feed'
+        raise RefusalError("VIB021", *with_feed_per_minute(message, help_text, state, wave.feed_mm_rev))
+
+
+def with_feed_per_minute(message: str, help_text: str, state: State, feed_mm_rev: float) -> tuple[str, str]:
+    """Both, with the likeliest cause of a tiny feed: a control that starts in G94 reads it per minute."""
+    if state.feed is None or state.modes.feed_mode != "minute":
+        return message, help_text
+    said = f"{message}; the feed F{state.feed.text} is per minute: {feed_mm_rev:.3g} mm per revolution"
+    return said, f"command feed per revolution (G95, G99), {help_text}"
 
 
 def _check_passes(wave: WaveformParameters, edges: int) -> None:
