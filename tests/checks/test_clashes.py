@@ -122,6 +122,14 @@ def test_a_program_that_calls_another_maker_s_programs_gets_no_call_of_ours(call
     assert numbers_told(program, "fanuc-mill", "checks.calls=renishaw") == []
 
 
+@pytest.mark.parametrize("before", ["G0 Z50.", "G4 P1.5", "G4 P500"])
+def test_a_call_is_found_wherever_it_stands(before: str) -> None:
+    program = BODY.format(line=f"G0 Z50.\n{before}\nG65 P8905", cut="X4.")
+    (found,) = numbers_told(program, "fanuc-mill")
+    assert "this program calls P8905 without arguments" in found.message
+    assert found.place is not None and found.place.line == 7
+
+
 @pytest.mark.parametrize(
     ("call", "what"),
     [

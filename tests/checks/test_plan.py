@@ -496,3 +496,10 @@ def test_a_loop_hides_the_speed_only_where_it_sets_another(
 @pytest.mark.parametrize("opened", ["o10 if [#1 EQ 0]", "o10 while [#1 EQ 0]", "o10 do", "o10 repeat [2]"])
 def test_a_part_that_is_never_closed_is_no_trouble(opened: str) -> None:
     check(filtered(maybe(opened, "M8", "G91").encode(), "linuxcnc-mill"))
+
+
+def test_calls_without_a_calibration_are_told_how_often_they_check() -> None:
+    own = ('calls.own={tool_check="G65 P1 T{tool} A{every}"}', "checks.calls=own", "checks.every=4")
+    program = b"T1 M6\nS1000 M3\nG0 X1. Y2.\nG43 Z15. H1\nG1 Z-1. F100.\nX5.\nG0 Z15.\nM30\n"
+    output = chipbreak.rewrite(program, chipbreak.load("fanuc-mill", ["checks.enabled=true", *own])).data
+    assert b"G65 P1 T1 A4\n" in output
