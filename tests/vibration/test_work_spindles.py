@@ -131,3 +131,12 @@ def test_a_program_without_p_is_as_before() -> None:
     assert len(result.cuts) == 1
     assert not result.shown.spindles
     assert b" P" not in re.sub(rb"\([^)]*\)", b"", result.data)
+
+
+def test_an_s_without_p_behind_another_spindle_is_written_as_the_program_writes_it() -> None:
+    """What P12 is, nobody knows; the S behind it is for whatever the program starts with it."""
+    program = MAIN + "M3 P12\nT0303\nG97 S900 M3\nG0 X20. Z2.\nG1 Z-10. F0.2\nG0 X60. Z5.\n" + END
+    result = rewritten(program)
+    assert len(result.cuts) == 2
+    ours = [line for line, is_ours, _ in spindles(result.data.decode()) if is_ours and "WAS" not in line]
+    assert {line for line in ours if re.match(r"S\d+$", line)}

@@ -110,7 +110,7 @@ def behind_choice(state: State, before: State, choice: str, line: int) -> State:
     reason = UNNAMED if choice.upper().startswith("M") else "which is not followed"
     why = f"line {line} chooses a spindle ({choice}), {reason}"
     spindle, limit = before.spindle, before.speed_limit
-    return state._replace(speed=None, spindle=spindle, speed_limit=limit, spindle_why=why, choice=choice)
+    return state._replace(speed=None, spindle=spindle, speed_limit=limit, spindle_why=why, choice="")
 
 
 def work_spindles(program: Program) -> tuple[str, ...]:
