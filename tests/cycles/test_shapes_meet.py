@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import nullcontext
 from fractions import Fraction
 from itertools import pairwise
 
@@ -12,8 +13,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from chipbreak.cycles.contour import Point, Segment
-from chipbreak.cycles.offset import _circles_meet, _line_meets_circle, heading
+from chipbreak.cycles.offset import _circles_meet, _line_meets_circle, check_distance, heading
 from chipbreak.cycles.pattern import _crosses, _way_back
+from chipbreak.text.diagnostics import RefusalError
 
 places = st.builds(Point, *[st.integers(-20, 20).map(float)] * 2)
 
@@ -98,3 +100,14 @@ def test_the_way_back_goes_along_the_axes_and_never_nowhere(end: Point, to: Poin
     if len(legs) == 2:
         is_out = (to.h - end.h) * outwards > 0.0
         assert (legs[0][0].t == legs[0][1].t) == is_out, "away from the part first"
+
+
+@pytest.mark.parametrize(("off_mm", "is_too_near"), [(0.5, True), (0.9, True), (1.0, False), (2.0, False)])
+@pytest.mark.parametrize("at_mm", [3.0, 50.0, 97.0])
+def test_no_place_may_be_nearer_to_any_place_of_a_contour(
+    off_mm: float, is_too_near: bool, at_mm: float
+) -> None:
+    contour = [Segment(Point(0.0, 0.0), Point(100.0, 0.0)), Segment(Point(100.0, 0.0), Point(100.0, -30.0))]
+    made = [Segment(Point(at_mm, 40.0), Point(at_mm, off_mm))]
+    with pytest.raises(RefusalError) if is_too_near else nullcontext():
+        check_distance(contour, made, 1.0)
