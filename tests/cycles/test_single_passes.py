@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 import chipbreak
@@ -29,6 +31,12 @@ def test_along_z() -> None:
         *("G0 X48.", "G1 Z-20. F0.2", "G1 X52.", "G0 Z2."),
         *("G0 X46.", "G1 Z-20.", "G1 X52.", "G0 Z2."),
     ]
+
+
+def test_passes_are_counted() -> None:
+    program = HEAD + b"G90 X48. Z-20. F0.2\nX46.\n" + TAIL
+    output = chipbreak.rewrite(program, load("fanuc-lathe", [ALWAYS])).data.decode()
+    assert re.findall(r"\((PASS .*)\)", output) == ["PASS 1", "PASS 2"]
 
 
 def test_along_x() -> None:
