@@ -7,7 +7,6 @@ held against those of the original, with feed, feed mode, spindle speed, its mod
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from hypothesis import Phase, event, example, given
@@ -17,7 +16,7 @@ from hypothesis import strategies as st
 import chipbreak
 
 from . import rs274
-from .compared import is_taken_and_same_with_checks
+from .compared import assert_same_outside
 
 _PLACE = st.integers(8, 20)
 _ITEMS = st.one_of(
@@ -85,9 +84,7 @@ def test_all_else_stays_as_it_was(items: list[str]) -> None:
 @pytest.mark.linuxcnc
 @pytest.mark.parametrize(("first", "then"), [("G21", "G20"), ("G20", "G21"), ("G21", "G21"), ("G20", "G20")])
 @pytest.mark.parametrize("behind", ["G0 Z1", "M3", "M5\nM3", "M5\nS120 M3"])
-def test_a_check_gives_back_a_surface_speed_as_it_was_set(
-    first: str, then: str, behind: str, tmp_path: Path
-) -> None:
+def test_a_check_gives_back_a_surface_speed_as_it_was_set(first: str, then: str, behind: str) -> None:
     """In the units in which it was set: where the spindle starts, the control reads its number again."""
     program = (
         f"G17 G40 G49 G54 G80 G90 G94\nT1 M6\n{first}\nG96 S100 M3\n{then}\nG0 X1 Y1 Z1\n(ROUGH)\n"
@@ -96,5 +93,4 @@ def test_a_check_gives_back_a_surface_speed_as_it_was_set(
     own = ['calls.own={chip_check="G4 P0.001"}', "checks.calls=own", "checks.enabled=true"]
     result = chipbreak.rewrite(program, chipbreak.load("linuxcnc-mill", own))
     assert b"CHIP CHECK T1 W0.02" in result.data
-    how = {"subroutines": tmp_path, "tools": rs274.ANY_TOOL, "block_delete": False}
-    assert is_taken_and_same_with_checks(program, result.data, **how)
+    assert_same_outside(program, result.data, lathe=False, comes_back=False)
