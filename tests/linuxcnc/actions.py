@@ -142,10 +142,9 @@ def _changed(was: Action, now: Action) -> frozenset[str]:
 
 
 def _is_same_feed(was: Action, now: Action) -> bool:
-    """The interpreter says four decimals, in inches too."""
-    is_inch = was.in_force.get("USE_LENGTH_UNITS") == ("CANON_UNITS_INCHES",)
+    """The interpreter says four decimals of a feed, in the units in which it was set."""
     one, other = (float(action.in_force["SET_FEED_RATE"][0]) for action in (was, now))
-    return is_inch and abs(one - other) <= 1.01e-4 * rs274.MM_PER_INCH
+    return abs(one - other) <= 1.01e-4 * rs274.MM_PER_INCH
 
 
 def _needs_no_spindle(action: Action) -> bool:
