@@ -1,6 +1,6 @@
 """Machines whose numbers are drawn at random, measured by the machine test, and new cuts on them.
 
-``python benchmarks/machine_test.py [COUNT [KLIPPER [LINUXCNC]]]``: so many machines of each sort.  Each runs
+``python benchmarks/machine_test.py [COUNT [KLIPPER [LINUXCNC [FIRST]]]]``: so many of each sort.  Each runs
 the program of ``chipbreak machine-test write``; ``read`` makes a profile of a trace with noise (of Klipper:
 of its times), and cuts that are promised with this profile are run on the machine: N, stroke and verdict as
 promised and as run; and how many of the numbers of the machines with filters lie within the uncertainty that
@@ -86,8 +86,8 @@ def _measured(sort: Sort, seed: int, folder: Path) -> OneMachine:
         return OneMachine(f"{sort.__name__}, refused: {str(error).splitlines()[0]}", [], [])
 
 
-def main(fanuc: int = 30, klipper: int = 10, linuxcnc: int = 3) -> None:
-    """A line a machine, and the sums."""
+def main(fanuc: int = 30, klipper: int = 10, linuxcnc: int = 3, first: int = 0) -> None:
+    """A line a machine, and the sums; machines number ``first`` and on."""
     sorts: list[tuple[Sort, int]] = [
         (on_fanuc, fanuc),
         (on_klipper, klipper if (PLANNER / "klippy" / "toolhead.py").is_file() else 0),
@@ -98,7 +98,7 @@ def main(fanuc: int = 30, klipper: int = 10, linuxcnc: int = 3) -> None:
     every: list[Kept] = []
     within: list[bool] = []
     for sort, count in sorts:
-        for seed in range(count):
+        for seed in range(first, first + count):
             with tempfile.TemporaryDirectory() as folder:
                 name, found, own = _measured(sort, seed, Path(folder))
             every += found
@@ -111,7 +111,8 @@ def main(fanuc: int = 30, klipper: int = 10, linuxcnc: int = 3) -> None:
     print(
         f"{len(every)} cuts: N within 1 % {sum(one.count_error <= 0.01 for one in every)},"
         f" stroke within 5 % {sum(one.stroke_error <= 0.05 for one in every)},"
-        f" verdict {sum(one.same_verdict for one in every)};"
+        f" verdict {sum(one.same_verdict for one in every)},"
+        f" {sum(one.is_on_edge for one in every)} of them said to be on the edge;"
         f" chips break in {sum(one.run[2] for one in every)};"
         f" {sum(within)} of {len(within)} numbers within what was said of them"
     )

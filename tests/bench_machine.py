@@ -152,10 +152,14 @@ FINE = (
 
 
 class Kept(NamedTuple):
-    """What was promised and what was run: N, stroke [mm], whether chips break."""
+    """What was promised and what was run: N, stroke [mm], whether chips break.
+
+    ``is_on_edge``: it was said that the last is not known.
+    """
 
     promised: tuple[float, float, bool]
     run: tuple[float, float, bool]
+    is_on_edge: bool = False
 
     @property
     def count_error(self) -> float:
@@ -169,8 +173,8 @@ class Kept(NamedTuple):
 
     @property
     def same_verdict(self) -> bool:
-        """Chips break as promised."""
-        return self.promised[2] == self.run[2]
+        """Chips break as promised, where that was said to be known."""
+        return self.is_on_edge or self.promised[2] == self.run[2]
 
 
 def fanuc_cut(cut: Cut, profile: str, machine: Machine) -> Kept | None:
@@ -195,7 +199,7 @@ def fanuc_cut(cut: Cut, profile: str, machine: Machine) -> Kept | None:
     ran = seen(real_mm, step_s, 60.0 / speed_rpm, report.wave.period_s, (first_s + settling_s, last_s))
     verdict = report.verdict
     promised = (verdict.per_rev, verdict.stroke_mm, bool(verdict.breaks))
-    return Kept(promised, (ran.per_rev, ran.stroke_mm, ran.margin >= 1.0))
+    return Kept(promised, (ran.per_rev, ran.stroke_mm, ran.margin >= 1.0), report.is_on_edge)
 
 
 def blocks_of(text: str, mark: str = "(CHIPBREAK") -> tuple[Floats, Floats]:

@@ -97,7 +97,7 @@ def klipper_cut(machine: Klipper, profile: str, draw: np.random.Generator) -> Ke
     ran = seen(place_mm, step_s, 60.0 / speed, report.wave.period_s, (ends_s[share], ends_s[-share]))
     verdict = report.verdict
     promised = (verdict.per_rev, verdict.stroke_mm, bool(verdict.breaks))
-    return Kept(promised, (ran.per_rev, ran.stroke_mm, ran.margin >= 1.0))
+    return Kept(promised, (ran.per_rev, ran.stroke_mm, ran.margin >= 1.0), report.is_on_edge)
 
 
 def _at_rest_between(lengths_mm: Floats, times_s: Floats, has_mm_s2: float, step_s: float) -> Floats:
@@ -169,4 +169,5 @@ def _linuxcnc_kept(job: vibrated.Job, result: chipbreak.Result, run: machine.Run
     promised = (verdict.per_rev, verdict.stroke_mm, bool(verdict.breaks))
     per_rev = found.frequency_hz * 60.0 / ran.promise.wave.speed_rpm
     breaks = ran.chips(settled=1.0).broken > 0
-    return Kept(promised, (per_rev, float(np.median(found.strokes_mm)), breaks))
+    strokes_mm = float(np.median(found.strokes_mm))
+    return Kept(promised, (per_rev, strokes_mm, breaks), result.cuts[0].is_on_edge)

@@ -137,6 +137,7 @@ WAYS: dict[str, list[Way]] = {
         "output.feed_mode=minute",
         "planner.model=after-interpolation",
     ],
+    "on-the-edge-under-strict": [("Q4.1", "Q4.25"), ("Q4.1", "")],
     "unproven-under-strict": ["planner.model=after-interpolation"],
     "servo-leaves-too-little": [("N1.5", "N1.5 f2."), ("Q1.2", "Q10.6"), (" Q1.2", "")],
     "sine-in-strokes": ['output.segments="tick"', ("SINE", "TRIANGLE")],

@@ -89,3 +89,39 @@ def test_what_is_named_works(control: str, shape: str, speed: int, feed: float, 
         result = run(control, program_of(control, shape, speed, feed, directive), *sets)
         assert result.cuts, (directive, text)
         assert all(cut.verdict.breaks for cut in result.cuts), (directive, text)
+
+
+CLAMPED = ("spindle.max_rpm=2000",)
+
+
+def refusals(control: str, directive: str, *sets: str, cuts: int = 1) -> list[chipbreak.Diagnostic]:
+    program = HEADS[CONTROLS[control][0]].format(3000) + f"(VIB {directive})\n"
+    program += cuts * "G0 X20. Z2.\nG1 Z-20. F0.3\n" + "G0 X80.\nM30\n"
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        run(control, program, *sets)
+    return [d for d in caught.value.diagnostics if d.severity.value == "error"]
+
+
+@pytest.mark.parametrize("acceleration", [300, 1000, 3000, 30000])
+@pytest.mark.parametrize(("directive", "code"), [("N1.5 F62.5", "VIB006"), ("N5 F31.25", "VIB005")])
+def test_what_the_solver_names_works(directive: str, code: str, acceleration: int) -> None:
+    limits = [f"axes.{axis}.max_acceleration_mm_s2={acceleration}" for axis in "XZ"]
+    (error,) = refusals("trapezoid", directive, *CLAMPED, *limits)
+    assert error.code == code
+    slower = _SLOWER.findall(error.help)
+    named = re.findall(r"f ([0-9.]+) Hz or a larger", error.help)
+    ways = [f"N{n} F{f}" for n, f in slower] + [f"N1.5 F{f}" for f in named]
+    for counts in re.findall(r"N ([0-9.]+)(?: or ([0-9.]+))? breaks best", error.help):
+        ways += [f"N{count} F31.25" for count in counts if count]
+    assert ways, error.help
+    for way in ways:
+        program = HEADS["fanuc-lathe"].format(3000) + f"(VIB {way})\nG0 X20. Z2.\nG1 Z-20. F0.3\nM30\n"
+        (cut,) = run("trapezoid", program, *CLAMPED, *limits).cuts
+        assert cut.verdict.breaks
+
+
+@pytest.mark.parametrize("directive", ["N1.5 F62.5", "E1.5 WAVE DWELL", "N3"])
+@pytest.mark.parametrize("sets", [(), CLAMPED])
+def test_from_the_fourth_cut_on_no_number_is_named(directive: str, sets: tuple[str, ...]) -> None:
+    fourth = refusals("trapezoid", directive, "vibration.refused=error", *sets, cuts=4)[3]
+    assert not re.search(r"\b(?:N|f|E|S|Q) [0-9]", fourth.help)

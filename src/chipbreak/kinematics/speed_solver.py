@@ -20,6 +20,8 @@ MOST_TICKS = 1_000_000  # the end of a group without a highest multiple: over an
 WHOLE_WITHIN = 1e-3  # nearer to a whole number, the stroke would have to be hundreds of times the feed
 TOO_FEW = "VIB001"
 NEVER_BREAKS = "VIB005"
+ABOVE_CLAMP = "VIB006"
+TOO_SLOW = "VIB008"
 _FUZZ = 1e-9  # two numbers that differ by less were meant to be equal
 
 
@@ -186,7 +188,7 @@ def solve(
         _check_breaks(reached, rules, made_by, period)
     _check_speed(speed_rpm, wanted, group, rules)
     if speed is not None and speed_rpm > 2.0 * speed.value:  # a surprise that can throw the part
-        raise RefusalError("VIB008", f"S {speed} would become {shown(speed_rpm)} rpm", "give a larger N")
+        raise RefusalError(TOO_SLOW, f"S {speed} would become {shown(speed_rpm)} rpm", "give a larger N")
     changed = speed is not None and speed_rpm != speed.value
     return Solution(speed_rpm, reached, period.frequency_hz, period, tuple(reasons), changed)
 
@@ -277,7 +279,7 @@ def _count(speed: SourcedValue, period: Period, rules: SolverRules, reasons: lis
         what = f"S {speed} with f {shown(period.frequency_hz)} Hz makes N {shown(raw)}"
         slower = f"N {shown(count)} would need less than half that spindle speed"
         turns = shown(math.floor(_ratio(period, count)))
-        raise RefusalError("VIB008", f"{what}; {slower}", f"give S {turns}, or N and f without S")
+        raise RefusalError(TOO_SLOW, f"{what}; {slower}", f"give S {turns}, or N and f without S")
     if not _prints_as(speed, count, period, rules):
         why = "nearest integer + phase (claim 7)" if rules.rounding == "claim-7" else "nearest n + phase"
         why += f", phase {shown(rules.phase)}" + (f", {rules.edges} edges" if rules.edges > 1 else "")
@@ -392,7 +394,7 @@ def _check_speed(speed_rpm: float, wanted: float, group: CommandGroup, rules: So
         slower = [p.frequency_hz for p in group.around(most_hz) if p.frequency_hz <= most_hz]
         way_out = f"give f {shown(slower[0])} Hz or a larger N" if slower else "give a larger N"
         clamp = f"S {shown(speed_rpm)} rpm is above the clamp of {shown(rules.max_rpm)} rpm"
-        raise RefusalError("VIB006", clamp, way_out, tuple(f"f{shown(one)}" for one in slower[:1]))
+        raise RefusalError(ABOVE_CLAMP, clamp, way_out, tuple(f"f{shown(one)}" for one in slower[:1]))
     if speed_rpm < rules.min_rpm - _FUZZ:
         least = f"S {shown(speed_rpm)} rpm is below the least of {shown(rules.min_rpm)} rpm"
         raise RefusalError("VIB007", least, "give a smaller N")

@@ -114,9 +114,16 @@ def findings_of(form: Form, pieces: Sequence[Piece], settings: Settings) -> Find
     rate, least = _rates(form, best, main, known)
     if rate is not None:
         measured.append(rate)
+    measured.append(Measured("planner.uncertainty", _worst_share(measured), 0.0))
     told = _Known(model, fits, has_trace, least, form)
     still_open = tuple(text for rule in _OPEN for text in rule(told))
     return Findings(model, tuple(measured), still_open, tuple(fits))
+
+
+def _worst_share(measured: Sequence[Measured]) -> float:
+    """The most that a number may be off; not of a bell, for which its acc/dec makes up."""
+    own = [one.share for one in measured if not one.key.endswith((".bell_ms", ".min_cruise_ratio", "_per_s"))]
+    return round(min(max(own, default=0.0), _MOST_SHARE), 4)
 
 
 def _known(settings: Settings) -> Limits:

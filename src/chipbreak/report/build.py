@@ -124,6 +124,8 @@ def _cut(cut: CutReport, source: Source, settings: Settings) -> ExplainedCut:
         follows_spindle=plan.expander.feed_mode(plan.chain.before.modes.feed_mode, settings.output.feed_mode)
         == "rev",
         holds_override=cut.holds_override,
+        margin_off=cut.margin_off,
+        on_edge=cut.is_on_edge,
     )
 
 

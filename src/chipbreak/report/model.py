@@ -87,6 +87,8 @@ class ExplainedCut:
     ``servo_share``  what the axes make of the commanded stroke, None where they are taken to follow;
                    ``delay_s``  by how much they are late;  ``path_error_mm``  how far they leave the path;
                    ``looks``  how often a vibration their motion was looked at
+    ``margin_off``  how far the margin may be off, as the numbers of the machine may be; 0 where that is not
+                   said, or far from 1;  ``on_edge``  the margin is nearer to 1 than that
     ``moved``      axis -> what moves it, where the profile says so
     """
 
@@ -126,6 +128,8 @@ class ExplainedCut:
     override_band: tuple[float, float] | None = None
     follows_spindle: bool = False
     holds_override: bool = False
+    margin_off: float = 0.0
+    on_edge: bool = False
 
     @property
     def written_moves(self) -> int:

@@ -29,6 +29,9 @@ def _cuts(report: Report) -> str:
         return f"{vibrate}, {f'{whole} DO' if count > 1 else 'it DOES'} NOT BREAK chips"
     if any(cut.unproven for cut in report.cuts):
         return f"{vibrate}, unproven: {'all' if count > 1 else 'it'} would break {_IF_EXACT}"
+    if any(cut.on_edge for cut in report.cuts):
+        which = "some" if count > 1 else "it"
+        return f"{vibrate}, unproven: {which} would break with less to spare than is known"
     return f"{vibrate}, {'all break' if count > 1 else 'it breaks'}"
 
 

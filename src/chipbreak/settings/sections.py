@@ -186,6 +186,7 @@ class Planner(ValueRecord):
     ``least_steps_per_s``.  For ``segment_ms`` at once the control works out its steps.
     ``override_off`` and ``override_on`` are the blocks around a vibrated cut that hold the overrides at 100 %
     and give them back: they would take N with them.
+    ``uncertainty`` is the share by which these numbers, and those of the axes, may be off.
     ``numbers_at`` says to people where these numbers, and those of the axes, are kept on the control.
     """
 
@@ -206,6 +207,7 @@ class Planner(ValueRecord):
     least_steps_per_s: float | None = _at_least(None)
     least_feed_mm_min: float | None = _at_least(None)
     segment_ms: float | None = _above(None)
+    uncertainty: float = field(default=0.0, metadata={"at_least": 0.0, "below": 0.5})
     path_mode: str = ""
     usual_path_mode: str = "G64"
     smoothing_off: str = ""

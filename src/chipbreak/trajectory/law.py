@@ -40,6 +40,11 @@ class AxisLimits(NamedTuple):
     filter: AxisFilter = NO_FILTER
     step_mm: float = 0.0
 
+    def slower(self, share: float) -> AxisLimits:
+        """The same axis later by a share, and with so much less acceleration."""
+        acceleration = self.acceleration_mm_s2 / (1.0 + share)
+        return self._replace(acceleration_mm_s2=acceleration, filter=self.filter.slower(share))
+
 
 @dataclass(frozen=True)
 class ControlLaw(ABC):
@@ -107,6 +112,11 @@ class ControlLaw(ABC):
     def with_acceleration(self, acceleration_mm_s2: float) -> Self:
         """The same control where it has another acceleration."""
         return replace(self, acceleration_mm_s2=acceleration_mm_s2)
+
+    def slower(self, share: float) -> Self:
+        """The same control with numbers that are off by a share, all to the slower side; below 0 faster."""
+        axes = tuple(axis.slower(share) for axis in self.axes)
+        return replace(self, acceleration_mm_s2=self.acceleration_mm_s2 / (1.0 + share), axes=axes)
 
     @property
     def read_s(self) -> float:

@@ -7,8 +7,8 @@ axes follow.  The speeds at joints are planned like those of a control with junc
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -28,6 +28,10 @@ class LookAhead(Junction):
     needs_feed_per_minute: ClassVar[bool] = True
 
     joint_speed_mm_s: float = 0.0
+
+    def slower(self, share: float) -> Self:
+        """See :meth:`ControlLaw.slower`."""
+        return replace(super().slower(share), joint_speed_mm_s=self.joint_speed_mm_s / (1.0 + share))
 
     def _limits(self, moves: Moves) -> Floats:
         """See :meth:`Junction._limits`."""

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from chipbreak.kinematics.sourced_value import shown
-from chipbreak.kinematics.speed_solver import Period
+from chipbreak.kinematics.speed_solver import ABOVE_CLAMP, NEVER_BREAKS, TOO_SLOW, Period
 from chipbreak.kinematics.waveform import forward_ticks
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError, SelfCheckError
@@ -29,6 +29,13 @@ _ACCELERATION = "VIB030"
 _LEAST_SHARE = 0.05  # no cut is made at a twentieth of its speed
 _NEED = re.compile(r"needs ([0-9.e+]+) m/s2")
 _TURNS = re.compile(r"take E ([0-9.]+)")
+_NUMBERS = re.compile(r"\b([SNf]) ([0-9.]+(?: Hz)?(?:(?: or |, | and )[0-9.]+)*)")
+# What is left of a help whose numbers do not work.
+_WITHOUT_NUMBERS = {
+    NEVER_BREAKS: "take another N that is not whole, or another S",
+    ABOVE_CLAMP: "give a lower f or a larger N",
+    TOO_SLOW: "give another S, or N and f without S",
+}
 _MOST_LENGTHENED = 8
 _LONGER = 1.07  # times a vibration that was not long enough
 _MORE = 1.12  # times what was not enough, where the refusal does not say more
@@ -42,10 +49,8 @@ def with_advice(error: RefusalError, cut: CutPlan, settings: Settings) -> Refusa
     That is the next slower frequency with the same N, what the machine would choose, and a dwell; and the
     acceleration that it names is one that suffices for every stroke of the cut.
     """
-    if error.code == NO_STAND:
-        return _with_longer_stand(error, cut, settings)
     if error.code not in LIMITS:
-        return error
+        return tried(error, cut.chain, settings)
     message = _with_all_strokes(error, cut, settings)
     ways = [_first_help(error, cut)]
     slower = _slower(cut, settings)
@@ -55,19 +60,88 @@ def with_advice(error: RefusalError, cut: CutPlan, settings: Settings) -> Refusa
     return RefusalError(error.code, message, "; ".join(ways), (slower.word,) if slower else ())
 
 
-def _with_longer_stand(error: RefusalError, cut: CutPlan, settings: Settings) -> RefusalError:
+def tried(error: RefusalError, chain: Chain, settings: Settings) -> RefusalError:
+    """The same refusal of S, N and f, or of a dwell: of the numbers in its help those that work."""
+    if error.code == NO_STAND:
+        return _with_longer_stand(error, chain, settings)
+    named = _named_in(error)
+    trials = Trials(settings)
+    works = [one for one in named if trials.works(one.in_chain(chain)) is not None]
+    if len(works) == len(named):
+        return error
+    if not works:
+        way = _from_there(named[0].in_chain(chain), settings)
+        return RefusalError(error.code, error.message, way) if way else untried(error)
+    said = " or ".join(one.text for one in works)
+    words = {one.word for one in works}
+    instead = tuple(word for word in error.instead if word in words)
+    return RefusalError(error.code, error.message, f"works: {said}", instead)
+
+
+def _from_there(chain: Chain, settings: Settings) -> str:
+    """What works where a chain with the numbers of a help does not: lower, or as the machine chooses."""
+    try:
+        cut = plan_cut(chain, settings)
+    except RefusalError:
+        return ""
+    slower = _slower(cut, settings)
+    return slower.text if slower is not None else chosen(cut, settings)
+
+
+def untried(error: RefusalError) -> RefusalError:
+    """The same refusal without the numbers that nobody has tried."""
+    message = _NEED.sub(r"needs more than \1 m/s2", error.message) if error.code in LIMITS else error.message
+    if error.code == NO_STAND:
+        return RefusalError(error.code, message, _TURNS.sub("take a larger E", error.help, count=1))
+    if _named_in(error):
+        return RefusalError(error.code, message, _WITHOUT_NUMBERS[error.code])
+    return RefusalError(error.code, message, error.help, error.instead)
+
+
+class _Named(NamedTuple):
+    """A number that a help names: S, N or f."""
+
+    letter: str
+    number: str
+
+    @property
+    def text(self) -> str:
+        """As people read it."""
+        return f"{self.letter} {self.number}" + (" Hz" if self.letter == "f" else "")
+
+    @property
+    def word(self) -> str:
+        """As a word of the block."""
+        return f"{self.letter}{self.number}"
+
+    def in_chain(self, chain: Chain) -> Chain:
+        """The chain with it."""
+        key = self.letter.upper()
+        return with_values(chain, {key: float(self.number)}, without="NE" if key == "N" else key)
+
+
+def _named_in(error: RefusalError) -> list[_Named]:
+    if error.code not in _WITHOUT_NUMBERS:
+        return []
+    return [
+        _Named(match[1], number)
+        for match in _NUMBERS.finditer(error.help)
+        for number in re.findall(r"[0-9.]+", match[2])
+    ]
+
+
+def _with_longer_stand(error: RefusalError, chain: Chain, settings: Settings) -> RefusalError:
     """The same refusal of a dwell, with an E that has been tried: S and whole base periods go with it."""
     said = _TURNS.search(error.help)
     trials = Trials(settings)
     turns = float(said[1]) if said else 0.0
     for _ in range(_MOST_LENGTHENED if said else 0):
-        longer = with_values(cut.chain, {"E": turns}, without="NF")
+        longer = with_values(chain, {"E": turns}, without="NF")
         if trials.works(longer) is not None:
             help_text = _TURNS.sub(f"take E {turns:g}", error.help, count=1)
             return RefusalError(error.code, error.message, help_text, error.instead)
         turns = math.ceil(turns * _LONGER * 10.0) / 10.0
-    help_text = _TURNS.sub("take a larger E", error.help, count=1)
-    return RefusalError(error.code, error.message, help_text, error.instead)
+    return untried(error)
 
 
 class _Slower(NamedTuple):

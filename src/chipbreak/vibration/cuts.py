@@ -20,7 +20,7 @@ from chipbreak.syntax.nodes import Block, Word
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.named_tuple import NamedTuple
-from chipbreak.vibration.advice import with_advice
+from chipbreak.vibration.advice import tried, untried, with_advice
 from chipbreak.vibration.beginning import failure_of
 from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.called import in_called_programs, not_followed
@@ -261,9 +261,9 @@ class _Maker(NamedTuple):
 
     def _cut(self, chain: Chain, names: LoopNames | None, *, advise: bool) -> tuple[CutPlan, Expansion]:
         def make(one: Chain) -> tuple[CutPlan, Expansion]:
-            plan = plan_cut(one, self.interpreted.settings)
-            _check_motion_mode(self.interpreted, one)
             is_asked = advise and one is chain
+            plan = _plan(one, self.interpreted.settings, advise=is_asked)
+            _check_motion_mode(self.interpreted, one)
             self._refuse_soon(plan, names, advise=is_asked)
             return plan, _expand(plan, self.interpreted.settings, names, advise=is_asked)
 
@@ -278,7 +278,7 @@ class _Maker(NamedTuple):
         settings = self.interpreted.settings
         failure = failure_of(plan, settings, names)
         if isinstance(failure, RefusalError):
-            raise with_advice(failure, plan, settings) if advise else failure
+            raise with_advice(failure, plan, settings) if advise else untried(failure)
         if failure is None:
             return
         if is_open(plan.chain):
@@ -289,13 +289,19 @@ class _Maker(NamedTuple):
             raise RefusalError(said.code, seen, said.help)
 
 
+def _plan(chain: Chain, settings: Settings, *, advise: bool) -> CutPlan:
+    """Errors: RefusalError, whose help names no number that was not tried, but for what the machine chose."""
+    try:
+        return plan_cut(chain, settings)
+    except RefusalError as error:
+        raise (tried(error, chain, settings) if advise else untried(error)) from None
+
+
 def _expand(plan: CutPlan, settings: Settings, names: LoopNames | None, *, advise: bool) -> Expansion:
     try:
         return moves_of(plan, settings, names)
     except RefusalError as error:
-        if not advise:
-            raise
-        raise with_advice(error, plan, settings) from None
+        raise (with_advice(error, plan, settings) if advise else untried(error)) from None
 
 
 def _by_line(diagnostic: Diagnostic) -> int:

@@ -15,6 +15,7 @@ from chipbreak.vibration.judged import Judged
 from chipbreak.vibration.large_changes import LARGE_CHANGES
 from chipbreak.vibration.little_to_spare import little_to_spare
 from chipbreak.vibration.measure import CutReport
+from chipbreak.vibration.on_the_edge import on_the_edge
 from chipbreak.vibration.unproven import unproven
 from chipbreak.vibration.wish import AskedBy
 
@@ -42,7 +43,8 @@ def findings_of_cuts(
     for _, steps in groupby(cuts, lambda report: report.plan.chain.first):
         advise = sum(d.code in (UNBROKEN, MISSED) for d in found) < _MOST_ADVISED
         found += _of_block(Judged(interpreted, operations, one, allow_unbroken, advise) for one in steps)
-    return [*found, *little_to_spare(interpreted, cuts), *unproven(interpreted, cuts)]
+    said_of_all = (little_to_spare, unproven, on_the_edge)
+    return [*found, *(said for rule in said_of_all for said in rule(interpreted, cuts))]
 
 
 def _of_block(steps: Iterable[Judged]) -> list[Diagnostic]:

@@ -33,6 +33,7 @@ _SAME_DWELL_S = 1e-6
 # A control that stops at both ends of the cut and of its plain end needs a little longer.
 _STOP_TOLERANCE_S = 0.2
 _ALMOST = 1.01  # of what the axes have is not too much
+_MOST_TIMES_OFF = 10.0  # its uncertainty: further no margin goes
 _SETTLED_VIBRATIONS = 3.0  # of full stroke are enough to judge it by
 
 
@@ -65,7 +66,8 @@ class CutReport:
     ``allowed_mm_s2`` what the axes have.  ``following`` says how the axes follow their command, None where
     they are taken to follow it exactly.  ``clearances`` are the flank clearance that the forward stroke uses
     up at the largest and the smallest diameter, none where the diameter is not known.  ``holds_override``:
-    the operator's overrides do not count in it.
+    the operator's overrides do not count in it.  ``margin_off``: so far the margin may be off, as the numbers
+    of the machine may be (``planner.uncertainty``); worked out where it is near 1.
     """
 
     plan: CutPlan
@@ -81,6 +83,7 @@ class CutReport:
     following: Following | None
     clearances: tuple[Clearance, ...]
     holds_override: bool = False
+    margin_off: float = 0.0
 
     def __repr__(self) -> str:
         chips = "chips break" if self.verdict.breaks else "chips do not break"
@@ -96,6 +99,11 @@ class CutReport:
     def is_overloaded(self) -> bool:
         """True where the motion behind filters needs more acceleration than the axes have."""
         return self.following is not None and self.acceleration_mm_s2 > _ALMOST * self.allowed_mm_s2
+
+    @property
+    def is_on_edge(self) -> bool:
+        """True where the margin is nearer to 1 than it is known."""
+        return abs(self.verdict.margin - 1.0) < self.margin_off
 
     @property
     def is_early(self) -> bool:
@@ -164,12 +172,18 @@ class CutMotion(NamedTuple):
 
 
 class _Timed(NamedTuple):
-    """The moves of a cut as they stand in the output, and when the control makes them."""
+    """The moves of a cut as they stand in the output, and when the control makes them.
+
+    ``distance_mm``, (n + 1,), is where on the path they end; ``uncertainty`` by which share the numbers of
+    the control may be off.
+    """
 
     moves: ReadBack
     law: ControlLaw
     blocks: Blocks
     motion: Motion
+    distance_mm: Floats
+    uncertainty: float
 
 
 def measured_motion(
@@ -216,7 +230,7 @@ def _in_time(moves: ReadBack, settings: Settings, plan: CutPlan, expansion: Expa
         fingerprint = motion.fingerprint if len(variants) > 1 else b""
         if fingerprint not in known:
             known.add(fingerprint)
-            yield _Timed(moves, one, blocks, motion)
+            yield _Timed(moves, one, blocks, motion, distance_mm, settings.planner.uncertainty)
         del motion  # before the next one is made
 
 
@@ -245,24 +259,13 @@ def _rank(report: CutReport) -> tuple[bool, float]:
 
 
 def _report(plan: CutPlan, expansion: Expansion, timed: _Timed) -> CutReport:
-    moves, law, blocks, motion = timed
+    moves, law, blocks, motion, *_ = timed
     _check_dwells(moves.dwell_s, expansion.dwell_s)
-    spans_s = motion.spans_s + moves.dwell_s if len(moves.dwell_s) else motion.spans_s
-    time_s = np.concatenate(([0.0], np.cumsum(spans_s)))
+    time_s = _ends_s(motion, moves)
     is_late = _is_late(law, float(time_s[-1]), plan.wave.duration_s + plan.end_dwell_s)
     largest_mm, smallest_mm = _diameters(np.append(plan.path.legs[0].start[0], moves.points_mm[:, 0]))
-    verdict = judge(
-        motion.time_s,
-        motion.distance_mm,
-        speed_rpm=plan.solution.speed_rpm,
-        feed_mm_rev=plan.wave.feed_mm_rev,
-        edges=plan.edges,
-        diameter_mm=largest_mm if largest_mm > 0.0 else None,
-        steady_s=_steady_s(plan, expansion, time_s, motion),
-        waveform=plan.wave.waveform,
-        alpha_share=plan.wave.alpha_share,
-        vibration_s=plan.wave.period_s,
-    )
+    verdict = _judged(plan, expansion, time_s, motion, largest_mm if largest_mm > 0.0 else None)
+    margin_off = _margin_off(plan, expansion, timed, verdict.margin)
     verdict = replace(verdict, speed_band_rpm=_speed_band_rpm(plan, verdict, law))
     is_filtered = motion.delay_s > 0.0
     peak_mm_s = law.peak_speed_mm_s(blocks, moves.feed_mm_s)
@@ -299,7 +302,47 @@ def _report(plan: CutPlan, expansion: Expansion, timed: _Timed) -> CutReport:
         if is_filtered
         else None,
         tuple(clearances),
+        margin_off=margin_off,
     )
+
+
+def _ends_s(motion: Motion, moves: ReadBack) -> Floats:
+    """When each block ends, and the dwell behind it, from 0 on."""
+    spans_s = motion.spans_s + moves.dwell_s if len(moves.dwell_s) else motion.spans_s
+    return np.concatenate(([0.0], np.cumsum(spans_s)))
+
+
+def _judged(
+    plan: CutPlan, expansion: Expansion, time_s: Floats, motion: Motion, diameter_mm: float | None
+) -> Verdict:
+    return judge(
+        motion.time_s,
+        motion.distance_mm,
+        speed_rpm=plan.solution.speed_rpm,
+        feed_mm_rev=plan.wave.feed_mm_rev,
+        edges=plan.edges,
+        diameter_mm=diameter_mm,
+        steady_s=_steady_s(plan, expansion, time_s, motion),
+        waveform=plan.wave.waveform,
+        alpha_share=plan.wave.alpha_share,
+        vibration_s=plan.wave.period_s,
+    )
+
+
+def _margin_off(plan: CutPlan, expansion: Expansion, timed: _Timed, margin: float) -> float:
+    """How far the margin goes where the numbers of the control are off, all to one side; 0 far from 1."""
+    share = timed.uncertainty
+    if share <= 0.0 or abs(margin - 1.0) > _MOST_TIMES_OFF * share:
+        return 0.0
+    moves = timed.moves
+    off = [0.0]
+    for one in (share, -share):
+        law = timed.law.slower(one)
+        blocks = law.blocks(timed.blocks.moved_mm, timed.blocks.lengths_mm)
+        motion = law.motion(timed.distance_mm, blocks, moves.feed_mm_s, moves.dwell_s)
+        judged = _judged(plan, expansion, _ends_s(motion, moves), motion, None)
+        off.append(abs(judged.margin - margin))
+    return max(off)
 
 
 def _feed_mode(settings: Settings, plan: CutPlan) -> str:

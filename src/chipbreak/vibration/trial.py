@@ -67,8 +67,7 @@ class Trials:
             return None
         except SelfCheckError:
             return None
-        runs = not (report.misses_plan or report.is_overloaded)
-        return report if report.verdict.breaks and runs else None
+        return report if report.holds and not report.is_on_edge else None
 
     def affords(self, plan: CutPlan) -> bool:
         """Take what a try of this plan costs; False where that is more than is left."""
