@@ -137,3 +137,16 @@ def test_the_steps_of_one_block_are_told_of_once() -> None:
     needs = [cut.acceleration_mm_s2 for cut in cuts]
     assert len(needs) > 1
     assert f"need {max(needs) / 1000.0:.1f} m/s2" in load.message
+
+
+@pytest.mark.parametrize("n", ["1.5", "auto"])
+def test_what_no_machine_makes_stays_where_the_profile_asks(n: str) -> None:
+    """A way to the work in G1 at 6 mm a revolution among cuts."""
+    program = "G97 S500 M3\nG0 X20. Z400.\nG1 Z2. F6.\nZ-30. F0.1\nM30\n"
+    sets = (f"vibration.n={n}", "axes.X.max_acceleration_mm_s2=5e8", "axes.Z.max_acceleration_mm_s2=5e8")
+    result = chipbreak.rewrite(program.encode(), chipbreak.load("generic-lathe", sets))
+    (cut,) = result.cuts
+    assert cut.plan.wave.feed_mm_rev == pytest.approx(0.1)
+    (left,) = [one for one in result.left if one.is_cut]
+    assert left.said.code == "VIB077"
+    assert chipbreak.restore(result.data) == program.encode()

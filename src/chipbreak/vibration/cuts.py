@@ -30,6 +30,7 @@ from chipbreak.vibration.cut_edit import Step, cut_edit, overrides_of, settling
 from chipbreak.vibration.diameter_steps import diameter_steps
 from chipbreak.vibration.findings import first_error
 from chipbreak.vibration.judged import Judged
+from chipbreak.vibration.large_changes import refuse_beyond_any_machine
 from chipbreak.vibration.left_cut import LeftCut
 from chipbreak.vibration.look_ahead_feed import without_look_ahead
 from chipbreak.vibration.loop_names import LoopNames, free_names
@@ -264,6 +265,8 @@ class _Maker(NamedTuple):
             is_asked = advise and one is chain
             plan = _plan(one, self.interpreted.settings, advise=is_asked)
             _check_motion_mode(self.interpreted, one)
+            if one.may_be_left(self.interpreted.settings.vibration.refused):
+                refuse_beyond_any_machine(plan.wave)
             self._refuse_soon(plan, names, advise=is_asked)
             return plan, _expand(plan, self.interpreted.settings, names, advise=is_asked)
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.kinematics.waveform import WaveformParameters
+from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.vibration.judged import Judged
 from chipbreak.vibration.programmed import programmed
 
@@ -21,6 +22,7 @@ _USUAL_MM_S2 = 10_000.0
 # No lathe feeds or swings by more.
 _MOST_FEED_MM_REV = 5.0
 _MOST_STROKE_MM = 5.0
+_LOOK_AT_UNITS = "look at the unit of F (G94, G95), decimal points (control.decimal_point), and at Q and A"
 
 
 def _speed(judged: Judged) -> Diagnostic | None:
@@ -63,15 +65,26 @@ def _acceleration(judged: Judged) -> Diagnostic | None:
 
 def _sizes(judged: Judged) -> Diagnostic | None:
     """A feed or a stroke in another unit than was meant."""
-    wave = judged.report.plan.wave
+    message = _beyond_any_machine(judged.report.plan.wave)
+    return judged.diagnose(NO_MACHINE, message, _LOOK_AT_UNITS, Severity.WARNING) if message else None
+
+
+def refuse_beyond_any_machine(wave: WaveformParameters) -> None:
+    """Refuse what only a slip or a way through air feeds so fast.  Errors: RefusalError VIB077.
+
+    For cuts that stay as they are where they cannot vibrate: whoever asks one cut is warned.
+    """
+    if message := _beyond_any_machine(wave):
+        raise RefusalError(NO_MACHINE, message, _LOOK_AT_UNITS)
+
+
+def _beyond_any_machine(wave: WaveformParameters) -> str:
+    """What is larger than any machine makes it; empty where nothing is."""
     if wave.feed_mm_rev > _MOST_FEED_MM_REV:
-        message = f"the feed is {wave.feed_mm_rev:.4g} mm per revolution, more than any lathe cuts"
-    elif wave.stroke_mm > _MOST_STROKE_MM:
-        message = f"the stroke is {wave.stroke_mm:.4g} mm, more than any machine swings"
-    else:
-        return None
-    help_text = "look at the unit of F (G94, G95), decimal points (control.decimal_point), and at Q and A"
-    return judged.diagnose(NO_MACHINE, message, help_text, Severity.WARNING)
+        return f"the feed is {wave.feed_mm_rev:.4g} mm per revolution, more than any lathe cuts"
+    if wave.stroke_mm > _MOST_STROKE_MM:
+        return f"the stroke is {wave.stroke_mm:.4g} mm, more than any machine swings"
+    return ""
 
 
 LARGE_CHANGES: tuple[Callable[[Judged], Diagnostic | None], ...] = (_speed, _time, _acceleration, _sizes)
