@@ -277,3 +277,16 @@ def test_what_a_return_brings_to_a_number_is_not_known() -> None:
     """``M99 P7`` at the end of a main program is a jump, here with another S."""
     program = b"G99\nG97 S1000 M3\nG0 X52. Z2.\nN7 G0 X50. Z2.\nG1 Z-3. F0.2 N1.5\nS300\nM99 P7\n"
     assert [one.code for one in chipbreak.check(program, chipbreak.load("fanuc-lathe"))] == ["VIB001"]
+
+
+def test_a_feed_that_was_given_back_in_other_units_is_the_same_where_a_loop_begins() -> None:
+    """F in inches before G21: behind the vibrated cut its number is one in mm, equal but for rounding."""
+    program = (
+        b"G21 G17 G40 G49 G54 G80 G90 G95 G97 G64\nS3000 M3\nG20 F0.05\nG21 S3000 F0.007874\n#201=0\n"
+        b"o201 while [#201 lt 2]\n#201=[#201+1]\nG0 X7. Y6. Z8.\nG0 X18. Y13. Z11.\n(VIB N1.5)\nG1 Z5.\n"
+        b"(VIB OFF)\nG0 X12. Y18. Z9.\no201 endwhile\nG1 X15.\nM2\n"
+    )
+    settings = chipbreak.load("linuxcnc-mill", ['planner.model="ideal"', "checks.enabled=false"])
+    result = chipbreak.rewrite(program, settings, allow_unbroken=True)
+    assert len(result.cuts) == 1
+    assert chipbreak.restore(result.data) == program

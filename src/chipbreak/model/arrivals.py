@@ -17,6 +17,7 @@ import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from chipbreak.model.giving_back import is_same
 from chipbreak.model.modal import Setting, State
 from chipbreak.syntax.nodes import Block, Control, Number
 from chipbreak.text.named_tuple import NamedTuple
@@ -227,8 +228,11 @@ def met(state: State, carried: Sequence[Carried] | None, why: str, *, from_above
 
 
 def _common(settings: Sequence[Setting | None]) -> Setting | None:
-    """The setting that all bring, None where they differ; it counts as made where the first of them was."""
+    """The setting that all bring, None where they differ; it counts as made where the first of them was.
+
+    One that was given back in other units is the same.
+    """
     made = [setting for setting in settings if setting is not None]
-    if len(made) < len(settings) or len({(one.value, one.text, one.units) for one in made}) > 1:
+    if len(made) < len(settings) or not all(is_same(made[0], one) for one in made):
         return None
     return min(made, key=lambda one: one.line)

@@ -22,7 +22,8 @@ from chipbreak.dialects.modes import UNSAID, Group
 from chipbreak.model.arrivals import Place
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.flow import Flow, sequence_lines
-from chipbreak.model.modal import NOWHERE, UNKNOWN, Position, Setting, State
+from chipbreak.model.giving_back import is_same
+from chipbreak.model.modal import NOWHERE, UNKNOWN, Position, State
 from chipbreak.model.paths import begins_program
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block
@@ -307,14 +308,14 @@ def _agreed(states: Sequence[State | None]) -> State | None:
     offsets = {state.modes.work_offset for state in known}
     first, *others = map(_with_one_unknown, known if len(offsets) == 1 else map(_in_any_offset, known))
     for other in others:
-        if _but_values(first) != _but_values(other) or not _same(first.speed_limit, other.speed_limit):
+        if _but_values(first) != _but_values(other) or not is_same(first.speed_limit, other.speed_limit):
             return None
         places = (a if a == b else UNKNOWN for a, b in zip(first.position, other.position, strict=True))
         first = first._replace(
             position=Position(*places),
             unknown_why="its calls come from different places",
-            feed=first.feed if _same(first.feed, other.feed) else None,
-            speed=first.speed if _same(first.speed, other.speed) else None,
+            feed=first.feed if is_same(first.feed, other.feed) else None,
+            speed=first.speed if is_same(first.speed, other.speed) else None,
         )
     return first
 
@@ -333,10 +334,3 @@ def _but_values(state: State) -> State:
     return state._replace(
         position=NOWHERE, unknown_why="", feed=None, speed=None, speed_limit=None, tool=None, next_tool=None
     )
-
-
-def _same(one: Setting | None, other: Setting | None) -> bool:
-    """True for settings of one value, wherever they were made."""
-    if one is None or other is None:
-        return one is other
-    return (one.value, one.text, one.units) == (other.value, other.text, other.units)
