@@ -12,13 +12,14 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import click
 import pytest
 
 import chipbreak
 from beam import OPTIONS
-from chipbreak import whole_files
+from chipbreak import streams, whole_files
 from chipbreak.streams import keep_file, read_input, replace_file
 from warm import clean_environment, interruptible, warm
 
@@ -118,6 +119,27 @@ def test_an_interrupted_run_says_what_is_written(tmp_path: Path) -> None:
     assert (process.returncode, said) == (130, b"Interrupted; written: a.nc; nothing else was\n")
     assert (tmp_path / "b.nc").read_bytes() == old
     assert names(tmp_path) == ["a.nc", "b.nc"]
+
+
+@pytest.mark.parametrize("is_in_place", [False, True])
+def test_an_interruption_around_the_renaming_says_what_is_there(
+    is_in_place: bool, file: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    replace = whole_files.replace
+
+    def interrupted(*args: Any, **named: Any) -> None:
+        if is_in_place:
+            replace(*args, **named)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(whole_files, "replace", interrupted)
+    monkeypatch.setattr(streams, "_written", [])
+    with pytest.raises(KeyboardInterrupt):
+        streams.replace_file(file, [b"new"])
+    streams.say_interrupted()
+    assert file.read_bytes() == (b"new" if is_in_place else PROGRAM)
+    said = f"written: {file}; nothing else was" if is_in_place else "nothing was written"
+    assert capsys.readouterr().err == f"Interrupted; {said}\n"
 
 
 # --- no room, no right ------------------------------------------------------------------------------------

@@ -266,12 +266,23 @@ def replace_files(files: Mapping[Path, bytes]) -> None:
 @contextmanager
 def _noted(target: Path) -> Iterator[None]:
     """Remember a file that has been replaced, for the message of an interrupted run."""
+    was = _file_at(target)
     _written.append(str(target))
     try:
         yield
     except BaseException:
-        _written.pop()
+        if _file_at(target) == was:  # an interruption may come when the new file is in its place
+            _written.pop()
         raise
+
+
+def _file_at(target: Path) -> tuple[int, int] | None:
+    """Which file stands under a name, whatever is in it."""
+    try:
+        found = target.stat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
 
 
 def _left(target: Path) -> str:

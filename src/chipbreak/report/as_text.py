@@ -220,7 +220,7 @@ def _verdict(cut: ExplainedCut) -> Iterator[str]:
         chips = "unproven: chips would break on a control that follows the blocks exactly"
     if cut.on_edge:
         chips = f"unproven: chips {'would' if verdict.breaks else 'would not'} break by as little as is known"
-    off = f" +- {cut.margin_off:.2f}" if cut.margin_off else ""
+    off = f" +- {cut.margin_off:z.2f}" if cut.margin_off else ""
     longest = _chip(verdict.longest_chip_rev, verdict.longest_chip_mm)
     first = _chip(verdict.first_chip_rev, verdict.first_chip_mm)
     yield (
