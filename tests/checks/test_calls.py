@@ -313,6 +313,15 @@ def test_calls_are_checked_when_the_profile_is_read(text: str, code: str, tmp_pa
         ("G49", "changes the length offset"),
         ("G66 P8900", "begins or ends a modal macro call"),
         ("IF [#1 EQ 1] GOTO 5", "jumps, loops"),
+        ("G68 X0 Y0 R30.", "turns, scales or bends the coordinates"),
+        ("G51 X1. Y1. P2000", "turns, scales or bends the coordinates"),
+        ("G51.1 X0", "turns, scales or bends the coordinates"),
+        ("G16", "turns, scales or bends the coordinates"),
+        ("G41 D1", "begins a compensation of the cutter"),
+        ("G52 X5.", "moves the zero"),
+        ("G92 X0", "moves the zero"),
+        ("G10 L2 P1 X5.", "moves the zero"),
+        ("G10 L20 P1 X5.", "moves the zero"),
     ],
 )
 def test_a_call_that_leaves_something_behind_is_refused(block: str, what: str) -> None:
@@ -320,6 +329,22 @@ def test_a_call_that_leaves_something_behind_is_refused(block: str, what: str) -
     with pytest.raises(RefusalError, match=re.escape(what)) as caught:
         check_sets(settings.load("fanuc-mill", own))
     assert caught.value.code == "SET036"
+
+
+def test_a_work_offset_is_given_back_before_the_tool_goes_to_a_place() -> None:
+    program = (
+        b"G20 G90 G54\nT7 M6\nS12000 M3\n(ROUGH)\nG0 X1.25 Y-.375\nG43 H7 Z.5\nG1 Z-.1 F20.\nX3.\nG0 Z.5\n"
+        b"(FINISH)\nZ.1\nG1 Z-.12 F20.\nX1.25\nG0 Z.5\nM5\nM2\n"
+    )
+    own = ['calls.own={chip_check="G55"}', "checks.calls=own", "checks.enabled=true"]
+    lines = chipbreak.rewrite(program, settings.load("fanuc-mill", own)).data.splitlines()
+    called = lines.index(b"G55")
+    there = next(at for at in range(called, len(lines)) if lines[at].startswith(b"G0 X3."))
+    assert called < lines.index(b"G54", called) < there
+
+
+def test_a_call_may_set_the_length_of_a_tool() -> None:
+    check_sets(settings.load("fanuc-mill", ['calls.own={chip_check="G10 L11 P1 R0"}', "checks.calls=own"]))
 
 
 @pytest.mark.parametrize(

@@ -109,15 +109,20 @@ class _Blocks:
     def put_back(self) -> None:
         """Speed and spindle, the position from above, coolant, and the modal groups."""
         self._put_back_spindle()
+        # What a place means depends on it, so it is given back before the tool goes to one.
+        self._put_back_mode("work_offset")
         self._put_back_position_and_coolant()
         for group in self.now.modes.changed(self.before.modes):
-            value = self.before.modes.value(group)
-            # A block that gives one group back may give another back with it.
-            if value != UNSAID and self.now.modes.value(group) != value:
-                self.write(self.dialect.code(group, value))
+            self._put_back_mode(group)
         feed = feed_text(self.before)
         if feed and not is_same(self.before.feed, self.now.feed):  # a call has set another one
             self.write(f"F{feed}")
+
+    def _put_back_mode(self, group: str) -> None:
+        value = self.before.modes.value(group)
+        # A block that gives one group back may give another back with it.
+        if value != UNSAID and self.now.modes.value(group) != value:
+            self.write(self.dialect.code(group, value))
 
     def _put_back_spindle(self) -> None:
         if not self.point.restarts and self.now.turns:  # a call has started it

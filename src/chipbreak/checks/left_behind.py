@@ -12,6 +12,8 @@ from chipbreak.model.words import codes_of
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block
 
+_TURNS = "turns, scales or bends the coordinates"
+_ZEROS = (2.0, 20.0)  # L of G10: the zero of a coordinate system
 # Modes that more than their code would have to give back, and how they are called.
 _MODES: Mapping[Group, str] = {
     "units": "changes the units",
@@ -19,6 +21,14 @@ _MODES: Mapping[Group, str] = {
     "speed_mode": "changes the speed mode",
     "length_offset": "changes the length offset",
     "modal_macro": "begins or ends a modal macro call",
+    "rotation": _TURNS,
+    "scaling": _TURNS,
+    "mirror": _TURNS,
+    "polar": _TURNS,
+    "interpolation": _TURNS,
+    "polygon": _TURNS,
+    "cylinder": _TURNS,
+    "diameter": "changes between radius and diameter",
 }
 
 
@@ -62,6 +72,17 @@ def _limits_speed(effect: BlockEffect) -> str:
     return "limits the spindle" if effect.after.speed_limit != effect.before.speed_limit else ""
 
 
+def _moves_zero(effect: BlockEffect) -> str:
+    sets = effect.non_modal & {"set-position", "shift"}
+    sets |= effect.non_modal & {"data-setting"} if effect.block.has("L", *_ZEROS) else set()
+    return "moves the zero" if sets else ""
+
+
+def _compensates(effect: BlockEffect) -> str:
+    # The way back to where the tool was would be offset, too.
+    return "begins a compensation of the cutter" if effect.after.modes.compensation != "off" else ""
+
+
 _RULES: tuple[Callable[[BlockEffect], str], ...] = (
     _ends_program,
     _begins_program,
@@ -69,4 +90,6 @@ _RULES: tuple[Callable[[BlockEffect], str], ...] = (
     _sets_feed,
     _calls_tool,
     _limits_speed,
+    _moves_zero,
+    _compensates,
 )
