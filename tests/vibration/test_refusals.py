@@ -8,6 +8,7 @@ from __future__ import annotations
 import pytest
 
 import chipbreak
+from chipbreak.vibration import plan
 from machine_reader import beside_unproven, filtered, rejected, run_program
 
 HEAD = "G97 S3000 M3\nG0 X20. Z2.\n"
@@ -267,3 +268,9 @@ def test_a_feed_per_revolution_where_it_counts_per_minute_is_said(profile: str) 
     (said,) = [one for one in refused.value.diagnostics if one.code == "VIB021"]
     assert "the feed F0.05 is per minute: 2e-05 mm per revolution" in said.message
     assert said.help.startswith("command feed per revolution (G95, G99)")
+
+
+def test_a_stroke_of_few_steps_is_refused_before_its_blocks_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(plan, "sample", None)
+    program = "G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5 Q0.5\nM30\n"
+    assert "VIB059" in [code for code, *_ in rejected(program, "speedio-renishaw")]

@@ -32,10 +32,11 @@ from chipbreak.vibration.axis_steps import (
 from chipbreak.vibration.block_text import END_DECIMALS, Columns, Words, block_text
 from chipbreak.vibration.dwell import printed_s
 from chipbreak.vibration.forms import WRITTEN_OUT, OutputForm, form_with
+from chipbreak.vibration.least_stroke import TOO_FINE, moving_axes, too_fine
 from chipbreak.vibration.loop import Loop, among_kept, same_feeds
 from chipbreak.vibration.loop_names import LoopNames
 from chipbreak.vibration.machine import control_along
-from chipbreak.vibration.plan import CutPlan, with_feed_per_minute
+from chipbreak.vibration.plan import CutPlan
 from chipbreak.vibration.readback import ReadBack
 from chipbreak.vibration.small_returns import Crests, lost_returns, raise_crests, with_rests
 from chipbreak.vibration.tolerances import PLANNED_TIME_SHARE
@@ -43,7 +44,6 @@ from chipbreak.vibration.tolerances import PLANNED_TIME_SHARE
 _LINE_END = b"\n"  # what senders put behind a block
 _SAME_MM = 1e-6
 _SAME_STEP_MM = 1e-9
-_LEAST_STEPS = 4
 _SAME_S = 1e-12
 
 
@@ -149,12 +149,9 @@ def _ends(cut: CutPlan, form: OutputForm, settings: Settings) -> _Ends:
     if dwells.any():
         # Where knots have become one point, the last of them takes over how often the tool dwells.
         counts = np.add.reduceat(dwells.astype(np.intp), np.append(0, np.flatnonzero(keep)[:-1] + 1))
-    state = cut.chain.before
-    moving = [AXES.index(axis) for axis in _moving_axes(cut)]
-    step_mm = max(
-        settings.output.step_mm(is_inch=state.is_inch), axis_steps_mm(settings, state)[moving].max()
-    )
-    _check_digits(cut, words, step_mm, settings, is_too_fine=bool((counts > 1).any()))
+    if (counts > 1).any():
+        raise too_fine(cut.wave, cut.path, cut.chain.before, cut.expander.larger, settings)
+    _check_end(cut, words)
     if len(times) == 1:
         message = f"the cut rounds to nothing at {words.decimals} decimals"
         raise RefusalError("VIB023", message, "a vibrated cut needs a distance to travel")
@@ -192,7 +189,7 @@ def _raised(cut: CutPlan, crests: Crests, distance_mm: Floats, words: Words, set
         return distance_mm
     scale = units_per_mm(settings, cut.chain.before)
     per_unit = steps_per_unit(axis_steps_mm(settings, cut.chain.before), scale, words.decimals)
-    axes = np.array([AXES.index(axis) for axis in _moving_axes(cut)])
+    axes = np.array([AXES.index(axis) for axis in moving_axes(cut.path)])
     steps = 1.0 / per_unit[axes]
     ahead_mm = raise_crests(words, crests, steps, axes, scale)
     raised_mm = distance_mm.copy()
@@ -204,7 +201,7 @@ def _ending_exactly(words: Words, cut: CutPlan, settings: Settings) -> Words:
     """The words with the end that the program wrote, in as many digits: what follows starts from there."""
     if words.incremental:
         return words
-    axes = [AXES.index(axis) for axis in _moving_axes(cut)]
+    axes = [AXES.index(axis) for axis in moving_axes(cut.path)]
     end_mm = cut.path.points(np.array([cut.path.length_mm]))[0]
     words.absolute[-1] = np.round((end_mm * units_per_mm(settings, cut.chain.before))[axes], END_DECIMALS)
     words.points_mm[-1] = end_mm
@@ -222,18 +219,8 @@ def _dwells(cut: CutPlan, counts: NDArray[np.intp], settings: Settings) -> Float
     return dwell_s
 
 
-def _check_digits(
-    cut: CutPlan, words: Words, step_mm: float, settings: Settings, *, is_too_fine: bool
-) -> None:
-    """Refuse a stroke of few steps, and an end that incremental words cannot reach."""
-    if cut.wave.stroke_mm < _LEAST_STEPS * step_mm or is_too_fine:
-        larger = cut.expander.larger
-        stroke = f"the stroke of {cut.wave.stroke_mm:.4g} mm"
-        message = f"{stroke} has fewer than {_LEAST_STEPS} steps of {step_mm:g} mm"
-        is_axis = step_mm > settings.output.step_mm(is_inch=cut.chain.before.is_inch)
-        help_text = larger if is_axis else f"raise output.decimals, or {larger}"
-        said = with_feed_per_minute(message, help_text, cut.chain.before, cut.wave.feed_mm_rev)
-        raise RefusalError("VIB059", *said)
+def _check_end(cut: CutPlan, words: Words) -> None:
+    """Refuse an end that incremental words cannot reach."""
     if words.incremental and np.abs(words.points_mm[-1] - cut.path.legs[-1].end).max() > _SAME_MM:
         message = f"this cut is incremental, and its end lies between two steps of {words.decimals} decimals"
         raise RefusalError("VIB058", message, f"write {words.decimals} decimals, or absolute positions")
@@ -266,7 +253,7 @@ def _check_feed_digits(cut: CutPlan, spans: Floats, exact: Floats, feeds: Floats
         took_s = float((spans * exact / np.round(feeds, digits)).sum())
     if abs(took_s - planned_s) > PLANNED_TIME_SHARE * planned_s:
         message = f"with {digits} decimals of F this cut of {planned_s:z.3f} s would take {took_s:z.3f} s"
-        raise RefusalError("VIB059", message, "raise output.feed_decimals, or take another output.feed_mode")
+        raise RefusalError(TOO_FINE, message, "raise output.feed_decimals, or take another output.feed_mode")
 
 
 def _axis_words(
@@ -278,7 +265,7 @@ def _axis_words(
     decimals = settings.output.decimals_of(is_inch=state.is_inch)
     names = settings.axis_words
     scale = units_per_mm(settings, cut.chain.before)
-    moving = _moving_axes(cut)
+    moving = moving_axes(cut.path)
     axes = [AXES.index(axis) for axis in moving]
     letters = [names.letters[axis] for axis in moving]
     incremental = all(move.incremental for move in chain.moves)
@@ -315,14 +302,6 @@ def _distance_letters(
         return tuple(letters)
     distances = tuple(d for d in map(settings.axis_words.distance_letter, axes) if d)
     return distances if len(distances) == len(axes) else ()
-
-
-def _moving_axes(cut: CutPlan) -> str:
-    """The axes whose position changes anywhere in the chain."""
-    legs = cut.path.legs
-    moved = {axis for i, axis in enumerate(AXES) if any(leg.start[i] != leg.end[i] for leg in legs)}
-    moved |= {AXES[i] for arc in cut.path.arcs if arc is not None for i in arc.axes}
-    return "".join(axis for axis in AXES if axis in moved)
 
 
 def _feed_words(cut: CutPlan, ends: _Ends, settings: Settings) -> Floats:

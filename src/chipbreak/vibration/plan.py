@@ -29,6 +29,7 @@ from chipbreak.vibration.chain import Chain, legs_of
 from chipbreak.vibration.compensation import Asked, compensated
 from chipbreak.vibration.expander import Expander, StrokeAsked
 from chipbreak.vibration.expanders import expander_named
+from chipbreak.vibration.least_stroke import refuse_too_fine, with_feed_per_minute
 from chipbreak.vibration.machine import axes_follow_exactly, control_along, directions_of
 from chipbreak.vibration.request import OUT_OF_RANGE, solver_inputs
 from chipbreak.vibration.surface_speed import active_speed, limit_rpm
@@ -115,6 +116,7 @@ def plan_cut(chain: Chain, settings: Settings) -> CutPlan:
     _check_passes(wave, edges)
     _check_size(wave, state)
     wave = _commanded(wave, chain, path, settings, reasons)
+    refuse_too_fine(wave, path, state, expander.larger, settings)
     time_s, distance_mm = sample(wave)
     reasons += wave.shape.remarks(wave.ticks)
     if not math.isclose(wave.alpha_share, alpha, abs_tol=1e-9):
@@ -250,14 +252,6 @@ def _check_size(wave: WaveformParameters, state: State) -> None:
         message = f"this cut would become {moves} blocks; no program may have more than {MOST_MOVES} of them"
         help_text = 'take output.segments "stroke", a lower f, or a higher feed'
         raise RefusalError("VIB021", *with_feed_per_minute(message, help_text, state, wave.feed_mm_rev))
-
-
-def with_feed_per_minute(message: str, help_text: str, state: State, feed_mm_rev: float) -> tuple[str, str]:
-    """Both, with the likeliest cause of a tiny feed: a control that starts in G94 reads it per minute."""
-    if state.feed is None or state.modes.feed_mode != "minute":
-        return message, help_text
-    said = f"{message}; the feed F{state.feed.text} is per minute: {feed_mm_rev:.3g} mm per revolution"
-    return said, f"command feed per revolution (G95, G99), {help_text}"
 
 
 def _check_passes(wave: WaveformParameters, edges: int) -> None:
