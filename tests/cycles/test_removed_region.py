@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 import chipbreak
@@ -286,6 +286,7 @@ def shape_of(steps: list[tuple[int, int, int]]) -> list[Step]:
 
 @pytest.mark.few(20)
 @settings(max_examples=MANY)
+@example([(1, 4, 0), (0, -4, 0), (594, 0, 0)], "facing", 150, 600)
 @given(STEPS, st.sampled_from(sorted(PLACES)), st.integers(150, 4000), st.integers(600, 5000))
 def test_the_region_of_any_contour(
     steps: list[tuple[int, int, int]], name: str, depth: int, over: int

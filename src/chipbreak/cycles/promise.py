@@ -196,7 +196,13 @@ class _Left:
         last_mm = float(contour[:, 0].max())
         count = min(math.ceil((last_mm - first_mm) / step_mm) + 1, _MOST_PLACES)
         self.t = np.linspace(first_mm, last_mm, max(count, 2))
-        self.contour = np.interp(self.t, contour[:, 0], contour[:, 1])
+        heights = np.interp(self.t, contour[:, 0], contour[:, 1])
+        # A ridge or a groove between two places of the grid is part of the contour, too.
+        step = self.t[1] - self.t[0]
+        nearest = np.clip(np.rint((contour[:, 0] - first_mm) / step), 0, len(self.t) - 1).astype(np.intp)
+        self.highest, self.lowest = heights.copy(), heights
+        np.maximum.at(self.highest, nearest, contour[:, 1])
+        np.minimum.at(self.lowest, nearest, contour[:, 1])
         self.height = np.full(len(self.t), cycle.start.h)
         if cycle.only_pockets:
             rest = _outline(filled(cycle.rough_contour).contour)
@@ -246,12 +252,13 @@ class _Left:
 
     def compare(self) -> None:
         """What is left is the contour with its allowances, as far as the stock reached."""
-        aimed = np.minimum(self.contour, self.cycle.start.h)
+        highest = np.minimum(self.highest, self.cycle.start.h)
+        lowest = np.minimum(self.lowest, self.cycle.start.h)
         within = slice(_BESIDE, -_BESIDE)
         # Without a pass along the contour steps are left, none of them as high as a pass is deep.
         steps_mm = 0.0 if self.cycle.ends_along_contour else self.cycle.depth_mm
-        above_mm = float((self.height[within] + _lowest_near(-aimed)).max(initial=0.0)) - steps_mm
-        below_mm = float((_lowest_near(aimed) - self.height[within]).max(initial=0.0))
+        above_mm = float((self.height[within] + _lowest_near(-highest)).max(initial=0.0)) - steps_mm
+        below_mm = float((_lowest_near(lowest) - self.height[within]).max(initial=0.0))
         if max(above_mm, below_mm) > self.tolerance_mm:
             wrong = f"{above_mm:z.3f} mm too much, {below_mm:z.3f} mm too little"
             raise SelfCheckError(f"an unrolled cycle leaves {wrong} over its contour")
