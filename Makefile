@@ -19,17 +19,22 @@ SUBMAKE := $(MAKE) --no-print-directory
 
 .PHONY: test-long judges linuxcnc klipper compiled-tests lock machine-test real-control demo test check-table fuzz lint mutants man site cookbook diagnostics test-pythons hooks bench wheel release-dry-run clean
 
-$(BIN)/chipbreak: pyproject.toml
+# pip comes last into a new environment.
+$(BIN)/pip:
 	$(PYTHON) -m venv $(VENV)
+
+$(BIN)/chipbreak: pyproject.toml | $(BIN)/pip
 	$(BIN)/python -m pip install --quiet --editable .
 	$(BIN)/python -m compileall -q src
 	@touch $@
 
-# Every tool by its version and hash: the same ones everywhere, every time.
-$(VENV)/.dev: $(BIN)/chipbreak tests/requirements.txt
+# Every tool by its version and hash: the same ones everywhere, every time.  Among them is what builds the project, which
+# is therefore installed once and without an environment for that alone.
+$(VENV)/.dev: pyproject.toml tests/requirements.txt | $(BIN)/pip
 	$(BIN)/python -m pip install --quiet --no-compile --require-hashes --requirement tests/requirements.txt
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
-	@touch $@
+	$(BIN)/python -m compileall -q src
+	@touch $(BIN)/chipbreak $@
 
 # Newer tools: resolves them anew, for every Python and system at once.
 RESOLVE = $(BIN)/uv pip compile --quiet --upgrade --universal --generate-hashes --no-header --no-annotate \

@@ -385,7 +385,7 @@ _PIECES = st.sampled_from(
 )
 
 
-@pytest.mark.few(100)
+@pytest.mark.few(50)
 @given(st.lists(_PIECES, max_size=40))
 @hypothesis_settings(max_examples=300)
 def test_any_words_in_a_row(pieces: list[str]) -> None:

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from source_trees import tree_of
+
 CHECKOUT = Path(__file__).parents[1]
 PYTHON_FILES = sorted(
     path
@@ -120,7 +122,7 @@ def statements(tree: ast.AST) -> Iterator[ast.AST]:
 
 
 def test_an_assignment_says_one_thing() -> None:
-    nodes = [node for path in SOURCES for node in statements(ast.parse(path.read_bytes()))]
+    nodes = [node for path in SOURCES for node in statements(tree_of(path))]
     assignments = [node for node in nodes if isinstance(node, ast.Assign | ast.AnnAssign | ast.AugAssign)]
     parallel = [node for node in assignments if isinstance(node, ast.Assign) and is_parallel(node)]
     assert len(parallel) < MOST_PARALLEL * len(assignments)

@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from source_trees import tree_of
+
 CHECKOUT = Path(__file__).parents[1]
 PACKAGE = CHECKOUT / "src" / "chipbreak"
 PAGE = CHECKOUT / "docs" / "architecture.md"
@@ -130,7 +132,7 @@ MODULES = modules()
 @cache
 def trees() -> dict[str, ast.Module]:
     """Every module, read once."""
-    return {name: ast.parse(file.read_bytes()) for name, file in MODULES.items()}
+    return {name: tree_of(file) for name, file in MODULES.items()}
 
 
 def test_a_module_imports_only_from_above() -> None:

@@ -156,7 +156,7 @@ HEAD += ["G43 Z50. H1 M8", "G0 Z2."]
 TAIL = ["G0 Z50. M9", "M5", "M30", "%"]
 
 
-@pytest.mark.few(20)
+@pytest.mark.few(10)
 @given(drawn, st.sampled_from(["mill", "linuxcnc"]), st.sampled_from(["\n", "\r\n"]), st.booleans())
 def test_drawn_programs(
     tmp_path_factory: pytest.TempPathFactory, parts: list[list[str]], profile: str, end: str, numbered: bool

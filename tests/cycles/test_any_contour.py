@@ -71,7 +71,7 @@ WAYS = {
 }
 
 
-@pytest.mark.few(15)
+@pytest.mark.few(8)
 @settings(max_examples=60)
 @given(STEPS, st.fixed_dictionaries(WAYS))
 def test_what_is_written_leaves_the_contour_with_its_allowances(

@@ -60,7 +60,7 @@ def test_contours_with_corners(head: str, steps: list[tuple[str, float, float, i
     assert chipbreak.restore(result.data) == program
 
 
-@pytest.mark.few(15)
+@pytest.mark.few(8)
 @settings(max_examples=MANY)
 @given(
     st.lists(st.tuples(st.integers(-2500, 4000), st.integers(0, 7000)), min_size=2, max_size=6),

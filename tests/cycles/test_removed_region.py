@@ -284,7 +284,7 @@ def shape_of(steps: list[tuple[int, int, int]]) -> list[Step]:
     ]
 
 
-@pytest.mark.few(20)
+@pytest.mark.few(10)
 @settings(max_examples=MANY)
 @example([(1, 4, 0), (0, -4, 0), (594, 0, 0)], "facing", 150, 600)
 @given(STEPS, st.sampled_from(sorted(PLACES)), st.integers(150, 4000), st.integers(600, 5000))

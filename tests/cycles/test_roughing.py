@@ -121,13 +121,13 @@ def check(cycle: Roughing, passes: list[Pass]) -> None:
     assert lost <= 2.0 * step * walls + 1e-3 * (t[-1] - t[0])
 
 
-@pytest.mark.few(60)
+@pytest.mark.few(30)
 @given(cycles())
 def test_what_type_one_removes_is_the_stock_over_the_contour(cycle: Roughing) -> None:
     check(cycle, roughing_passes(cycle))
 
 
-@pytest.mark.few(30)
+@pytest.mark.few(15)
 @given(cycles(pockets=True))
 def test_what_pockets_remove_is_the_stock_over_the_contour(cycle: Roughing) -> None:
     check(cycle, roughing_passes(cycle))

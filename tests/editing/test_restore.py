@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from itertools import product
 
 import pytest
 from hypothesis import given
@@ -15,6 +16,7 @@ from chipbreak.dialects.base import PARENTHESES, SEMICOLON, CommentMarks
 from chipbreak.editing.bracket import checksum
 from chipbreak.editing.restore import regions, restore
 from chipbreak.text.source import read
+from longer import short_where
 
 SETTINGS = chipbreak.load("generic-lathe")
 CUT = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5\nM30\n"
@@ -95,16 +97,12 @@ def test_lower_case_is_kept_readable_only_where_the_control_takes_it() -> None:
     assert b"HEX" in there_and_back(CUT.replace(b"N1.5", b"f62.5"))
 
 
-# Half of them, so that any two of the three are met together; the others in the long form.
-_LIMITS = [
-    pytest.param(limit, end, number, marks=pytest.mark.long if (at + len(end) + bool(number)) % 2 else ())
-    for at, limit in enumerate((60, 75, 80))
-    for end in (b"\n", b"\r\n")
-    for number in (b"", b"N12345678901234 ")
-]
+# Each limit once, and each of the others; all that can stand together in the long form.
+_FEW_LIMITS = ((60, b"\n", b"N12345678901234 "), (75, b"\r\n", b"N12345678901234 "), (80, b"\r\n", b""))
+_LIMITS = product((60, 75, 80), (b"\n", b"\r\n"), (b"", b"N12345678901234 "))
 
 
-@pytest.mark.parametrize(("limit", "end", "number"), _LIMITS)
+@pytest.mark.parametrize(("limit", "end", "number"), short_where(_LIMITS, _FEW_LIMITS.__contains__))
 def test_no_line_around_a_cut_is_longer_than_the_control_takes(limit: int, end: bytes, number: bytes) -> None:
     settings = chipbreak.load("generic-lathe", [f"control.max_line_chars={limit}"])
     cut = number + b"G1 Z-1. F0.05 N1.5"

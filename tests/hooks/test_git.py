@@ -170,15 +170,21 @@ def bare(request: pytest.FixtureRequest) -> Path:
     return folder
 
 
-@pytest.mark.parametrize(
-    ("command", "old", "new"),
-    [
-        (("diff",), "-50.", "-60."),
-        (("diff", "HEAD~2", "HEAD~1"), "-30.", "-40."),
-        (("log", "-p", "--ext-diff", "-n1", "HEAD~1"), "-30.", "-40."),
-        (("diff", "HEAD~2"), "-30.", "-60."),
-    ],
+VERSIONS = (
+    (("diff",), "-50.", "-60."),
+    (("diff", "HEAD~2", "HEAD~1"), "-30.", "-40."),
+    (("log", "-p", "--ext-diff", "-n1", "HEAD~1"), "-30.", "-40."),
+    (("diff", "HEAD~2"), "-30.", "-60."),
 )
+# Each pair of versions by one of the commands, which take turns; by the other one in the long form.
+BY_EITHER = [
+    pytest.param(by, *versions, marks=pytest.mark.long if (at + turn) % 2 else ())
+    for at, versions in enumerate(VERSIONS)
+    for turn, by in enumerate(["driver", "converter"])
+]
+
+
+@pytest.mark.parametrize(("bare", "command", "old", "new"), BY_EITHER, indirect=["bare"])
 def test_each_version_is_read_with_its_file_beside(
     bare: Path, tmp_path: Path, command: tuple[str, ...], old: str, new: str
 ) -> None:

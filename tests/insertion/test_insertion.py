@@ -54,7 +54,7 @@ def is_not_silent(result: Filtered) -> bool:
     return bool(result.edits or result.diagnostics)
 
 
-@pytest.mark.few(25)
+@pytest.mark.few(12)
 @given(mill_programs(waits=False))
 def test_fanuc_programs_do_what_they_did(program: bytes) -> None:
     result = filtered(program, "fanuc-mill")
@@ -62,7 +62,7 @@ def test_fanuc_programs_do_what_they_did(program: bytes) -> None:
     assert is_not_silent(result)
 
 
-@pytest.mark.few(25)
+@pytest.mark.few(12)
 @given(mill_programs(waits=False))
 def test_a_cycle_that_ends_the_length_offset_changes_nothing_either(program: bytes) -> None:
     result = filtered(program, "fanuc-mill", "checks.calls=renishaw")
@@ -70,7 +70,7 @@ def test_a_cycle_that_ends_the_length_offset_changes_nothing_either(program: byt
     assert is_not_silent(result)
 
 
-@pytest.mark.few(25)
+@pytest.mark.few(12)
 @given(mill_programs(waits=True))
 def test_linuxcnc_programs_do_what_they_did(program: bytes) -> None:
     result = filtered(program, "linuxcnc-mill")

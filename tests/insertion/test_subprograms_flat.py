@@ -54,7 +54,7 @@ def flat(program: bytes, body: bytes) -> bytes:
     return re.sub(rb"(?m)^M98 P1000 .*?$", lambda _: body.rstrip(b"\n"), program)
 
 
-@pytest.mark.few(40)
+@pytest.mark.few(20)
 @given(with_subprogram())
 def test_a_check_puts_back_what_a_subprogram_left(parts: tuple[bytes, bytes]) -> None:
     program, sub = parts

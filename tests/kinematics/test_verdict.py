@@ -150,7 +150,7 @@ def test_margin_of_the_triangle_is_its_closed_form(per_rev: float, rho: float, a
     assert got.breaks == (expected > 1)
 
 
-@pytest.mark.few(50)
+@pytest.mark.few(25)
 @given(per_rev=st.floats(0.3, 10.5), rho=st.floats(0.2, 6.0))
 def test_margin_of_the_sine_is_its_closed_form(per_rev: float, rho: float) -> None:
     expected = rho * largest_drop("sine", per_rev)

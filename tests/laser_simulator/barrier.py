@@ -52,9 +52,10 @@ def is_broken(
     if len(near):
         angles = (_at(begin_deg, near), _at(begin_deg if end_deg is None else end_deg, near))
         reach = _reach(tool, height[near], off[near] >= 0.0, *angles)
-        farthest = np.hypot(off[near], aside[near] + beam.focus_half_mm)
-        in_hollow = farthest < tool.hollow(height[near]) - _EXACT_MM
-        found[near] = (nearest[near] <= reach + _EXACT_MM) & ~in_hollow
+        found[near] = nearest[near] <= reach + _EXACT_MM
+        if tool.dish_mm > 0.0:
+            farthest = np.hypot(off[near], aside[near] + beam.focus_half_mm)
+            found[near] &= farthest >= tool.hollow(height[near]) - _EXACT_MM
     return found
 
 

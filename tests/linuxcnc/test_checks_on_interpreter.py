@@ -232,7 +232,7 @@ _OPTIONS = (
 )
 
 
-@pytest.mark.few(20)
+@pytest.mark.few(10)
 @pytest.mark.linuxcnc
 @given(st.lists(_VISIT, min_size=1, max_size=3), st.sampled_from(_OPTIONS), st.booleans())
 @hypothesis_settings(max_examples=90, phases=[Phase.explicit, Phase.reuse, Phase.generate])

@@ -67,7 +67,7 @@ def _is_taken_and_same(mixed: Mixed, output: bytes, *, block_delete: bool) -> bo
     return is_taken_and_same(mixed.data, output, lathe=mixed.lathe, block_delete=block_delete)
 
 
-@pytest.mark.few(40)
+@pytest.mark.few(20)
 @pytest.mark.linuxcnc
 @given(st.integers(0, 2**32 - 1))
 @hypothesis_settings(max_examples=EXAMPLES)

@@ -200,7 +200,7 @@ def cut_of(judgement: rs274.Judgement, plane: str) -> tuple[Floats, list[Leg]]:
     return legs[0].start, legs
 
 
-@pytest.mark.few(12)
+@pytest.mark.few(6)
 @pytest.mark.linuxcnc
 @given(programs())
 @hypothesis_settings(max_examples=40, phases=[Phase.explicit, Phase.reuse, Phase.generate])

@@ -56,7 +56,7 @@ _SLOW = "G90 G0 X10 Z30\n(VIB E2)\nG1 X-1 F0.4\nZ26\n(VIB OFF)"  # 0.4 mm per mi
 _SLOW_TURNING = "G90 G0 X17 Z9\n(VIB N1.5)\nG1 Z-3 F0.4\n(VIB OFF)"
 
 
-@pytest.mark.few(8)
+@pytest.mark.few(4)
 @pytest.mark.linuxcnc
 @example(["G94 F200", _SLOW, "G94 F200"])
 @example(["G94 F200", _SLOW_TURNING, "G96 D1631 S83", "G95 F0.3"])

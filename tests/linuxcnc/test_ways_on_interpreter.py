@@ -93,6 +93,7 @@ def visits(program: str) -> list[tuple[str, float, float]]:
     return found
 
 
+@pytest.mark.few(20)
 @given(_TREES, st.integers(0, 5))
 @hypothesis_settings(max_examples=60, phases=[Phase.explicit, Phase.reuse, Phase.generate], deadline=None)
 def test_what_is_called_known_is_what_the_interpreter_has_at_each_pass(parts: list[Part], start: int) -> None:

@@ -20,10 +20,10 @@ def evaluate(expression: Expression, read: Read) -> Value:
     Vacant alone stays vacant; in arithmetic it is 0.  ``EQ`` and ``NE`` tell vacant from 0, the other
     comparisons do not.
     """
-    if isinstance(expression, Number):
-        return expression.value
     if isinstance(expression, Variable):
         return read(variable_number(expression, read))
+    if isinstance(expression, Number):
+        return expression.value
     if isinstance(expression, Call):
         return _call(expression, read)
     if _is_arc_tangent(expression):
@@ -39,10 +39,10 @@ def evaluate(expression: Expression, read: Read) -> Value:
 def variable_number(variable: Variable, read: Read) -> int:
     """The number of ``#1``, ``##1`` or ``#[...]``."""
     key = variable.key
-    if isinstance(key, str):
-        raise fault(VARIABLE, f"#<{key}>: this control has no variables with names")
     if isinstance(key, int):
         return key
+    if isinstance(key, str):
+        raise fault(VARIABLE, f"#<{key}>: this control has no variables with names")
     value = evaluate(key, read)
     number = round(value or 0.0)
     if value is None or abs(value - number) > 1e-4:
@@ -51,10 +51,10 @@ def variable_number(variable: Variable, read: Read) -> int:
 
 
 def _is_arc_tangent(node: Operation) -> bool:
-    left = node.left
-    if node.operator != "/" or not isinstance(left, Call) or left.function != "ATAN":
+    if node.operator != "/":
         return False
-    return len(left.arguments) == 1
+    left = node.left
+    return isinstance(left, Call) and left.function == "ATAN" and len(left.arguments) == 1
 
 
 def _number(expression: Expression, read: Read) -> float:

@@ -103,8 +103,9 @@ class Interpreter:
             goes_on, following = self._control(program, at, block, control)
             if not goes_on:
                 return following
-        self._assign(block)
-        return self._words(block, at, depth)
+        if block.assignments:
+            self._assign(block)
+        return self._words(block, at, depth) if block.words else at + 1
 
     def _control(
         self, program: MacroProgram, at: int, block: Block, control: Control
@@ -130,10 +131,8 @@ class Interpreter:
 
     def _words(self, block: Block, at: int, depth: int) -> int | None:
         """Calls, returns, and the codes of a block."""
-        if not block.words:
-            return at + 1
-        codes = {(word.address, word.number) for word in block.words}
-        words = [(word, self._word(word, is_dwell=("G", 4.0) in codes)) for word in block.words]
+        is_dwell = any(word.number == 4.0 and word.address == "G" for word in block.words)
+        words = [(word, self._word(word, is_dwell=is_dwell)) for word in block.words]
         codes = {(word.address, value) for word, value in words if word.address in "GM"}
         if ("G", 65.0) in codes:
             self._call(block, words, depth)
@@ -199,8 +198,8 @@ class Interpreter:
         for assignment in block.assignments:
             number = variable_number(assignment.target, self.variables.read)
             value = self._value(assignment.value)
-            comments = [c.text for c in block.comments if c.start >= assignment.end]
             if number in (ALARM, STOP):
+                comments = [c.text for c in block.comments if c.start >= assignment.end]
                 self._say(number, round(value or 0.0), comments[0] if comments else "", block)
                 continue
             self.variables.write(number, value)

@@ -24,6 +24,7 @@ AXES = "XYZ"
 Floats = NDArray[np.float64]
 Position = tuple[float, float, float]
 _SCAN_MM = 0.02  # no chip or gap that matters is thinner
+_FINER = 128  # parts of a step of the scan, and of a part of it: most of a look is the call
 _EXACT_S = 1e-6
 _EXACT_MM = 1e-8
 _RAPID_MM_S = 400.0
@@ -259,9 +260,9 @@ class Machine:
         first = int(np.argmax(seen))
         low, high = float(times[first]), float(times[first + 1])
         while high - low > _EXACT_S or (high - low) / duration * length > _EXACT_MM:
-            finer = np.linspace(low, high, 33)
+            finer = np.linspace(low, high, _FINER + 1)
             here = self._seen(start + _shares(finer, begin, duration) * (end - start), finer)
-            at = int(np.argmax(here)) if here.any() else 31
+            at = int(np.argmax(here)) if here.any() else _FINER - 1
             low, high = float(finer[at]), float(finer[at + 1])
         return high - begin
 

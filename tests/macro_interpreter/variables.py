@@ -32,6 +32,7 @@ class Variables:
 
     def __init__(self, machine: Machine, modes: Modes, beam_input: int) -> None:
         self.machine, self.modes, self.beam_input = machine, modes, beam_input
+        self._common_numbers = _numbers(machine.control.commons)
         self.levels: list[dict[int, Value]] = [{}]
         self.commons: dict[int, Value] = {}
         self.inputs: dict[int, float] = {}
@@ -43,7 +44,7 @@ class Variables:
             return None
         if 1 <= number <= LOCAL_COUNT:
             return self.levels[-1].get(number)
-        if self._is_common(number):
+        if number in self._common_numbers:
             return self.commons.get(number)
         return self._system(number)
 
@@ -53,13 +54,10 @@ class Variables:
             self.levels[-1][number] = value
         elif number in (SINGLE_BLOCK, OVERRIDE):
             self.locks[number] = value
-        elif self._is_common(number):
+        elif number in self._common_numbers:
             self.commons[number] = value
         else:
             raise fault(VARIABLE, f"#{number} cannot be written here")
-
-    def _is_common(self, number: int) -> bool:
-        return number in _numbers(self.machine.control.commons)
 
     def _system(self, number: int) -> Value:
         if 1000 <= number <= 1031:

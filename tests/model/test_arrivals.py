@@ -250,6 +250,7 @@ class _Writer:
         yield f"N{end}"
 
 
+@pytest.mark.few(50)
 @given(_TREES, st.integers(0, 5))
 @hypothesis_settings(max_examples=150)
 def test_what_is_called_known_is_what_the_control_has_at_each_visit(trees: list[Tree], start: int) -> None:

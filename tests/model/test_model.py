@@ -121,7 +121,7 @@ _EVENTS = st.sampled_from(
 _FLOWS = st.sampled_from(["", "", "", "GOTO100", "IF[#1EQ1]GOTO100", "G71 P100 Q200 U.1 W.1"])
 
 
-@pytest.mark.few(25)
+@pytest.mark.few(12)
 @given(
     st.lists(st.one_of(_EVENTS, st.lists(_PLAIN, min_size=1, max_size=30))),
     _FLOWS,

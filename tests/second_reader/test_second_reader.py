@@ -26,7 +26,7 @@ EXAMPLES = 150 if hypothesis_settings.default and hypothesis_settings.default.de
 LATHE, MILL = Control("A"), Control()
 
 
-@pytest.mark.few(50)
+@pytest.mark.few(25)
 @given(st.integers(0, 2**32 - 1))
 @hypothesis_settings(max_examples=EXAMPLES)
 def test_all_else_stays_as_it_was(seed: int) -> None:

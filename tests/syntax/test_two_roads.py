@@ -242,7 +242,7 @@ def test_shapes_and_blocks_agree_on_the_corpus(dialect: Dialect, corpus_file: Pa
     compare_shapes(read(corpus_file.read_bytes()), dialect)
 
 
-@pytest.mark.few(40)
+@pytest.mark.few(20)
 @given(programs, st.integers(1, 40))
 @example(b"X1\r\nY2\r\n", 3)
 @example(b"X1\rY2\r", 1)
@@ -257,7 +257,7 @@ def test_shapes_do_not_depend_on_the_size_of_the_pieces(data: bytes, size: int) 
     assert pieces.shapes == whole.shapes
 
 
-@pytest.mark.few(40)
+@pytest.mark.few(20)
 @given(programs, programs, st.data())
 def test_a_changed_program_is_classified_like_a_new_one(old: bytes, new: bytes, data: st.DataObject) -> None:
     original = parse(read(old), GENERIC_LATHE)
@@ -378,7 +378,7 @@ def test_columns_are_for_blocks_with_the_same_words_only(text: str) -> None:
     assert read_columns(program, 0, program.source.line_count) is None
 
 
-@pytest.mark.few(60)
+@pytest.mark.few(30)
 @given(
     st.lists(st.tuples(st.sampled_from(["X1", "X2.", "N5X3", "G1X1", "X1Y2", "M5", ""]), st.integers(1, 150)))
 )

@@ -48,7 +48,7 @@ def test_there_are_expressions() -> None:
     assert len(PATTERNS) > 25
 
 
-@pytest.mark.few(50)
+@pytest.mark.few(25)
 @given(_texts)
 @example("(Rough Pocket 1)")
 @example("fınısh, fİnish and ſhort drilK")

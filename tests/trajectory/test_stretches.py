@@ -38,7 +38,7 @@ def stretches(draw: st.DrawFn) -> Stretches:
     return Stretches(columns[0], columns[1], np.full((rows, count), 40.0), columns[2], np.zeros(rows))
 
 
-@pytest.mark.few(40)
+@pytest.mark.few(20)
 @settings(deadline=None)
 @given(stretches(), clocks, st.sampled_from([0.0, inf]))
 def test_many_stretches_run_like_one(drawn: Stretches, clock: Clock, before: float) -> None:

@@ -41,7 +41,7 @@ WITH_DISTANCES = ["XYZ", "ZYX", "YXZ", "XZY", "YZX", "ZXY", "XYC", "CYZ"]
 WITHOUT = ["XYA", "BYZ", "AYB", "XAY"]
 
 
-@pytest.mark.few(25)
+@pytest.mark.few(12)
 @given(shapes(), st.sampled_from(WITH_DISTANCES + WITHOUT), signs)
 @hypothesis_settings(max_examples=80)
 def test_a_drawn_program_and_its_twin(shape: Shape, letters: str, sign: tuple[int, int, int]) -> None:
@@ -88,7 +88,7 @@ BY_HAND = {
 }
 
 
-@pytest.mark.few(15)
+@pytest.mark.few(8)
 @given(st.data())
 @hypothesis_settings(max_examples=60)
 def test_a_program_by_hand_and_its_twin(data: st.DataObject) -> None:

@@ -77,7 +77,7 @@ def test_the_worked_example() -> None:
     assert cut.verdict.chips_per_rev == pytest.approx(1 / 2.4, rel=1e-3)
 
 
-@pytest.mark.few(15)
+@pytest.mark.few(8)
 @given(
     turns=st.floats(0.6, 6.0).map(lambda e: round(e, 2)),
     alpha=st.sampled_from([0.25, 0.4, 0.5, 0.6, 0.75]),
@@ -112,7 +112,7 @@ def test_it_breaks_where_it_stands_a_revolution_and_is_refused_elsewhere(
     assert {move.span_s > 0.0 for move in run_program(done.data.decode()).moves} == {True}
 
 
-@pytest.mark.few(20)
+@pytest.mark.few(10)
 @given(
     size=st.floats(3.0, 20.0).map(lambda d: round(d, 3)),
     taper=st.sampled_from([0.0, 0.3, -0.2]),

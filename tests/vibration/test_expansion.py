@@ -290,7 +290,7 @@ def on_path(shape: Shape, cut: list[Move]) -> tuple[np.ndarray, np.ndarray, floa
     return ends[best] + share[rows, best] * lengths[best], off[rows, best], float(ends[-1])
 
 
-@pytest.mark.few(30)
+@pytest.mark.few(15)
 @given(shapes())
 @hypothesis_settings(max_examples=80)
 def test_any_cut_stays_on_its_path_and_in_its_time(shape: Shape) -> None:

@@ -139,7 +139,7 @@ def cuts(draw: st.DrawFn) -> tuple[str, tuple[str, ...]]:
     return program, sets
 
 
-@pytest.mark.few(12)
+@pytest.mark.few(6)
 @given(cuts())
 @hypothesis_settings(max_examples=30)
 def test_no_point_leaves_the_exact_motion_by_more_than_promised(cut: tuple[str, tuple[str, ...]]) -> None:

@@ -37,16 +37,21 @@ def run(program: str, reads_ahead: bool) -> tuple[np.ndarray, np.ndarray]:
     return np.array(machine.ends), np.array(machine.feeds)
 
 
-@pytest.mark.parametrize("reads_ahead", [False, True], ids=["block by block", "reading ahead"])
-@pytest.mark.parametrize(
-    ("cut", "drift_steps"),
-    [
-        pytest.param("G1 Z-48. F125. N1.5", 0.0, id="along Z"),
-        pytest.param("G1 X50. F125. N3.5", 0.0, id="along X"),
-        pytest.param("G91\nG1 X50. F125. N1.5\nG90", 0.0, id="incremental"),
-        pytest.param("G1 X30. Y20. Z-30. F125. N1.5", 0.25, id="in space"),
-    ],
-)
+CUTS = {
+    "along Z": ("G1 Z-48. F125. N1.5", 0.0),
+    "along X": ("G1 X50. F125. N3.5", 0.0),
+    "incremental": ("G91\nG1 X50. F125. N1.5\nG90", 0.0),
+    "in space": ("G1 X30. Y20. Z-30. F125. N1.5", 0.25),
+}
+# Each cut on one of the controls, which take turns; on the other one in the long form.
+BOTH = [
+    pytest.param(*cut, ahead, id=f"{name}-{how}", marks=pytest.mark.long if (at + ahead) % 2 else ())
+    for at, (name, cut) in enumerate(CUTS.items())
+    for ahead, how in enumerate(["block by block", "reading ahead"])
+]
+
+
+@pytest.mark.parametrize(("cut", "drift_steps", "reads_ahead"), BOTH)
 def test_the_moves_are_those_of_the_expanded_form(cut: str, drift_steps: float, reads_ahead: bool) -> None:
     program = f"G90 G94 G97 S2500 M3\nG0 X0. Y0. Z2.\n{cut}\nG0 Z50.\nM30\n"
     expanded = run(filtered(program, "fanuc-mill", *SETS), reads_ahead)
