@@ -25,6 +25,13 @@ def first_of_each(cases: Iterable[Any], kind_of: Callable[[Any], Hashable]) -> l
     return found
 
 
+def every_second(cases: Iterable[Any]) -> list[ParameterSet]:
+    """All cases; each second one is long."""
+    return [_parameters(case, is_long=at % 2 == 1) for at, case in enumerate(cases)]
+
+
 def _parameters(case: Any, *, is_long: bool) -> ParameterSet:
-    values = case if type(case) is tuple else (case,)
-    return pytest.param(*values, marks=pytest.mark.long if is_long else ())
+    given = (
+        case if isinstance(case, ParameterSet) else pytest.param(*(case if type(case) is tuple else (case,)))
+    )
+    return pytest.param(*given.values, id=given.id, marks=[*given.marks, *[pytest.mark.long] * is_long])

@@ -19,6 +19,8 @@ import chipbreak
 
 Floats = NDArray[np.float64]
 _WORD = re.compile(r"([A-Za-z])[ \t]*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))")
+_COMMENT = re.compile(r"\([^)]*\)|;.*")
+_NO_MOVE = re.compile(r"G0?4(?![0-9])|G(?:28|50|92|65)|M98")
 _BRACKET = re.compile(r"\(CHIPBREAK (BEGIN|WAS|HEX|END) ?([^()]*)\)")
 _FEED_MODES = {93: "inverse", 94: "minute", 98: "minute", 95: "rev", 99: "rev"}
 
@@ -85,14 +87,15 @@ def run_program(text: str, *, diameter: bool = True, feed_mode: str = "rev") -> 
 
 
 def _step(run: Run, line: str, diameter: bool) -> Move | None:
-    code = re.sub(r"\([^)]*\)|;.*", "", line)
+    code = _COMMENT.sub("", line)
     words = _WORD.findall(code)
-    state = run.state
+    modal: dict[str, Any] = {}
     for letter, value in words:
-        state = _modal(state, letter, float(value))
+        modal |= _modal(letter.upper(), value)
+    state = replace(run.state, **modal) if modal else run.state
     first = words[0][0].upper() if words else ""
     axes = {a: v for a, v in (words[1:] if first == "N" else words) if a in "XYZUVW"}
-    if not axes or re.search(r"G0?4(?![0-9])|G(?:28|50|92|65)|M98", code):
+    if not axes or _NO_MOVE.search(code):
         run.state = state
         return None
     end = list(state.point)
@@ -109,13 +112,12 @@ def _step(run: Run, line: str, diameter: bool) -> Move | None:
     return Move(state.point, target, span_s, state.speed, axes)
 
 
-def _modal(state: State, letter: str, value: float) -> State:
-    letter = letter.upper()
-    if letter == "F":
-        return replace(state, feed=value)
-    if letter == "S":
-        return replace(state, speed=value)
-    return replace(state, **_SETS.get((letter, value), {}))
+def _modal(letter: str, value: str) -> dict[str, Any]:
+    """What a word sets."""
+    if letter in "GM":
+        return _SETS.get((letter, float(value)), {})
+    held = {"F": "feed", "S": "speed"}.get(letter)
+    return {held: float(value)} if held else {}
 
 
 # What G and M codes set.

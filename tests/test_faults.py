@@ -64,7 +64,7 @@ def names(folder: Path) -> list[str]:
 # --- killed -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("writings", [6, pytest.param(20, marks=pytest.mark.long)])
+@pytest.mark.parametrize("writings", [4, pytest.param(20, marks=pytest.mark.long)])
 def test_killed_at_some_moments(writings: int, tmp_path: Path) -> None:
     import random
 

@@ -70,7 +70,7 @@ def hasty() -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("hasty")
-@pytest.mark.parametrize("every", [12, pytest.param(3, marks=pytest.mark.long)])
+@pytest.mark.parametrize("every", [24, pytest.param(3, marks=pytest.mark.long)])
 def test_eight_threads_make_what_one_makes(every: int, monkeypatch: pytest.MonkeyPatch) -> None:
     work = list(programs(every))
     wanted = [outcome(*one) for one in work]

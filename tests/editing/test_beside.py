@@ -17,6 +17,7 @@ from chipbreak.cli import cli
 from chipbreak.editing.beside import parted, with_brackets
 from editing.test_restore import CUT, PROGRAMS
 from linuxcnc import rs274
+from longer import every_second
 from test_cases import CASES, DIVIDER, FLAGS
 
 NONE = "output.brackets=none"
@@ -51,7 +52,7 @@ def bare(program: bytes, settings: chipbreak.Settings = SETTINGS) -> chipbreak.R
     return result
 
 
-@pytest.mark.parametrize("program", PROGRAMS)
+@pytest.mark.parametrize("program", every_second(PROGRAMS))
 def test_there_and_back(program: bytes) -> None:
     result = bare(program)
     with_comments = chipbreak.rewrite(program, COMMENTS).data
@@ -79,7 +80,7 @@ def settings_of(program: str) -> chipbreak.Settings:
     return chipbreak.load(profile, [NONE, *(value for option, value in pairs if option == "--set")])
 
 
-@pytest.mark.parametrize("file", CASES, ids=lambda file: file.stem)
+@pytest.mark.parametrize("file", every_second(CASES), ids=lambda file: file.stem)
 def test_the_cases(file: Path) -> None:
     program, divider, _ = file.read_bytes().decode("latin-1").partition(DIVIDER)
     if divider:

@@ -36,6 +36,7 @@ REFUSALS = [
         ("trapezoid", "line", 3000, 0.2, "N1.5 WAVE SINE"),
     ]
 ]
+TURNS = ("N1.5", "N0.5", "N2.5", "N1.5 EDGES2", "N1.5 Q1.8", "N1.25 ALPHA0.75")
 _SLOWER = re.compile(r"N ([0-9.]+) with the same feed works at f ([0-9.]+) Hz")
 _NEEDS = re.compile(r"needs ([0-9.e+]+) m/s2")
 _DWELL = re.compile(r"WAVE DWELL with E ([0-9.]+)")
@@ -44,9 +45,11 @@ _LOWER = re.compile(r"N ([0-9.]+) f ([0-9.]+) Hz \(S [0-9.]+\) with the same fee
 
 
 def is_short(case: tuple[str, str, float, float, str]) -> bool:
-    """Every wish along a line but the sine, and every shape on the control whose ways out are soon found."""
+    """Wishes along a line on the controls in turn, and every shape on the one whose ways are soon found."""
     control, shape, *_, wish = case
-    return (shape == "line" and "SINE" not in wish) or control == "linuxcnc"
+    if shape != "line" or wish not in TURNS:
+        return control == "linuxcnc"
+    return list(CONTROLS)[TURNS.index(wish) % len(CONTROLS)] == control
 
 
 def run(control: str, program: str, *sets: str) -> chipbreak.Result:
