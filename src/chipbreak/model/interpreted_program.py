@@ -23,6 +23,7 @@ from chipbreak.model.flow import Flow, read_flow
 from chipbreak.model.interpret import Interpreter, initial_state
 from chipbreak.model.modal import Position, State
 from chipbreak.model.quiet_calls import SAYS_FEED, SAYS_SPEED, calls_that_may_say
+from chipbreak.model.repeated_dwells import effects_of, repeated_dwells
 from chipbreak.model.words import feed_of, is_diameter, length_mm
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.columns import read_columns, uniform_run
@@ -323,6 +324,8 @@ def _interpreted(
     interpreted.lines.append(line)
     interpreted.states.append(state)
     for event in program.special_lines.tolist():
+        if event < line:  # one of several dwells that were looked at together
+            continue
         state = interpreted.skip(state, line, event)
         effect = interpreter.advance(state, program.block(event))
         interpreted.reached[event] = (state, effect)
@@ -333,12 +336,38 @@ def _interpreted(
             around = None
         line = event + 1
         if effect.after is not state or not effect.block.is_empty:
-            interpreted.effects.append(effect)
-            if event > interpreted.lines[-1]:
-                # Not step.before: a jump target forgets, but what stands before its line does not.
-                interpreted.lines.append(event)
-                interpreted.states.append(state)
-            state = effect.after
-            interpreted.lines.append(line)
-            interpreted.states.append(state)
+            _keep(interpreted, effect, state)
+            line, state = _behind_dwells(interpreted, effect)
     return interpreted
+
+
+def _keep(interpreted: InterpretedProgram, effect: BlockEffect, state: State) -> None:
+    """Add an effect to what is known of a program that reaches its block in a state."""
+    line = effect.block.line
+    interpreted.effects.append(effect)
+    if line > interpreted.lines[-1]:
+        # Not effect.before: a jump target forgets, but what stands before its line does not.
+        interpreted.lines.append(line)
+        interpreted.states.append(state)
+    interpreted.lines.append(line + 1)
+    interpreted.states.append(effect.after)
+
+
+def _behind_dwells(interpreted: InterpretedProgram, effect: BlockEffect) -> tuple[int, State]:
+    """The line behind a dwell, or behind the last one where it comes again and again, and the state there.
+
+    What the others do is added to what is known of the program.
+    """
+    program, flow = interpreted.program, interpreted.flow
+    line = effect.block.line
+    stop = flow.straight_until(line + 1, program.source.body.stop)
+    stop = min([stop, *(entry for entry in interpreted.interpreter.entries if entry > line)])
+    found = repeated_dwells(program, effect, stop, interpreted.settings)
+    state = effect.after
+    if found is None:
+        return line + 1, state
+    for one in effects_of(program, effect, *found):
+        line, state = one.block.line, one.after
+        interpreted.reached[line] = (state, one)
+        _keep(interpreted, one, state)
+    return line + 1, state

@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from chipbreak.kinematics.floats import Floats
 from chipbreak.syntax.parse import Program
 from chipbreak.syntax.shapes import Shape
+from chipbreak.text.named_tuple import NamedTuple
+from chipbreak.text.source import Source
 
 _MOST_DECIMALS = 9
 # Those that a float holds exactly.
 _POWERS: Floats = np.array([10.0**power for power in range(23)])
+_NEAR = 3  # lines from one repeated line to the next one, at most, where a stretch of them begins
+_FEWEST = 8
+_LEAST_AT_ONCE = 1 << 6
+_MOST_AT_ONCE = 1 << 14
 _LETTERS = b"ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
@@ -49,17 +56,96 @@ def read_columns(
     if None in shapes or len(letters) != 1 or not (motions == {None} or says_line):
         return None
     source = program.source
-    between = _LETTERS + program.table.grammar.separators.encode("latin-1")
-    to_blank = bytes.maketrans(between, b" " * len(between))
     text = source.data[source.starts[first] : source.starts[last]]
-    text = (text.replace(b"G1 ", b"") if says_line else text).translate(to_blank)
-    width = len(next(iter(letters)))
-    numbers = _even_numbers(text, last - first, width)
+    text = text.replace(b"G1 ", b"") if says_line else text
+    return _columns(program, text, letters.pop(), last - first)
+
+
+def _columns(program: Program, text: bytes, letters: str, count: int) -> tuple[str, Floats] | None:
+    """The numbers of so many lines that have these letters in a row; None where there are others too."""
+    between = _LETTERS + program.table.grammar.separators.encode("latin-1")
+    text = text.translate(bytes.maketrans(between, b" " * len(between)))
+    numbers = _even_numbers(text, count, len(letters))
     if numbers is None:
         numbers = np.fromstring(text.decode("ascii"), np.float64, sep=" ")
-    if len(numbers) != (last - first) * width:  # block numbers stand between
+    if len(numbers) != count * len(letters):  # block numbers stand between
         return None
-    return letters.pop(), numbers.reshape(-1, width)
+    return letters, numbers.reshape(-1, len(letters))
+
+
+class Repeats(NamedTuple):
+    """Lines ``first`` to ``last`` (exclusive): one that comes again and again, and plain ones between.
+
+    ``repeated`` are those that have the bytes of the first one, (k,); the others all have the words
+    ``letters``, with points, and their numbers are ``numbers``, (n, len(letters)).  ``says_line``: each of
+    them says G1.
+    """
+
+    first: int
+    last: int
+    repeated: NDArray[np.intp]
+    says_line: bool
+    letters: str
+    numbers: Floats
+
+    @property
+    def before(self) -> NDArray[np.intp]:
+        """How many of the plain lines stand before each repeated one, (k,)."""
+        return self.repeated - self.first - np.arange(len(self.repeated))
+
+
+def repeats(program: Program, first: int, last: int) -> Repeats | None:
+    """The stretch from ``first`` (at most to ``last``) in which that line, no plain one, comes again.
+
+    None where it does not, or the lines between cannot be read all at once.
+    """
+    following = program.plain[first + 1 : min(first + _NEAR, last)]
+    plain = following[following >= 0]
+    if not len(plain):
+        return None
+    wanted = program.shapes[plain[0]]
+    if wanted.numbered or not wanted.has_points or wanted.motion not in (None, 1):
+        return None
+    source = program.source
+    raw = source.raw(first)
+    # The last one is for lines that have no shape.
+    stop = _stop_of(program, first, last, np.array([*(shape == wanted for shape in program.shapes), False]))
+    repeated = np.flatnonzero(program.plain[first:stop] < 0) + first
+    if len(repeated) < _FEWEST:
+        return None
+    text = source.data[source.starts[first] : source.starts[stop]]
+    if text.count(raw) != len(repeated):
+        return None
+    text = text.replace(raw, b"").replace(b"G1 ", b"")
+    columns = _columns(program, text, wanted.letters, stop - first - len(repeated))
+    return None if columns is None else Repeats(first, stop, repeated, wanted.motion == 1, *columns)
+
+
+def _stop_of(program: Program, first: int, last: int, fits: NDArray[np.bool_]) -> int:
+    """The end of the stretch of lines that are the first one again, or have one of the shapes that fit."""
+    source = program.source
+    raw = source.raw(first)
+    start, window = first, _LEAST_AT_ONCE
+    while start < last:
+        lines = np.arange(start, min(start + window, last))
+        others = lines[program.plain[lines] < 0]
+        is_same = fits[program.plain[lines]]
+        is_same[others - start] = _have_bytes(source, others, raw)
+        misfits = np.flatnonzero(~is_same)
+        if len(misfits):
+            return start + int(misfits[0])
+        start, window = start + len(lines), min(2 * window, _MOST_AT_ONCE)
+    return last
+
+
+def _have_bytes(source: Source, lines: NDArray[np.intp], raw: bytes) -> NDArray[np.bool_]:
+    """Which lines have these bytes."""
+    starts = source.starts[lines]
+    alike: NDArray[np.bool_] = source.starts[lines + 1] - starts == len(raw)
+    data = np.frombuffer(source.data, np.uint8)
+    rows = data[starts[alike][:, np.newaxis] + np.arange(len(raw))]
+    alike[alike] = (rows == np.frombuffer(raw, np.uint8)).all(axis=1)
+    return alike
 
 
 def _even_numbers(text: bytes, count: int, width: int) -> Floats | None:

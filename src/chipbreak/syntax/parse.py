@@ -39,7 +39,8 @@ class Program(NamedTuple):
 
     ``plain`` holds for every line the index of its shape in ``table.shapes``, or -1 where the line is more
     than a plain motion block; ``special_lines`` are those lines of the body.  ``bits`` says for every plain
-    line what it has (see ``Shape.bits``), 0 for the others.  Blocks are read when asked for.
+    line what it has (see ``Shape.bits``), 0 for the others.  Blocks are read when asked for, and
+    of special lines with the same text only one.
     """
 
     source: Source
@@ -49,6 +50,7 @@ class Program(NamedTuple):
     special_lines: NDArray[np.int64]
     bits: NDArray[np.uint16]
     known: dict[int, Block]
+    texts: dict[str, Block]
 
     @property
     def shapes(self) -> Sequence[Shape]:
@@ -58,11 +60,16 @@ class Program(NamedTuple):
     def block(self, line: int) -> Block:
         """The block on a line."""
         block = self.known.get(line)
-        if block is None:
-            block = read_block(line, self.source.text(line), self.dialect)
-            if self.plain[line] < 0:
-                self.known[line] = block
-        return block
+        if block is None and self.plain[line] < 0:
+            text = self.source.text(line)
+            like = self.texts.get(text)
+            if like is not None:
+                block = like._replace(line=line)
+            else:
+                block = read_block(line, text, self.dialect)
+                self.texts[text] = block
+            self.known[line] = block
+        return block or read_block(line, self.source.text(line), self.dialect)
 
     def event_blocks(self) -> Iterator[Block]:
         """Every block of the body that is more than a plain motion."""
@@ -150,7 +157,7 @@ def _program(source: Source, dialect: Dialect, plain: NDArray[np.int32], table: 
     body = source.body
     special_lines = np.flatnonzero(plain[body.start : body.stop] < 0).astype(np.int64) + body.start
     bits = np.array([shape.bits for shape in table.shapes] + [0], np.uint16)
-    return Program(source, dialect, plain, table, special_lines, bits[plain], {})
+    return Program(source, dialect, plain, table, special_lines, bits[plain], {}, {})
 
 
 def emit(program: Program) -> bytes:

@@ -17,9 +17,10 @@ from chipbreak.kinematics.toolpath import Path
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
+from chipbreak.model.repeated_dwells import repeated_dwells
 from chipbreak.model.words import is_diameter, plain_value
 from chipbreak.settings.axis_words import AXES
-from chipbreak.syntax.columns import read_columns, uniform_run
+from chipbreak.syntax.columns import Repeats, read_columns, uniform_run
 from chipbreak.units import S_PER_MIN
 
 _SHORT_RUN = 16
@@ -67,8 +68,13 @@ def read_moves(interpreted: InterpretedProgram, first: int, last: int) -> ReadBa
         else:
             effect = interpreted.interpreter.advance(state, interpreted.program.block(line))
             moves.add_effect(effect, interpreted)
+            dwells = repeated_dwells(interpreted.program, effect, last, interpreted.settings)
             state = effect.after
             line += 1
+            if dwells is not None:
+                line = dwells[0].last
+                moves.add_dwells(effect, *dwells, interpreted)
+                state = interpreted.before(line)
     return moves.read_back()
 
 
@@ -102,6 +108,18 @@ class _Moves:
         elif "dwell" in effect.non_modal and self.count:  # before the first move it is no part of the cut
             last = self.count - 1
             self.dwells[last] = self.dwells.get(last, 0.0) + _dwell_of(interpreted, effect)
+
+    def add_dwells(
+        self, effect: BlockEffect, found: Repeats, ends_mm: Floats, interpreted: InterpretedProgram
+    ) -> None:
+        """The moves between dwells like a first one, which is counted already."""
+        state = effect.after
+        before = self.count
+        feed = np.full(len(ends_mm) - 1, state.feed.value if state.feed else np.nan)
+        self.add(state, _clean(ends_mm), feed)
+        each_s = _dwell_of(interpreted, effect)
+        for count in (found.before[1:] + before - 1).tolist():
+            self.dwells[count] = self.dwells.get(count, 0.0) + each_s
 
     def read_back(self) -> ReadBack:
         """All of them."""
