@@ -49,7 +49,8 @@ def read_columns(
     Only for plain blocks that all have the same words in the same order, without block numbers and G codes;
     None otherwise.  ``with_line_code``: all of them may begin with ``G1``.
     """
-    shapes = {program.shapes[i] if i >= 0 else None for i in np.unique(program.plain[first:last]).tolist()}
+    ids = np.flatnonzero(np.bincount(program.plain[first:last] + 1)) - 1
+    shapes = {program.shapes[i] if i >= 0 else None for i in ids.tolist()}
     letters = {shape.letters for shape in shapes if shape is not None}
     motions = {shape.motion for shape in shapes if shape is not None}
     says_line = with_line_code and motions == {1}

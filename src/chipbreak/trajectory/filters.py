@@ -9,11 +9,13 @@ time: an average from the integrals of the motion, a lag from its own exponentia
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 
 import numpy as np
+from numpy.typing import NDArray
 
+from chipbreak.kinematics.cells import cells_of
 from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.growing import joined
 from chipbreak.text.named_tuple import NamedTuple
@@ -25,7 +27,7 @@ _SHARP = 0.25
 _PIECES = 8  # of what an average makes of a bend
 _LADDER = 16  # of what a lag makes of one
 _FEWEST = 4  # of both, where there is no room for more
-_BENDS_AT_ONCE = 1 << 16
+_KNOTS_AT_ONCE = 1 << 13
 _TIMES_AT_ONCE = 1 << 17  # what is worked out for so many is small beside what is kept
 _SAME_S = 1e-9
 _GONE = 1e-18  # a share of a motion that no longer counts
@@ -109,23 +111,59 @@ def times_to_look_at(
     """
     rest_s = max(one.rest_s for one in filters)
     sharp_s = _sharp_bends(time_s, place_mm)
-    later = [time_s + shift for shift in sorted({shift for one in filters for shift in one.shifts_s})]
+    rows = [_Later(time_s, shift) for shift in sorted({shift for one in filters for shift in one.shifts_s})]
     soon = sum(len(one.shifts_s) * len(_soon_after(one, step_s, 1.0)) for one in filters) * len(sharp_s)
+    share = most / max(soon, 1)
     for one in filters:
         for shift in one.shifts_s:
-            later += [sharp_s + shift + after_s for after_s in _soon_after(one, step_s, most / max(soon, 1))]
+            rows += [_Later(sharp_s, shift, after_s) for after_s in _soon_after(one, step_s, share)]
     end_s = float(time_s[-1]) + rest_s
-    bends = np.concatenate([*later, [end_s]])
-    later.clear()  # a long cut has millions of them
-    bends.sort(kind="stable")  # rows that rise, one behind the other, are merged
-    last = int(np.searchsorted(bends, end_s - _SAME_S))
-    bends[last] = end_s
-    bends = bends[: last + 1]
-    parts = (
-        _in_pieces(bends[first : first + _BENDS_AT_ONCE + 1], step_s)
-        for first in range(0, len(bends) - 1, _BENDS_AT_ONCE)
-    )
-    return joined(chain(parts, [bends[-1:]]))
+    pieces = (_in_pieces(some, step_s) for some in _until(_merged(rows, time_s), end_s))
+    return joined(chain(pieces, [np.array([end_s])]))
+
+
+class _Later:
+    """Rising times, (n,), all so much later; they are taken from the first on."""
+
+    def __init__(self, time_s: Floats, shift_s: float, after_s: float = 0.0) -> None:
+        self.time_s = time_s
+        self.shift_s = shift_s
+        self.after_s = after_s
+        self.taken = 0
+
+    def before(self, end_s: float) -> Floats:
+        """The next ones, those that lie before a time."""
+        stop = int(np.searchsorted(self.time_s, end_s - self.shift_s - self.after_s)) + 1
+        found: Floats = self.time_s[self.taken : stop + 1] + self.shift_s + self.after_s
+        found = found[: int(np.searchsorted(found, end_s))]
+        self.taken += len(found)
+        return found
+
+
+def _merged(rows: Sequence[_Later], time_s: Floats) -> Iterator[Floats]:
+    """All times of some rows in rising pieces, about as long as what lies between some of other times."""
+    for end_s in [*time_s[_KNOTS_AT_ONCE::_KNOTS_AT_ONCE].tolist(), math.inf]:
+        piece = np.concatenate([row.before(end_s) for row in rows])
+        piece.sort(kind="stable")  # rows that rise, one behind the other, are merged
+        yield piece
+
+
+def _until(pieces: Iterable[Floats], end_s: float) -> Iterator[Floats]:
+    """Rising times that come in pieces until an end, each piece with the last time of the one before.
+
+    The end comes in the place of times next to it and behind it.
+    """
+    last = np.empty(0)
+    for piece in pieces:
+        some = np.concatenate([last, piece])
+        count = int(np.searchsorted(some, end_s - _SAME_S))
+        if count < len(some):
+            break
+        yield some
+        last = some[-1:]
+    else:
+        some, count = last, len(last)
+    yield np.append(some[:count], end_s)
 
 
 def _in_pieces(bends: Floats, step_s: float) -> Floats:
@@ -173,87 +211,138 @@ def filtered(time_s: Floats, place_mm: Floats, axis: AxisFilter, at_s: Floats) -
     It rests before the first knot and behind the last one.  ``at_s`` begins with the first knot; a lag takes
     its input as straight between two of these times.
     """
-    x_mm = _averaged(time_s, place_mm, axis.averages_s, at_s)
-    for lag_s in axis.lags_s:
-        _lag_in_place(at_s, x_mm, lag_s)
+    x_mm = np.empty(len(at_s))
+    for part, (piece_mm,) in filtered_together(time_s, [place_mm], axis, at_s):
+        x_mm[part] = piece_mm
     return x_mm
 
 
-def _lag_in_place(at_s: Floats, x_mm: Floats, lag_s: float) -> None:
-    """Put a lag behind a motion with knots (m,), some at a time: what it is behind is carried over."""
-    behind_mm = 0.0
-    come_mm = float(x_mm[0])
-    for first in range(0, len(x_mm) - 1, _TIMES_AT_ONCE):
+def filtered_together(
+    time_s: Floats, places_mm: Sequence[Floats], axis: AxisFilter, at_s: Floats
+) -> Iterator[tuple[slice, list[Floats]]]:
+    """:func:`filtered` of several motions with the same knots in time, some times at once.
+
+    Each piece comes with what part of ``at_s`` it is; its first time is the last one of the piece before.
+    """
+    averaged = _Averaged(time_s, places_mm, axis.averages_s, float(at_s[-1]))
+    lags = [[_Lag(lag_s) for lag_s in axis.lags_s] for _ in places_mm]
+    for first in range(0, max(len(at_s) - 1, 1), _TIMES_AT_ONCE):
         part = slice(first, first + _TIMES_AT_ONCE + 1)
-        came_mm = x_mm[part].copy()
-        came_mm[0] = come_mm
-        come_mm = float(came_mm[-1])
-        x_mm[part] = _lagging(at_s[part], came_mm, lag_s, behind_mm)
-        behind_mm = float(x_mm[part][-1]) - come_mm
+        some_s = at_s[part]
+        pieces_mm = averaged.at(some_s)
+        for row, own in enumerate(lags):
+            for lag in own:
+                pieces_mm[row] = lag.behind(some_s, pieces_mm[row], is_last=part.stop >= len(at_s))
+        yield part, pieces_mm
 
 
-def _averaged(time_s: Floats, place_mm: Floats, averages_s: Sequence[float], at_s: Floats) -> Floats:
-    """The motion behind its moving averages, from its first or second integral, (m,)."""
-    if not averages_s:
-        return np.interp(at_s, time_s, place_mm)
-    # What is integrated is small: the way from a motion at an even speed.
-    span_s = float(time_s[-1] - time_s[0])
-    speed_mm_s = float(place_mm[-1] - place_mm[0]) / span_s
-    reach_s = sum(averages_s)
-    last_s = max(float(at_s[-1]), float(time_s[-1])) + reach_s
-    knots_s = np.concatenate([[time_s[0] - 2.0 * reach_s], time_s, [last_s]])
-    knots_mm = np.concatenate([place_mm[:1], place_mm, place_mm[-1:]]) - place_mm[0]
-    knots_mm -= speed_mm_s * (knots_s - time_s[0])
-    integral = _Integral(knots_s, knots_mm)
-    averaged = np.empty(len(at_s))
-    for first in range(0, len(at_s), _TIMES_AT_ONCE):
-        some_s = at_s[first : first + _TIMES_AT_ONCE]
-        even_mm = place_mm[0] + speed_mm_s * (some_s - time_s[0] - reach_s / 2.0)
-        averaged[first : first + _TIMES_AT_ONCE] = integral.means(some_s, averages_s) + even_mm
-    return averaged
+class _Lag:
+    """A lag behind a motion that comes in pieces: what it is behind is carried over."""
+
+    def __init__(self, lag_s: float) -> None:
+        self.lag_s = lag_s
+        self.behind_mm = 0.0
+
+    def behind(self, at_s: Floats, x_mm: Floats, *, is_last: bool) -> Floats:
+        """What it makes of the next piece, (m,), which begins where the one before ended."""
+        y_mm = _lagging(at_s, x_mm, self.lag_s, self.behind_mm)
+        self.behind_mm = float(y_mm[-1]) - float(x_mm[-1])
+        if not is_last:
+            y_mm[-1] = x_mm[-1] + self.behind_mm  # to the last digit where the next piece begins
+        return y_mm
+
+
+class _Averaged:
+    """Motions with the same knots in time, (n,), behind moving averages: from a first or second integral."""
+
+    def __init__(
+        self, time_s: Floats, places_mm: Sequence[Floats], averages_s: Sequence[float], last_s: float
+    ) -> None:
+        self.time_s = time_s
+        self.places_mm = places_mm
+        self.averages_s = averages_s
+        if not averages_s:
+            return
+        # What is integrated is small: the way from a motion at an even speed.
+        span_s = float(time_s[-1] - time_s[0])
+        self.speeds_mm_s = [float(place_mm[-1] - place_mm[0]) / span_s for place_mm in places_mm]
+        reach_s = sum(averages_s)
+        last_s = max(last_s, float(time_s[-1])) + reach_s
+        knots_s = np.concatenate([[time_s[0] - 2.0 * reach_s], time_s, [last_s]])
+        self.integrals = []
+        for place_mm, speed_mm_s in zip(places_mm, self.speeds_mm_s, strict=True):
+            knots_mm = np.concatenate([place_mm[:1], place_mm, place_mm[-1:]]) - place_mm[0]
+            knots_mm -= speed_mm_s * (knots_s - time_s[0])
+            self.integrals.append(_Integral(knots_s, knots_mm, is_twofold=len(averages_s) > 1))
+
+    def at(self, at_s: Floats) -> list[Floats]:
+        """Where each is at times, (m,)."""
+        if not self.averages_s:
+            return [np.interp(at_s, self.time_s, place_mm) for place_mm in self.places_mm]
+        since_s = at_s - self.time_s[0] - sum(self.averages_s) / 2.0
+        means = _means(self.integrals, at_s, self.averages_s)
+        return [
+            mean + (place_mm[0] + speed_mm_s * since_s)
+            for mean, place_mm, speed_mm_s in zip(means, self.places_mm, self.speeds_mm_s, strict=True)
+        ]
+
+
+class _Cells(NamedTuple):
+    """Between which knots some times lie, and how long after the first of these [s]; (m,) each."""
+
+    cell: NDArray[np.intp]
+    since_s: Floats
+
+    @classmethod
+    def of(cls, knots_s: Floats, at_s: Floats) -> _Cells:
+        """Those of times that lie near each other."""
+        cell = cells_of(knots_s, at_s)
+        return cls(cell, at_s - knots_s[cell])
 
 
 class _Integral:
-    """The first and the second integral of a motion that is straight between knots, (n,)."""
+    """The first integral of a motion that is straight between knots, (n,), and where asked the second."""
 
-    def __init__(self, time_s: Floats, place_mm: Floats) -> None:
+    def __init__(self, time_s: Floats, place_mm: Floats, *, is_twofold: bool) -> None:
         self.time_s = time_s
         self.place_mm = place_mm
         step_s = np.diff(time_s)
         self.slope = np.diff(place_mm) / step_s
         once = step_s * (place_mm[:-1] + place_mm[1:]) / 2.0
         self.first = np.append(0.0, np.cumsum(once))
-        twice = self.first[:-1] * step_s + step_s**2 * (2.0 * place_mm[:-1] + place_mm[1:]) / 6.0
-        self.second = np.append(0.0, np.cumsum(twice))
+        if is_twofold:
+            twice = self.first[:-1] * step_s + step_s**2 * (2.0 * place_mm[:-1] + place_mm[1:]) / 6.0
+            self.second = np.append(0.0, np.cumsum(twice))
 
-    def once(self, at_s: Floats) -> Floats:
+    def once(self, at: _Cells) -> Floats:
         """The integral up to times, (m,)."""
-        cell, since_s = self._cells(at_s)
+        cell, since_s = at
         once: Floats = self.first[cell] + (self.place_mm[cell] + self.slope[cell] * since_s / 2.0) * since_s
         return once
 
-    def twice(self, at_s: Floats) -> Floats:
+    def twice(self, at: _Cells) -> Floats:
         """The integral of the integral up to times, (m,)."""
-        cell, since_s = self._cells(at_s)
+        cell, since_s = at
         bend = self.place_mm[cell] / 2.0 + self.slope[cell] * since_s / 6.0
         twice: Floats = self.second[cell] + (self.first[cell] + bend * since_s) * since_s
         return twice
 
-    def means(self, at_s: Floats, averages_s: Sequence[float]) -> Floats:
-        """What one or two moving averages leave of the motion at times, (m,)."""
-        if len(averages_s) == 1:
-            (one_s,) = averages_s
-            mean: Floats = (self.once(at_s) - self.once(at_s - one_s)) / one_s
-            return mean
-        one_s, other_s = averages_s
-        ahead = self.twice(at_s) - self.twice(at_s - one_s)
-        behind = self.twice(at_s - other_s) - self.twice(at_s - one_s - other_s)
-        twofold: Floats = (ahead - behind) / (one_s * other_s)
-        return twofold
 
-    def _cells(self, at_s: Floats) -> tuple[np.ndarray[tuple[int], np.dtype[np.intp]], Floats]:
-        cell = np.clip(np.searchsorted(self.time_s, at_s, "right") - 1, 0, len(self.slope) - 1)
-        return cell, at_s - self.time_s[cell]
+def _means(integrals: Sequence[_Integral], at_s: Floats, averages_s: Sequence[float]) -> list[Floats]:
+    """What one or two moving averages leave of motions with the same knots at times, (m,) each."""
+    knots_s = integrals[0].time_s
+    now = _Cells.of(knots_s, at_s)
+    one_s = averages_s[0]
+    before = _Cells.of(knots_s, at_s - one_s)
+    if len(averages_s) == 1:
+        return [(integral.once(now) - integral.once(before)) / one_s for integral in integrals]
+    other_s = averages_s[1]
+    other = _Cells.of(knots_s, at_s - other_s)
+    both = _Cells.of(knots_s, at_s - one_s - other_s)
+    return [
+        ((one.twice(now) - one.twice(before)) - (one.twice(other) - one.twice(both))) / (one_s * other_s)
+        for one in integrals
+    ]
 
 
 def _lagging(at_s: Floats, x_mm: Floats, lag_s: float, behind_mm: float = 0.0) -> Floats:

@@ -86,7 +86,10 @@ def parts_of(lengths_mm: Floats, corner_shares: Floats, last: int) -> Parts:
     bounds = bounds[bounds <= last]
     end = int(bounds[-1])
     rests = np.flatnonzero(corner_shares[: max(end - 1, 0)] >= 1.0) + 1
-    starts = np.union1d(bounds[:-1], rests)
+    begins = np.zeros(len(lengths_mm) + 1, np.bool_)
+    begins[bounds[:-1]] = True
+    begins[rests] = True
+    starts = np.flatnonzero(begins)
     stops = np.append(starts[1:], [end] * min(len(starts), 1))
     strokes = np.searchsorted(bounds, starts, "right") - 1
     return Parts(starts, stops, strokes)

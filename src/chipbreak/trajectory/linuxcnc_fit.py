@@ -121,7 +121,7 @@ class _Fit:
         blocks = self.parts.starts[single]
         feeds[blocks] = self._single_feeds(blocks, times[single])
         self._refuse_several(times)
-        for size in np.unique(self.parts.sizes).tolist():
+        for size in np.flatnonzero(np.bincount(self.parts.sizes)).tolist():
             which = self.parts.of_size(size) if size > 1 else single[:0]
             inner = which[self.parts.stops[which] <= self.asked.plain_from]
             for first in range(0, len(inner), _AT_ONCE):

@@ -151,7 +151,7 @@ def run_all(columns: Columns, parts: Parts, clock: Clock, before: float = 0.0) -
 
 def _of_sizes(parts: Parts) -> Iterator[tuple[int, Counts]]:
     """The parts of each size, so many at a time: a long cut has millions, of few kinds."""
-    for size in np.unique(parts.sizes).tolist():
+    for size in np.flatnonzero(np.bincount(parts.sizes)).tolist():
         every = parts.of_size(size)
         for first in range(0, len(every), _AT_ONCE):
             yield size, every[first : first + _AT_ONCE]

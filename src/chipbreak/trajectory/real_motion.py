@@ -8,12 +8,22 @@ move evenly in each axis, which on arcs it does but for the chord of a block.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from chipbreak.kinematics.cells import cells_of
 from chipbreak.kinematics.floats import Floats
-from chipbreak.trajectory.filters import NO_FILTER, STILL_MM, AxisFilter, filtered, times_to_look_at
+from chipbreak.text.named_tuple import NamedTuple
+from chipbreak.trajectory.filters import (
+    NO_FILTER,
+    STILL_MM,
+    AxisFilter,
+    filtered,
+    filtered_together,
+    times_to_look_at,
+)
 from chipbreak.trajectory.junctions import Blocks
 from chipbreak.trajectory.motion import Motion
 
@@ -105,17 +115,35 @@ def _on_a_bent_path(
     motion: Motion, path: _Polyline, filters: Sequence[AxisFilter], at_s: Floats
 ) -> tuple[Floats, float]:
     """Where the tool is along arcs and corners, and how far off the path at most."""
-    commanded = path.points(motion.distance_mm)
-    columns = [filtered(motion.time_s, commanded[:, row], one, at_s) for row, one in enumerate(filters)]
-    real = np.stack(columns, axis=1)
-    # A first guess, on the path, then what is left seen along the path there.
-    guesses = [filtered(motion.time_s, motion.distance_mm, one, at_s) for one in dict.fromkeys(filters)]
-    along = path.within(np.mean(guesses, axis=0))
-    for _ in range(_LOOKS):
-        off = real - path.points(along)
-        along = path.within(along + np.einsum("ij,ij->i", off, path.ways_at(along)))
-    off = real - path.points(along)
-    return along, float(np.sqrt(np.einsum("ij,ij->i", off, off).max()))
+    commanded = [*path.at(motion.distance_mm).points_mm, motion.distance_mm]
+    along_mm = np.empty(len(at_s))
+    furthest = 0.0
+    kinds = list(dict.fromkeys(filters))
+    # A long cut has millions of times: all axes are worked out for some of them at once.
+    pieces = (filtered_together(motion.time_s, commanded, one, at_s) for one in kinds)
+    for together in zip(*pieces, strict=True):
+        of_kind = {one: places for one, (_, places) in zip(kinds, together, strict=True)}
+        real = [of_kind[one][row] for row, one in enumerate(filters)]
+        # A first guess, on the path, then what is left seen along the path there.
+        guess = np.mean([places[-1] for places in of_kind.values()], axis=0)
+        spot = path.at(path.within(guess))
+        for _ in range(_LOOKS):
+            ahead = sum(
+                way * (one - on) for way, one, on in zip(spot.ways, real, spot.points_mm, strict=True)
+            )
+            spot = path.at(path.within(spot.along_mm + ahead))
+        off = sum((one - on) ** 2 for one, on in zip(real, spot.points_mm, strict=True))
+        furthest = max(furthest, float(np.max(off)))
+        along_mm[together[0][0]] = spot.along_mm
+    return along_mm, math.sqrt(furthest)
+
+
+class _Spot(NamedTuple):
+    """Places along a path, (n,), the points there and the directions, a column an axis, (n,) each."""
+
+    along_mm: Floats
+    points_mm: list[Floats]
+    ways: list[Floats]
 
 
 class _Polyline:
@@ -123,22 +151,26 @@ class _Polyline:
 
     def __init__(self, distance_mm: Floats, points_mm: Floats) -> None:
         self.places_mm, first = np.unique(distance_mm, return_index=True)
-        self.corners_mm = points_mm[first]
-        ways = np.diff(self.corners_mm, axis=0)
+        corners_mm = points_mm[first]
+        self.columns_mm = [np.ascontiguousarray(column) for column in corners_mm.T]
+        steps_mm = np.diff(self.places_mm)
+        self.slopes = [np.diff(column) / steps_mm for column in self.columns_mm]
+        ways = np.diff(corners_mm, axis=0)
         sizes = np.sqrt(np.einsum("ij,ij->i", ways, ways))
         # Two places may be rounded to one point, from which no way leads.
-        self.ways = ways / np.where(sizes > 0.0, sizes, 1.0)[:, np.newaxis]
+        sizes[sizes <= 0.0] = 1.0
+        self.ways = [np.ascontiguousarray(column) / sizes for column in ways.T]
 
-    def points(self, along_mm: Floats) -> Floats:
-        """Points at places, (n,) -> (n, axes)."""
-        columns = [np.interp(along_mm, self.places_mm, column) for column in self.corners_mm.T]
-        return np.stack(columns, axis=1)
-
-    def ways_at(self, along_mm: Floats) -> Floats:
-        """Directions at places, (n,) -> (n, axes)."""
-        cell = np.searchsorted(self.places_mm, along_mm, "right") - 1
-        ways: Floats = self.ways[np.clip(cell, 0, len(self.ways) - 1)]
-        return ways
+    def at(self, along_mm: Floats) -> _Spot:
+        """What is at places that the path has, (n,)."""
+        cell = cells_of(self.places_mm, along_mm)
+        since_mm = along_mm - self.places_mm[cell]
+        is_end = along_mm >= self.places_mm[-1]
+        points_mm = []
+        for column, slope in zip(self.columns_mm, self.slopes, strict=True):
+            points_mm.append(slope[cell] * since_mm + column[cell])
+            points_mm[-1][is_end] = column[-1]
+        return _Spot(along_mm, points_mm, [way[cell] for way in self.ways])
 
     def within(self, along_mm: Floats) -> Floats:
         """Places that the path has."""

@@ -31,7 +31,7 @@ from chipbreak.trajectory.motion import Motion
 from chipbreak.trajectory.planner import speed_for_time
 
 _ROUNDS = 4
-Run = tuple[Floats, Floats]  # times of the blocks of a stretch [s], places [mm] after each period of it
+_PARTS_AT_ONCE = 1 << 16  # so that what is worked out for them stays in the processor's cache
 
 
 class Kind(NamedTuple):
@@ -49,18 +49,15 @@ class RestingLaw(ControlLaw):
     unlike_stroke_costs: ClassVar[int] = 15
 
     @abstractmethod
-    def run(self, ways_mm: Floats, speeds_mm_s: Floats, before_mm_s: float) -> Run:
-        """One stretch, all above zero, (n,): the times of its blocks, and the way after each servo period.
+    def run(self, ways_mm: Floats, speeds_mm_s: Floats, before_mm_s: float) -> Floats:
+        """The times of the blocks of one stretch, all above zero, (n,).
 
-        Where a law does not go by periods, there are no such ways.  ``before_mm_s`` is the feed of the block
-        before the stretch.
+        ``before_mm_s`` is the feed of the block before the stretch.
         """
 
     @abstractmethod
-    def knots(
-        self, distance_mm: Floats, lengths_mm: Floats, parts: Parts, runs: Sequence[Run]
-    ) -> tuple[Floats, Floats]:
-        """Time [s] and place [mm] of each knot of the motion, (m,), from the runs of its parts."""
+    def knots(self, distance_mm: Floats, parts: Parts, times_s: Floats) -> tuple[Floats, Floats]:
+        """Time [s] and place [mm] of each knot of the motion, (m,), from the times of its blocks, (n,)."""
 
     @abstractmethod
     def slack_s(self, wanted_s: float) -> float:
@@ -88,7 +85,7 @@ class RestingLaw(ControlLaw):
         """The feed of the block before a stretch of several, as far as it counts for its first one."""
         return before_mm_s if self.per_revolution else 0.0
 
-    def run_kinds(self, kinds: Sequence[Kind]) -> list[Run]:
+    def run_kinds(self, kinds: Sequence[Kind]) -> list[Floats]:
         """Each kind as :meth:`run` has it, within the limits."""
         runs = []
         for lengths_mm, feeds_mm_s, has_mm_s2, before_mm_s in kinds:
@@ -129,7 +126,7 @@ class RestingLaw(ControlLaw):
         times = np.empty(len(lengths))
         for first, last in self._stretches(lengths):
             before = float(feeds[first - 1]) if first else before_mm_s
-            times[first:last] = self._run_within_limits(lengths[first:last], feeds[first:last], before)[0]
+            times[first:last] = self._run_within_limits(lengths[first:last], feeds[first:last], before)
         return times
 
     def _stretches(self, lengths_mm: Floats) -> Iterator[tuple[int, int]]:
@@ -138,10 +135,9 @@ class RestingLaw(ControlLaw):
             return pairwise(range(len(lengths_mm) + 1))
         return pairwise([0, *turns_of(lengths_mm).tolist(), len(lengths_mm)])
 
-    def _run_within_limits(self, lengths_mm: Floats, feeds_mm_s: Floats, before_mm_s: float) -> Run:
+    def _run_within_limits(self, lengths_mm: Floats, feeds_mm_s: Floats, before_mm_s: float) -> Floats:
         speeds = np.minimum(feeds_mm_s, self.velocity_mm_s)
-        times, places = self.run(np.abs(lengths_mm), speeds, before_mm_s)
-        return np.maximum(times, self.read_s), places
+        return np.maximum(self.run(np.abs(lengths_mm), speeds, before_mm_s), self.read_s)
 
     def feeds_for_spans(self, blocks: Blocks, spans_s: Floats, plain_from: int) -> Floats:
         """See :meth:`ControlLaw.feeds_for_spans`."""
@@ -182,6 +178,7 @@ class RestingLaw(ControlLaw):
         """How long each part should take, (p,)."""
         times_s: list[float] = []
         done_s = late_s = 0.0
+        period_s = self.servo_period_s
         for first, last, end_s in _strokes(parts, spans_s):
             # What rounding to servo periods takes from one stroke, the next one gets.
             wanted_s = self.rounded(end_s + late_s - done_s)
@@ -194,7 +191,8 @@ class RestingLaw(ControlLaw):
                 times_s += shares
                 for share in shares:
                     done_s += share
-            late_s += max(0.0, done_s - end_s - late_s - self.servo_period_s)
+            later_s = done_s - end_s - late_s - period_s
+            late_s += later_s if later_s > 0.0 else 0.0  # max() takes twice as long, for every stroke
         return np.array(times_s)
 
     def _shared_out(
@@ -232,14 +230,35 @@ class RestingLaw(ControlLaw):
         shares = self.corner_shares(blocks, feeds_mm_s)
         parts = parts_of(blocks.lengths_mm, shares, len(blocks.lengths_mm))
         has_mm_s2 = self._accelerations(blocks, shares, parts)
-        runs = self._runs_of_parts(parts, np.abs(blocks.lengths_mm), feeds_mm_s, has_mm_s2)
-        time_s, knots_mm = self.knots(distance_mm, blocks.lengths_mm, parts, runs)
-        return Motion(np.concatenate([times for times, _ in runs]), time_s, knots_mm)
+        times_s = self._times_in_parts(parts, np.abs(blocks.lengths_mm), feeds_mm_s, has_mm_s2)
+        return Motion(times_s, *self.knots(distance_mm, parts, times_s))
+
+    def _times_in_parts(self, parts: Parts, ways_mm: Floats, feeds_mm_s: Floats, has_mm_s2: Floats) -> Floats:
+        """How long each block takes, (n,)."""
+        is_alone = parts.stops - parts.starts == 1
+        is_alone &= not self.every_block_stops
+        times_s = np.empty(len(ways_mm))
+        firsts = parts.starts[is_alone]
+        times_s[firsts] = self._times_alone(ways_mm[firsts], feeds_mm_s[firsts], has_mm_s2[is_alone])
+        several = Parts(parts.starts[~is_alone], parts.stops[~is_alone], parts.strokes[~is_alone])
+        runs = self._runs_of_parts(several, ways_mm, feeds_mm_s, has_mm_s2[~is_alone])
+        for start, stop, run in zip(several.starts.tolist(), several.stops.tolist(), runs, strict=True):
+            times_s[start:stop] = run
+        return times_s
+
+    def _times_alone(self, ways_mm: Floats, feeds_mm_s: Floats, has_mm_s2: Floats) -> Floats:
+        """Times of blocks from rest to rest, (n,)."""
+        times_s = np.empty(len(ways_mm))
+        for first in range(0, len(ways_mm), _PARTS_AT_ONCE):
+            some = slice(first, first + _PARTS_AT_ONCE)
+            columns = ways_mm[some, np.newaxis], feeds_mm_s[some, np.newaxis], has_mm_s2[some]
+            times_s[some] = self.times_alike(*columns, 0.0)[:, 0]
+        return times_s
 
     def _runs_of_parts(
         self, parts: Parts, ways_mm: Floats, feeds_mm_s: Floats, has_mm_s2: Floats
-    ) -> list[Run]:
-        """How each part runs; those of one kind share it."""
+    ) -> list[Floats]:
+        """The times of the blocks of each part; those of one kind share them."""
         ways = ways_mm.tolist()
         feeds = feeds_mm_s.tolist()
         keys: list[tuple[tuple[float, ...], tuple[float, ...], float, float]] = []

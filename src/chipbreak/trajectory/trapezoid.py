@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from chipbreak.kinematics.floats import Floats
 from chipbreak.trajectory.junctions import Blocks, Parts
 from chipbreak.trajectory.planner import speed_for_time
-from chipbreak.trajectory.resting import Kind, RestingLaw, Run
+from chipbreak.trajectory.resting import Kind, RestingLaw
 
 _NONE = np.empty(0)
 
@@ -40,25 +40,25 @@ class Trapezoid(RestingLaw):
         """See :meth:`RestingLaw.counted`."""
         return 0.0
 
-    def run(self, ways_mm: Floats, speeds_mm_s: Floats, before_mm_s: float) -> Run:
+    def run(self, ways_mm: Floats, speeds_mm_s: Floats, before_mm_s: float) -> Floats:
         """See :meth:`RestingLaw.run`."""
         acceleration = np.array([self.acceleration_mm_s2])
-        times_s = trapezoids(ways_mm[np.newaxis], speeds_mm_s[np.newaxis], acceleration)[0]
+        times_s: Floats = trapezoids(ways_mm[np.newaxis], speeds_mm_s[np.newaxis], acceleration)[0]
         times_s[-1] += self.reversal_stop_s
-        return times_s, np.empty(0)
+        return times_s
 
-    def run_kinds(self, kinds: Sequence[Kind]) -> list[Run]:
+    def run_kinds(self, kinds: Sequence[Kind]) -> list[Floats]:
         """See :meth:`RestingLaw.run_kinds`: those of as many blocks at once."""
         if self.every_block_stops:
             return super().run_kinds(kinds)
         counts = np.array([len(kind.lengths_mm) for kind in kinds], dtype=np.intp)
-        runs: list[Run] = [(_NONE, _NONE)] * len(kinds)
+        runs = [_NONE] * len(kinds)
         for count in np.unique(counts):
             places = np.flatnonzero(counts == count).tolist()
             lengths, feeds, has, _ = zip(*(kinds[place] for place in places), strict=True)
             times_s = self.times_alike(np.array(lengths), np.array(feeds), np.array(has), 0.0)
             for place, row in zip(places, times_s, strict=True):
-                runs[place] = (row, _NONE)
+                runs[place] = row
         return runs
 
     def times_alike(
@@ -82,11 +82,9 @@ class Trapezoid(RestingLaw):
         """See :meth:`RestingLaw.slack_s`."""
         return 0.002 * wanted_s
 
-    def knots(
-        self, distance_mm: Floats, lengths_mm: Floats, parts: Parts, runs: Sequence[Run]
-    ) -> tuple[Floats, Floats]:
+    def knots(self, distance_mm: Floats, parts: Parts, times_s: Floats) -> tuple[Floats, Floats]:
         """The ends of the blocks, and of the stops at the rests among them."""
-        time_s = np.append(0.0, np.cumsum(np.concatenate([run[0] for run in runs])))
+        time_s = np.append(0.0, np.cumsum(times_s))
         if self.reversal_stop_s <= 0.0:
             return time_s, distance_mm
         return _with_stops(time_s, distance_mm, parts.stops, self.reversal_stop_s)
