@@ -7,9 +7,10 @@ import math
 import numpy as np
 import pytest
 
+from chipbreak.kinematics import chip_model
 from chipbreak.kinematics.cells import cells_of
 from chipbreak.kinematics.floats import Floats
-from chipbreak.trajectory import filters, resting
+from chipbreak.trajectory import filters, linuxcnc_runs, resting
 from chipbreak.trajectory.filters import AxisFilter, filtered, times_to_look_at
 from chipbreak.trajectory.junctions import blocks_of
 from chipbreak.trajectory.motion import Motion
@@ -57,7 +58,7 @@ def test_times_to_look_at_do_not_depend_on_the_pieces(
 
 @pytest.mark.parametrize("axis", AXES, ids=["one average", "two averages", "a lag"])
 def test_a_filter_carries_over_what_it_is_behind(axis: AxisFilter, monkeypatch: pytest.MonkeyPatch) -> None:
-    time_s, place_mm = vibrated()
+    time_s, place_mm = vibrated(100)
     at_s = times_to_look_at(time_s, place_mm, [axis], 0.004)
     whole = filtered(time_s, place_mm, axis, at_s)
     in_small_pieces(monkeypatch)
@@ -112,3 +113,35 @@ def test_strokes_alone_take_the_time_that_each_of_them_takes(
     blocks = blocks_of(moved_mm, ways_mm, [np.inf, np.inf, 900.0])
     motion = law.motion_between_dwells(np.append(0.0, np.cumsum(ways_mm)), blocks, feeds_mm_s)
     assert motion.spans_s.tolist() == law.block_times(blocks.lengths_mm, feeds_mm_s).tolist()
+
+
+@pytest.mark.parametrize("width", [1, 3, 40])
+def test_kinds_of_rows_are_those_of_their_digits(width: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    draw = np.random.default_rng(9)
+    rows = draw.choice([0.1, 0.2, 0.3], (60, width))
+    rows[:20] = rows[20:40]
+    rows[5, -1] = np.nextafter(rows[5, -1], 1.0)
+    first, kind = linuxcnc_runs.kinds_of(rows)
+    seen = list(map(tuple, rows.tolist()))
+    assert [seen[first[one]] for one in kind] == seen
+    assert sorted(first.tolist()) == sorted({seen.index(row) for row in seen})
+    # Where all rows have the same number they are told apart by themselves, and come in the same order.
+    monkeypatch.setattr(linuxcnc_runs, "_FACTOR", 0)
+    again = linuxcnc_runs.kinds_of(rows)
+    assert [column.tolist() for column in again] == [first.tolist(), kind.tolist()]
+
+
+def test_the_least_of_each_cell_is_that_of_all_its_values() -> None:
+    """Cells without a value keep what they had; values come in pieces, and a cell may go on in the next."""
+    draw = np.random.default_rng(11)
+    between = np.sort(draw.uniform(0.0, 9.0, 30))
+    between[7] = between[8]
+    at = np.sort(np.append(draw.uniform(0.0, 9.0, 100), between[12]))
+    at = at[(at < 3.0) | (at > 4.0)]
+    values = draw.uniform(0.0, 1.0, len(at))
+    least = np.full(31, 2.0)
+    for piece in np.array_split(np.arange(len(at)), 7):
+        chip_model._lower(least, between, at[piece], values[piece])
+    chip_model._lower(least, between, at[:0], values[:0])
+    cell = np.array([(between <= place).sum() for place in at])
+    assert least.tolist() == [values[cell == one].min(initial=2.0) for one in range(31)]

@@ -272,5 +272,5 @@ def test_a_feed_per_revolution_where_it_counts_per_minute_is_said(profile: str) 
 
 def test_a_stroke_of_few_steps_is_refused_before_its_blocks_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(plan, "sample", None)
-    program = "G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5 Q0.5\nM30\n"
+    program = "G97 S3000 M3\nG0 X20. Z2.\nG1 Z1. F0.05 N1.5 Q0.5\nM30\n"
     assert "VIB059" in [code for code, *_ in rejected(program, "speedio-renishaw")]

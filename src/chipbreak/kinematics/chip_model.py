@@ -189,7 +189,7 @@ def _margin(motion: Motion, steady: _Steady) -> float:
     least = np.full(bounds.size - 1, np.inf)
     for corner_s, gap_mm in chain.from_iterable(motion.corner_gaps()):
         inside = slice(np.searchsorted(corner_s, bounds[0]), np.searchsorted(corner_s, bounds[-1], "right"))
-        _lower(least, np.searchsorted(bounds[1:-1], corner_s[inside], "right"), gap_mm[inside])
+        _lower(least, bounds[1:-1], corner_s[inside], gap_mm[inside])
     margin = 1.0 - float(least.max()) / (steady.speed_mm_s * pass_s)
     # A stretch without a crest is a missing vibration; the touch that ends it elsewhere does not excuse it.
     stretch_s = np.diff(np.insert(window_s, 1, crest_s)).max()
@@ -197,12 +197,19 @@ def _margin(motion: Motion, steady: _Steady) -> float:
     return 0.0 if missing and margin >= 1.0 - _TOUCH else margin
 
 
-def _lower(least: Floats, cells: npt.NDArray[np.intp], values: Floats) -> None:
-    """Change ``least`` to the least of the values of each cell; the cells, (n,) as the values, rise."""
-    starts = np.flatnonzero(np.diff(cells, prepend=-1))
-    if starts.size:
-        own = cells[starts]
-        least[own] = np.minimum(least[own], np.minimum.reduceat(values, starts))
+def _lower(least: Floats, between: Floats, at: Floats, values: Floats) -> None:
+    """Change ``least``, (n + 1,), to the least of the values in each cell.
+
+    ``between`` (n,) are the places between cells, ``at`` those of the values, (m,) each; all of them rise.
+    """
+    if not at.size:
+        return
+    low, high = np.searchsorted(between, at[[0, -1]], "right").tolist()
+    # The cells are far fewer than the values, so these are not looked for one by one.
+    starts = np.append(0, np.searchsorted(at, between[low:high]))
+    is_filled = np.diff(starts, append=at.size) > 0
+    own = np.flatnonzero(is_filled) + low
+    least[own] = np.minimum(least[own], np.minimum.reduceat(values, starts[is_filled]))
 
 
 def _reach(motion: Motion, steady: _Steady) -> float:

@@ -55,6 +55,7 @@ class Junction(ControlLaw):
 
     name: ClassVar[str] = "junction"
     is_single_precision: ClassVar[bool] = True
+    plans_whole: ClassVar[bool] = True
 
     junction_deviation_mm: float = 0.01
     corner_velocity_mm_s: float | None = None

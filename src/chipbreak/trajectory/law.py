@@ -74,6 +74,8 @@ class ControlLaw(ABC):
     """It keeps seven digits of a number."""
     runs_whole_periods: ClassVar[bool] = False
     """Times are whole servo periods."""
+    plans_whole: ClassVar[bool] = False
+    """How one stroke is run depends on its neighbours: a cut is planned as a whole, again and again."""
     unlike_stroke_costs: ClassVar[int] = 1
     """What a block costs to plan where hardly two strokes are alike, in blocks of a straight stroke."""
 

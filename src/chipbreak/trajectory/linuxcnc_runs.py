@@ -21,6 +21,7 @@ Counts = NDArray[np.intp]
 _MANY = 64
 _LONG_PERIODS = 200.0
 _AT_ONCE = 1 << 15
+_FACTOR = 0x9E3779B97F4A7C15  # odd, and without a pattern: its powers mix all digits of a row
 
 
 class Parts(NamedTuple):
@@ -219,7 +220,21 @@ def _stretch(stretches: Stretches, row: int) -> Stretch:
 
 
 def kinds_of(rows: Floats) -> tuple[Counts, Counts]:
-    """The first of each kind of row of (m, k), and the kind of each row, (m,)."""
-    kinds = np.ascontiguousarray(rows).view(np.dtype((np.void, rows.dtype.itemsize * rows.shape[1])))
+    """The first of each kind of row of (m, k), and the kind of each row, (m,).
+
+    Rows are told apart by one number made of all their digits, which is faster than by each of them.
+    """
+    digits = np.ascontiguousarray(rows).view(np.uint64)
+    factors = np.array([pow(_FACTOR, at + 1, 1 << 64) for at in range(digits.shape[1])], np.uint64)
+    _, first, kind = np.unique(digits @ factors, return_index=True, return_inverse=True)
+    if not np.array_equal(digits[first][kind], digits):  # two kinds with the same number
+        return _sorted_kinds(digits)
+    order, place = _sorted_kinds(digits[first])
+    return first[order], place[kind]
+
+
+def _sorted_kinds(digits: NDArray[np.uint64]) -> tuple[Counts, Counts]:
+    """:func:`kinds_of` rows of digits; the kinds rise."""
+    kinds = digits.view(np.dtype((np.void, digits.dtype.itemsize * digits.shape[1])))
     _, first, kind = np.unique(kinds.ravel(), return_index=True, return_inverse=True)
     return first, kind

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal, cast
 
@@ -24,6 +24,8 @@ from chipbreak.model.words import JUMPED
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
+from chipbreak.trajectory.filters import NO_FILTER
+from chipbreak.trajectory.law import ControlLaw
 from chipbreak.units import MS_PER_S, S_PER_MIN, typed_surface_speed
 from chipbreak.vibration.chain import Chain, legs_of
 from chipbreak.vibration.compensation import Asked, compensated
@@ -34,7 +36,12 @@ from chipbreak.vibration.machine import axes_follow_exactly, control_along, dire
 from chipbreak.vibration.request import OUT_OF_RANGE, solver_inputs
 from chipbreak.vibration.surface_speed import active_speed, limit_rpm
 
-MOST_MOVES = 1_000_000
+# Of one cut, so that it is followed in about two seconds and half a gigabyte.
+MOST_MOVES = 500_000
+MOST_PLANNED_MOVES = 300_000  # planned as a whole, or by several laws because the profile leaves one open
+MOST_DWELLS = 50_000
+MOST_STROKES_ROUND_BENDS = 200_000  # each axis behind its own filter
+_FEWER = "take a lower N or a higher feed, or make it several cuts with a rapid between"
 _MOST_GAPS = 4_000_000  # between a knot of a vibration and the passes before it, for every such pass
 
 
@@ -114,7 +121,7 @@ def plan_cut(chain: Chain, settings: Settings) -> CutPlan:
     if settings.planner.dwell_step_ms is not None:
         wave = expander.in_whole_dwells(wave, control_along(settings, path, state), edges)
     _check_passes(wave, edges)
-    _check_size(wave, state)
+    _check_size(wave, expander, path, state, settings)
     wave = _commanded(wave, chain, path, settings, reasons)
     refuse_too_fine(wave, path, state, expander.larger, settings)
     time_s, distance_mm = sample(wave)
@@ -246,12 +253,42 @@ def _wave_of(
     )
 
 
-def _check_size(wave: WaveformParameters, state: State) -> None:
+class _Bound(NamedTuple):
+    """How many of something a cut would have, the most that it may have, and the way out."""
+
+    found: int
+    most: int
+    of: str
+    help: str
+
+
+def _check_size(
+    wave: WaveformParameters, expander: Expander, path: Path, state: State, settings: Settings
+) -> None:
+    for bound in _bounds(wave, expander, path, control_along(settings, path, state)):
+        if bound.found > bound.most:
+            message = f"this cut would become {bound.found} {bound.of}; {bound.most} of them are the most"
+            raise RefusalError("VIB021", *with_feed_per_minute(message, bound.help, state, wave.feed_mm_rev))
+
+
+def _bounds(wave: WaveformParameters, expander: Expander, path: Path, law: ControlLaw) -> Iterator[_Bound]:
+    if expander.keeps_feed:
+        yield _Bound(wave.vibrations, MOST_DWELLS, "moves with a dwell each", _FEWER)
+    elif _follows_bends(law, path):
+        of = "strokes round corners or arcs, where each axis follows behind its own filter"
+        yield _Bound(2 * wave.vibrations, MOST_STROKES_ROUND_BENDS, of, _FEWER)
     moves = wave.vibrations * wave.knots_per_vibration
-    if moves > MOST_MOVES:
-        message = f"this cut would become {moves} blocks; no program may have more than {MOST_MOVES} of them"
-        help_text = 'take output.segments "stroke", a lower f, or a higher feed'
-        raise RefusalError("VIB021", *with_feed_per_minute(message, help_text, state, wave.feed_mm_rev))
+    fewer = 'take output.segments "stroke", a lower f, or a higher feed'
+    if law.plans_whole or len(law.variants()) > 1:
+        of = f"blocks, which the law of this control ({law.name}) plans again and again"
+        yield _Bound(moves, MOST_PLANNED_MOVES, of, fewer)
+    yield _Bound(moves, MOST_MOVES, "blocks", fewer)
+
+
+def _follows_bends(law: ControlLaw, path: Path) -> bool:
+    """True where each axis follows on its own, and what they make must be sought along the path."""
+    is_filtered = any(axis.filter != NO_FILTER for axis in law.axes)
+    return is_filtered and (any(arc is not None for arc in path.arcs) or len(path.corners_mm()) > 0)
 
 
 def _check_passes(wave: WaveformParameters, edges: int) -> None:
