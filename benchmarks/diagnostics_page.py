@@ -11,6 +11,7 @@ import re
 import shlex
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -72,13 +73,18 @@ class Example(NamedTuple):
 
     def said(self, code: str) -> str:
         """The message with this code.  ValueError where it is not said."""
-        at = CHECKOUT / self.profile
-        settings = chipbreak.load(at if at.is_file() else self.profile, self.sets)
-        for found in chipbreak.check(self.text.encode(), settings, self.name):
+        for found in _said_of(self):
             if found.code == code:
                 return found.render()
         message = f"{code} is not said of {self.name}"
         raise ValueError(message)
+
+
+@cache
+def _said_of(example: Example) -> tuple[chipbreak.Diagnostic, ...]:
+    at = CHECKOUT / example.profile
+    settings = chipbreak.load(at if at.is_file() else example.profile, example.sets)
+    return chipbreak.check(example.text.encode(), settings, example.name)
 
 
 def sections() -> list[Section]:
