@@ -98,6 +98,8 @@ klipper:
 compiled-tests: $(VENV)/.dev
 	@$(BIN)/pytest --collect-only -qq > /dev/null || true  # what is wrong, the tests themselves say
 
+# Workers are more than cores: threads of theirs would only wait for each other.
+test test-long: export OPENBLAS_NUM_THREADS := 1
 test:
 	@$(SUBMAKE) -j 2 $(VENV)/.dev judges
 	@$(SUBMAKE) -j 2 lint compiled-tests

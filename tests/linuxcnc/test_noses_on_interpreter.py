@@ -115,7 +115,7 @@ def compared(seed: int) -> bool | None:
     return True
 
 
-@pytest.mark.parametrize("seed", short_where(range(DRAWN), lambda seed: seed in (0, 1, 6)))
+@pytest.mark.parametrize("seed", short_where(range(DRAWN), lambda seed: seed in (0, 6)))
 def test_both_go_the_same_way(seed: int) -> None:
     if compared(seed) is None:
         pytest.skip("one of them refuses this shape")

@@ -141,8 +141,16 @@ def test_skipping_is_advancing(parts: list[str | list[str]], flow: str, profile:
     assert facts(interpreted.end()) == facts(state)
 
 
-@pytest.mark.parametrize("flow", ["GOTO100", "GOTO200", "G71 P100 Q200 U.1 W.1", "G71 P100 Q100 U.1 W.1"])
-@pytest.mark.parametrize("run", [["X1. F.2", "Z5."], ["G91", "U1. W-2.", "G2 X14. Z-4. R3."]], ids="".join)
+FLOWS = ("GOTO100", "GOTO200", "G71 P100 Q200 U.1 W.1", "G71 P100 Q100 U.1 W.1")
+RUNS = ("X1. F.2\nZ5.", "G91\nU1. W-2.\nG2 X14. Z-4. R3.")
+_TURNS = [
+    pytest.param(flow, run.split("\n"), marks=pytest.mark.long if (at + turn) % 2 else ())
+    for at, flow in enumerate(FLOWS)
+    for turn, run in enumerate(RUNS)
+]
+
+
+@pytest.mark.parametrize(("flow", "run"), _TURNS)
 def test_long_runs_around_what_a_program_goes_to_are_skipped_rightly(flow: str, run: list[str]) -> None:
     """Between such lines a run is skipped as a whole; those themselves are stepped through."""
     rest = run[1:] * 15
