@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from itertools import product
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -169,7 +170,7 @@ CASES = [
 ]
 
 
-def is_short(case: tuple[str, str, float, float]) -> bool:
+def is_short(case: tuple[Any, ...]) -> bool:
     """Each shape in half of the places, and in each place half of the shapes."""
     shape, place, *_ = case
     return (list(SHAPES).index(shape) + list(PLACES).index(place)) % 2 == 0
@@ -196,8 +197,7 @@ def steps_over(outline: Floats, columns: Columns, top: float, depth: float) -> F
     return np.array([min(level for level in levels if level >= height - 1e-6) for height in shape])
 
 
-@pytest.mark.parametrize("place", PLACES)
-@pytest.mark.parametrize("shape", RISING)
+@pytest.mark.parametrize(("shape", "place"), short_where(product(RISING, PLACES), is_short))
 def test_without_a_pass_along_the_contour_the_steps_are_left(shape: str, place: str) -> None:
     program = program_of(SHAPES[shape], PLACES[place], 1.7, 1.0, one_block=False)
     blocks = blocks_of(program, 'cycles.finish_pass="never"')

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from editor.client import Client
+from warm import warm
 
 PROGRAM = "G97 S3000 M3\nG0 X20. Z2.\nG1 Z-30. F0.05 N2\nG0 Z5.\nM30\n"
 GOOD = PROGRAM.replace("N2", "N1.5")
@@ -161,11 +162,5 @@ def test_without_the_extra_it_says_what_to_install(tmp_path: Path) -> None:
 
 
 def test_a_message_that_is_none_is_said_without_a_traceback() -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "chipbreak", "language-server"],
-        input=b"Content-Length: 5\r\n\r\nabcde",
-        capture_output=True,
-        check=False,
-        timeout=60,
-    )
+    done = warm(["language-server"], b"Content-Length: 5\r\n\r\nabcde")
     assert done.stderr.strip() == b"chipbreak language-server: Unable to handle message"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 import pickle
+import re
 from itertools import chain
 from math import inf
 from pathlib import Path
@@ -229,6 +230,8 @@ def own_module(named: type[Any]) -> str:
 
 
 NAMED = {law.name: own_module(law) for law in LAWS} | {wave.name: own_module(type(wave)) for wave in WAVES}
+# Where no text is such a name, the tree need not be looked through.
+_MAY_BRANCH = re.compile("|".join(f"""["']{re.escape(name)}["']""" for name in NAMED))
 
 
 def branches(tree: ast.AST) -> set[tuple[str, int]]:
@@ -260,7 +263,7 @@ def test_no_branch_on_the_name_of_a_law_or_a_wave() -> None:
     found = []
     for file in PACKAGE.rglob("*.py"):
         inside = file.relative_to(PACKAGE).as_posix()
-        told = branches(tree_of(file))
+        told = branches(tree_of(file)) if _MAY_BRANCH.search(file.read_text("utf-8")) else ()
         found += [(inside, *one) for one in told if NAMED.get(one[0], inside) != inside]
     assert not found
 
@@ -272,6 +275,7 @@ def test_a_branch_is_found() -> None:
         'law in ("x", "ideal")',
         'not law in {"ideal"}',
     ):
+        assert _MAY_BRANCH.search(text)
         assert ("ideal", 1) in branches(ast.parse(text))
     assert branches(ast.parse('match law:\n    case "ideal":\n        pass')) == {("ideal", 2)}
     assert not branches(ast.parse('name = "ideal"'))

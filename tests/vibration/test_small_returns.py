@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pytest
 
 import chipbreak
+from longer import every_second
 
 HEAD = "G21 G18 G90 G8 G97 G95 S{} M3\nG0 X6 Z0\n(VIB {})\nG1 Z-{} F{}\nM2\n"
 
@@ -31,8 +34,7 @@ def crests(speed: int, wish: str, length: float, feed: float, *sets: str) -> lis
 WISHES = ["N0.5", "N0.5 Q1.5", "N2.5", "N2.5 Q1.6", "N1.5 RAMP8", "N0.5 RAMP2"]
 
 
-@pytest.mark.parametrize("mode", ["rev", "minute", "inverse"])
-@pytest.mark.parametrize("wish", WISHES)
+@pytest.mark.parametrize(("wish", "mode"), every_second(product(WISHES, ["rev", "minute", "inverse"])))
 def test_every_crest_of_the_ramp_is_there(wish: str, mode: str) -> None:
     for speed, feed in ((600, 0.04), (1200, 0.08)):
         for wanted, seen in crests(
