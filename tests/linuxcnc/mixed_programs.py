@@ -397,12 +397,15 @@ _STATES = {
     "SET_FEED_MODE": "feed mode",
     "SELECT_PLANE": "plane",
     "SET_MOTION_CONTROL_MODE": "path mode",
+    "SET_NAIVECAM_TOLERANCE": "joined within",
     "SELECT_TOOL": "next tool",
     "CHANGE_TOOL": "tool",
     "SET_G5X_OFFSET": "offset",
     "SET_G92_OFFSET": "shift",
     "USE_TOOL_LENGTH_OFFSET": "length",
 }
+# How many words stand before the lengths.
+_TOLERANCES = {"SET_MOTION_CONTROL_MODE": 1, "SET_NAIVECAM_TOLERANCE": 0}
 _PLACES = {"STRAIGHT_FEED", "STRAIGHT_TRAVERSE", "ARC_FEED"}
 _ACTS = {"PROGRAM_STOP", "OPTIONAL_PROGRAM_STOP", "CHANGE_TOOL"}
 _STARTS = {"START_SPINDLE_CLOCKWISE", "START_SPINDLE_COUNTERCLOCKWISE"}
@@ -415,7 +418,8 @@ class _Machine:
 
     def __init__(self) -> None:
         self.state: dict[str, object] = {"feed": 0.0, "speed": 0.0, "limit": 0.0, "pitch": 0.0}
-        self.state["path mode"] = ("CANON_CONTINUOUS", "0.000000")  # before a program says anything
+        self.state["path mode"] = ("CANON_CONTINUOUS", 0.0)  # before a program says anything
+        self.state["joined within"] = (0.0,)
         self.scale = 1.0
         self.plane = "CANON_PLANE_XY"
         self.typed_speed = 0.0
@@ -423,7 +427,7 @@ class _Machine:
     def take(self, name: str, said: Sequence[str]) -> None:
         """Take a call."""
         if name in _STATES:
-            self.state[_STATES[name]] = tuple(said)
+            self.state[_STATES[name]] = self._in_mm(name, said)
             self.plane = said[0] if name == "SELECT_PLANE" else self.plane
         elif name == "USE_LENGTH_UNITS":
             self.scale = MM_PER_INCH if "INCH" in said[0] else 1.0
@@ -438,6 +442,11 @@ class _Machine:
         elif name in _PLACES:
             self._place(name, said)
         self._spindle(name, said)
+
+    def _in_mm(self, name: str, said: Sequence[str]) -> tuple[object, ...]:
+        """Tolerances of a path mode are of the units in which they are said; others are compared as said."""
+        lengths = _TOLERANCES.get(name, len(said))
+        return (*said[:lengths], *(round(float(text) * self.scale, 4) for text in said[lengths:]))
 
     def _place(self, name: str, said: Sequence[str]) -> None:
         """Where a move ends."""

@@ -76,3 +76,17 @@ def test_all_else_stays_as_it_was(seed: int) -> None:
     event(found)
     if found == "not a program":
         reject()
+
+
+PATH_MODES = ("G64 P0.01", "G64 P0.254 Q0.05", "G61", "G64")
+
+
+@pytest.mark.linuxcnc
+@pytest.mark.parametrize("mode", PATH_MODES)
+@pytest.mark.parametrize("units", [("G21", "G20"), ("G20", "G21"), ("G20", "G20")])
+def test_a_path_mode_of_other_units_is_as_wide_behind_a_cut(*, mode: str, units: tuple[str, str]) -> None:
+    first, then = units
+    scale = 25.4 if then == "G21" else 1.0
+    cut = ("(VIB N0.5)", f"G1 Z{0.02 * scale:.4f} F{0.15 * scale:.4f}", "(VIB OFF)")
+    lines = ("G17 G90 G94 G61", first, mode, then, "M3 S2000", f"G0 X0 Y0 Z{0.1 * scale:.4f}", *cut, "M2", "")
+    assert check(Mixed("\n".join(lines).encode(), lathe=False, checked=False)) == "vibrated"

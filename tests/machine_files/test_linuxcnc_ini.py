@@ -59,7 +59,7 @@ def test_the_numbers_of_a_lathe(tmp_path: Path) -> None:
     assert values(path) == {
         "planner.servo_period_ms": 0.5,
         "planner.max_feed_override": 1.5,
-        "planner.usual_path_mode": "G64 P.001 Q.0005",
+        "planner.usual_path_mode": "G64 P0.0254 Q0.0127",
         "axes.X.max_velocity_mm_min": pytest.approx(1.0 * 25.4 * 60),
         "axes.X.max_acceleration_mm_s2": pytest.approx(30 * 25.4),
         "axes.Z.max_acceleration_mm_s2": pytest.approx(20 * 25.4),

@@ -55,3 +55,51 @@ def test_a_feed_is_given_back_in_the_units_in_force() -> None:
         "G20 G7 G18 G90 G94", "F4", "M3 S1000", "G0 X1 Z.1", "G21", "G0 Z2", "(VIB N0.5)", "G1 Z-5", "M2"
     )
     assert "G94 F101.6" in lines
+
+
+MILL = ("G17 G21 G90 G94", "M3 S2000", "G0 X0 Y0 Z2")
+MILLED = ("(VIB N0.5)", "G1 Z1 F4", "(VIB OFF)")
+
+
+@pytest.mark.parametrize(
+    ("said", "given_back"),
+    [
+        (("G64 P0.254", "G20"), ["G61", "G21 G64 P0.254", "G20"]),
+        (("G20", "G64P.01 q.002", "G21"), ["G61", "G20 G64 P.01 q.002", "G21"]),
+        (("G64", "G20"), ["G61", "G64"]),
+        (("G20", "G64 P0.01", "G61", "G21"), []),
+        (("G20", "G64 P0.01"), ["G61", "G64 P0.01"]),
+        (("G64 P0.01", "G20", "G81 X0.1 Z0.4 R0.5 F4", "G80"), ["G61", "G64 P0.01"]),
+    ],
+)
+def test_a_path_mode_is_given_back_in_its_own_units(*, said: tuple[str, ...], given_back: list[str]) -> None:
+    lines = filtered(*MILL, *said, "G0 Z.5", *MILLED, "M2", profile="linuxcnc-mill")
+    inside = lines[lines.index("(VIB N0.5)") : lines.index("(VIB OFF)")]
+    assert [line for line in inside if line.startswith(("G6", "G2"))] == given_back
+
+
+@pytest.mark.parametrize(("units", "given_back"), [("G20", "G64 P0.01"), ("G21", "G64 P0.254")])
+def test_the_lengths_of_the_profile_are_millimetres(units: str, given_back: str) -> None:
+    sets = ['planner.model="ideal"', 'output.segments="stroke"', 'planner.usual_path_mode="G64 P0.254"']
+    data = "\n".join([*MILL, units, "G0 Z.5", *MILLED, "M2", ""]).encode()
+    lines = chipbreak.rewrite(data, chipbreak.load("linuxcnc-mill", sets)).data.decode().splitlines()
+    assert [line for line in lines if "G64" in line] == [given_back]
+
+
+def test_a_tolerance_of_other_units_decides_which_strokes_are_merged_away() -> None:
+    sets = ["planner.path_mode=", "axes.Z.max_acceleration_mm_s2=20000"]
+    settings = chipbreak.load("linuxcnc-mill", sets)
+    small, large = (
+        "\n".join([*MILL, *path, "G0 Z.5", "(VIB N0.5)", "G1 Z.1 F4", "M2", ""]).encode()
+        for path in (("G64 P0.002", "G20"), ("G20", "G64 P0.002"))
+    )
+    assert chipbreak.rewrite(small, settings).cuts
+    with pytest.raises(chipbreak.ProgramRejectedError, match=r"0\.0508 mm"):
+        chipbreak.rewrite(large, settings)
+
+
+@pytest.mark.parametrize("word", ["P#1", "P[#1+1]"])
+def test_a_path_mode_by_a_variable_cannot_be_given_back(word: str) -> None:
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        filtered(*MILL, "#1=0.01", f"G64 {word}", "#1=5", *MILLED, "M2", profile="linuxcnc-mill")
+    assert [one.code for one in caught.value.diagnostics if one.severity.value == "error"] == ["VIB050"]

@@ -11,6 +11,8 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
+from chipbreak.dialects.modes import Units
+from chipbreak.dialects.path_mode import path_mode_in
 from chipbreak.machine_files.found import Found, Machine, first_of, plain
 from chipbreak.settings.axis_words import AXES
 from chipbreak.text.bounds import MOST_PROFILE_BYTES, read_bounded
@@ -24,6 +26,7 @@ _INCLUDE = re.compile(r"#INCLUDE\s+(.+?)\s*")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _PATH_MODE = re.compile(r"(G6[14](?:\.1)?)(?![\d.])((?:\s*[PQ]\s*\d*\.?\d+)*)", re.IGNORECASE)
 _TOLERANCE = re.compile(r"([PQ])\s*([\d.]+)", re.IGNORECASE)
+_UNITS = re.compile(r"G2([01])(?![\d.])", re.IGNORECASE)
 _MM_PER_UNIT = {"mm": 1.0, "metric": 1.0, "inch": MM_PER_INCH, "in": MM_PER_INCH, "imperial": MM_PER_INCH}
 _MOST_INCLUDES = 16
 _MOST_FILES = 200
@@ -188,8 +191,15 @@ def _start_up_codes(ini: _Ini) -> Iterator[Found]:
     modes = _PATH_MODE.findall(entry.text) if entry else []
     if entry and modes:
         code, tolerances = modes[-1]
-        words = [code, *map("".join, _TOLERANCE.findall(tolerances))]
-        yield Found("planner.usual_path_mode", " ".join(words).upper(), entry.source)
+        words = " ".join([code, *map("".join, _TOLERANCE.findall(tolerances))]).upper()
+        yield Found("planner.usual_path_mode", path_mode_in(words, _units_of(entry, ini), "mm"), entry.source)
+
+
+def _units_of(entry: _Entry, ini: _Ini) -> Units:
+    """Those of its G20 or G21, else those of the machine."""
+    said = _UNITS.findall(entry.text)
+    is_inch = said[-1] == "0" if said else abs(ini.mm_per_unit - MM_PER_INCH) < 1e-9
+    return "inch" if is_inch else "mm"
 
 
 def _spindle(ini: _Ini) -> Iterator[Found]:

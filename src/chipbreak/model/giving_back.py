@@ -1,9 +1,11 @@
-"""A feed and a speed as words that set them again, in the units that are in force by then."""
+"""A feed, a speed and a path mode as words that set them again, in the units that are in force by then."""
 
 from __future__ import annotations
 
 import math
 
+from chipbreak.dialects import Dialect
+from chipbreak.dialects.path_mode import has_lengths
 from chipbreak.model.modal import Setting, State
 from chipbreak.syntax.numbers import print_number
 from chipbreak.units import typed_feed, typed_surface_speed
@@ -33,6 +35,25 @@ def speed_text(state: State) -> str:
     if speed.units == state.modes.units or state.modes.speed_mode == "rpm":
         return speed.text
     return print_number(typed_surface_speed(speed.value, is_inch=state.is_inch), _DECIMALS, point=False)
+
+
+def path_mode_blocks(state: State, dialect: Dialect) -> list[str]:
+    """The path mode in force, in the program's own words and its own units; nothing where it said none.
+
+    The number of a tolerance is what it was, because LinuxCNC reads it again behind a cycle.
+    """
+    if not state.path_words:
+        return []
+    if not has_lengths(state.path_words) or state.path_units == state.modes.units:
+        return [state.path_words]
+    was, now = (dialect.code("units", units) for units in (state.path_units, state.modes.units))
+    return [f"{was} {state.path_words}", now]
+
+
+def is_same_path_mode(was: State, now: State) -> bool:
+    """True for the same words in the same units."""
+    same_units = was.path_units == now.path_units or not has_lengths(was.path_words)
+    return same_units and was.path_words == now.path_words
 
 
 def is_same(one: Setting | None, other: Setting | None) -> bool:

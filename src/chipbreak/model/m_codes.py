@@ -57,6 +57,8 @@ def _given_back(state: State, kept: State) -> State:
         spindle=kept.spindle,
         coolant=kept.coolant,
         path_words=kept.path_words,
+        # Its number comes back as a number.
+        path_units=state.path_units if state.path_words == kept.path_words else kept.modes.units,
         # Where it says G96, then without the D of the program.
         speed_limit=state.speed_limit if state.modes.speed_mode == modes.speed_mode else None,
     )

@@ -51,6 +51,7 @@ class State(NamedTuple):
     ``speed_limit``    G50/G92 S, LinuxCNC's G96 D [rpm]
     ``unknown_why``    why the position, the feed or the speed cannot be known
     ``path_words``     the path mode as the program wrote it, with its P and Q; empty while it said none
+    ``path_units``     the units of these P and Q
     ``smooth_words``   the same for look-ahead and smoothing (``G5.1 Q1 R3``)
     ``spindle_why``    why it is not followed what turns the spindle; empty where it is
     ``choice``         the word by which the program has chosen its spindle (P11); empty where it chooses none
@@ -72,6 +73,7 @@ class State(NamedTuple):
     next_tool: int | None = None
     ended: bool = False
     path_words: str = ""
+    path_units: Units = "mm"
     smooth_words: str = ""
     kept: State | None = None
     spindle_why: str = ""

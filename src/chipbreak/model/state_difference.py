@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 from chipbreak.dialects.modes import UNSAID
-from chipbreak.model.giving_back import is_same
+from chipbreak.model.giving_back import is_same, is_same_path_mode
 from chipbreak.model.modal import Setting, State
 from chipbreak.text.named_tuple import NamedTuple
 
@@ -33,7 +33,7 @@ def _modal_groups(was: State, now: State) -> str:
 
 
 def _path_mode(was: State, now: State) -> str:
-    return "the path mode" if was.path_words and was.path_words != now.path_words else ""
+    return "the path mode" if was.path_words and not is_same_path_mode(was, now) else ""
 
 
 def _smoothing(was: State, now: State) -> str:

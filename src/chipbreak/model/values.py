@@ -10,6 +10,7 @@ from collections.abc import Callable
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.modes import Group
 from chipbreak.dialects.numbers import NumberRule
+from chipbreak.dialects.path_mode import has_lengths
 from chipbreak.model.codes import BlockCodes
 from chipbreak.model.modal import UNKNOWN, Setting, State
 from chipbreak.model.words import codes_of, feed_of, plain_value, speed_of, surface_limit
@@ -74,7 +75,17 @@ def _surface_limit(after: State, said: Said) -> State:
 
 def _path_words(after: State, said: Said) -> State:
     """``G64 P0.01 Q0.005``."""
-    return after._replace(path_words=_own_words(said, "path")) if "path" in said.codes.changes else after
+    if "path" not in said.codes.changes:
+        return after
+    words = _own_words(said, "path")
+    return after._replace(path_words=words, path_units=after.modes.units if has_lengths(words) else "mm")
+
+
+def _path_mode_behind_a_cycle(after: State, said: Said) -> State:
+    """LinuxCNC says the number of the tolerance again behind a cycle, in the units of by then."""
+    if after.modes.motion != "cycle" or not said.dialect.converts_feed or not has_lengths(after.path_words):
+        return after
+    return after._replace(path_units=after.modes.units) if said.block.has_any("XYZ") else after
 
 
 def _smooth_words(after: State, said: Said) -> State:
@@ -117,6 +128,7 @@ _RULES: tuple[_Rule, ...] = (
     _cycle_begins,
     _surface_limit,
     _path_words,
+    _path_mode_behind_a_cycle,
     _smooth_words,
     _coordinates,
     _length_offset,

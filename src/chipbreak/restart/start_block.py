@@ -17,7 +17,7 @@ from chipbreak.insertion.looking_back import effects_before
 from chipbreak.insertion.place_words import place_word
 from chipbreak.insertion.retract import retract_blocks
 from chipbreak.model.flow import Flow
-from chipbreak.model.giving_back import feed_text, speed_text
+from chipbreak.model.giving_back import feed_text, path_mode_blocks, speed_text
 from chipbreak.model.interpret import Interpreter, initial_state
 from chipbreak.model.modal import State
 from chipbreak.restart.from_before import Before, rotary_places
@@ -130,7 +130,8 @@ class _Writer:
         """The work offset, and the groups that nothing here depends on."""
         said = (*_FIRST, *_FIRST_TOO, *_LATER)
         self.write(*(self.mode(group) for group, _ in self.state.modes.items() if group not in said))
-        self.write(self.state.path_words or self.mode("path"))
+        for text in path_mode_blocks(self.state, self.dialect) or [self.mode("path")]:
+            self.write(text)
         self.write(self.state.smooth_words)
 
     def spindle(self) -> None:

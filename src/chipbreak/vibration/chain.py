@@ -204,6 +204,7 @@ def refusal_of(
         or _words_refusal(effect, axis_words, interpreted.settings.dialect)
         or _position_refusal(interpreted, effect, move)
         or _feed_refusal(interpreted, state)
+        or _path_mode_refusal(interpreted, state)
     )
 
 
@@ -307,6 +308,17 @@ def _feed_refusal(interpreted: InterpretedProgram, state: State) -> tuple[Refusa
             return RefusalError("VIB050", message, "give F on this block or before it"), None
         message = f"the feed F{state.feed.text} (line {said}) {why}"
         return RefusalError("VIB050", message, "give F with a decimal point, above zero"), None
+    return None
+
+
+def _path_mode_refusal(interpreted: InterpretedProgram, state: State) -> tuple[RefusalError, None] | None:
+    """A variable may have another value where the mode is given back, or what it is worth is not known."""
+    planner = interpreted.settings.planner
+    modes = ((planner.path_mode, state.path_words), (planner.smoothing_off, state.smooth_words))
+    for leaves, words in modes:
+        if leaves and ("#" in words or "[" in words):
+            message = f"{words} takes its number from a variable, so it cannot be given back behind the cut"
+            return RefusalError("VIB050", message, "write the number itself"), None
     return None
 
 

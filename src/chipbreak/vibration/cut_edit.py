@@ -6,10 +6,11 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from chipbreak.dialects.path_mode import path_mode_in
 from chipbreak.editing.edits import Edit, MoveTable
 from chipbreak.editing.promise import Promise, Written
 from chipbreak.editing.restore import Region
-from chipbreak.model.giving_back import feed_text
+from chipbreak.model.giving_back import feed_text, path_mode_blocks
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of
 from chipbreak.settings.sections import Settings
@@ -175,11 +176,16 @@ def _modes_around(chain: Chain, settings: Settings) -> tuple[list[str], list[str
     if planner.smoothing_off and not _is_same_mode(before.smooth_words, planner.smoothing_off):
         head.append(planner.smoothing_off)
         tail.append(before.smooth_words or planner.smoothing_on)
-    if planner.path_mode and not _is_same_mode(before.path_words, planner.path_mode):
+    path_mode, usual_path_mode = (
+        path_mode_in(words, "mm", before.modes.units)
+        for words in (planner.path_mode, planner.usual_path_mode)
+    )
+    own = path_mode_blocks(before, settings.dialect)
+    if path_mode and not (len(own) == 1 and _is_same_mode(own[0], path_mode)):
         if chain.requests[0].effect.before.modes.motion != "rapid":
             head.append(f"G4 {settings.dialect.dwell_word}0")
-        head.append(planner.path_mode)
-        tail.append(before.path_words or planner.usual_path_mode)
+        head.append(path_mode)
+        tail += own or [usual_path_mode]
     return head, tail
 
 

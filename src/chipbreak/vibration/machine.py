@@ -8,6 +8,7 @@ from dataclasses import fields, replace
 from math import inf
 from typing import Any
 
+from chipbreak.dialects.path_mode import tolerances_mm
 from chipbreak.kinematics.toolpath import Path
 from chipbreak.model.modal import State
 from chipbreak.settings.sections import Axis, Settings
@@ -18,7 +19,6 @@ from chipbreak.trajectory.laws import LAWS, law_named
 from chipbreak.units import MS_PER_S, S_PER_MIN
 
 _CODE = re.compile(r"G\s*(\d+(?:\.\d)?)", re.IGNORECASE)
-_TOLERANCE = re.compile(r"([PQ])\s*(\d*\.?\d+)", re.IGNORECASE)
 _WITHOUT_ACCELERATION = " or ".join(f'"{law.name}"' for law in LAWS if not law.needs_acceleration)
 
 
@@ -115,11 +115,13 @@ def _require_filters(settings: Settings, directions: Sequence[tuple[float, float
 
 def _in_path_mode(law: ControlLaw, settings: Settings, state: State) -> ControlLaw:
     """Exact stop, and how far from a line points may lie that are joined: Q, or P where there is no Q."""
-    words = settings.planner.path_mode or state.path_words or settings.planner.usual_path_mode
+    planner = settings.planner
+    is_own = state.path_words and not planner.path_mode
+    words = state.path_words if is_own else planner.path_mode or planner.usual_path_mode
     code = _CODE.match(words)
     group = settings.dialect.g_codes.get(round(float(code[1]) * 10)) if code else None
-    given = {letter.upper(): float(number) for letter, number in _TOLERANCE.findall(words)}
-    merge_mm = given.get("Q", given.get("P", 0.0)) * state.mm_per_unit
+    given = tolerances_mm(words, state.path_units if is_own else "mm")
+    merge_mm = given.get("Q", given.get("P", 0.0))
     return replace(
         law,
         every_block_stops=group is not None and group.value == "exact-stop",
