@@ -292,3 +292,11 @@ def test_outwards_on_an_arc_the_speed_of_the_start_may_be_far_too_high() -> None
     # The ways out: towards the centre (above), N and f with a lower S, a lower clamp.
     assert not surface_warnings(head + arc.replace("N1.5", "N1.5 f15.625"))
     assert not surface_warnings(head.replace("2000", "600") + arc)
+
+
+def test_a_loop_that_says_its_speed_itself_is_left_with_it_too() -> None:
+    turn = f"WHILE[#1LT2]DO1\n#1=#1+1\nS3000\nG0 X20. Z2.\n{CUT}END1\n"
+    program = f"{HEAD}#1=0\n{turn}G0 X10.\nG1 Z-5. F0.05\nM30\n"
+    lines = filtered(program, "fanuc-lathe", "planner.model=ideal").splitlines()
+    behind = lines[lines.index("G0 Z2.") + 1 : lines.index("END1")]
+    assert [line for line in behind if not line.startswith("(")] == ["S3000"]
