@@ -300,3 +300,8 @@ def test_a_loop_that_says_its_speed_itself_is_left_with_it_too() -> None:
     lines = filtered(program, "fanuc-lathe", "planner.model=ideal").splitlines()
     behind = lines[lines.index("G0 Z2.") + 1 : lines.index("END1")]
     assert [line for line in behind if not line.startswith("(")] == ["S3000"]
+
+
+@pytest.mark.parametrize("block", ["G92 V120. D20. M3", "G50 V120. D20.", "G50 (SPEED V120 D20)"])
+def test_v_and_d_become_no_limit_of_the_spindle(block: str) -> None:
+    assert [code for code, _, _ in rejected(f"{HEAD}{block}\n")] == ["VIB070"]

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import re
 
+from chipbreak.dialects import Dialect
 from chipbreak.model.modal import State
+from chipbreak.model.words import makes_a_limit
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.syntax.numbers import print_number
 from chipbreak.text.diagnostics import RefusalError
@@ -37,15 +39,21 @@ class CuttingSpeed(NamedTuple):
         return print_number(rpm, 0 if resolution_rpm >= 1.0 else 3, point=False)
 
 
-def cutting_speed_of(block: Block, state: State, *, starts_spindle: bool) -> CuttingSpeed | None:
+def cutting_speed_of(
+    block: Block, state: State, dialect: Dialect, *, starts_spindle: bool
+) -> CuttingSpeed | None:
     """What a block says by V and D, or None.
 
     ``state`` is the one behind the block, ``starts_spindle`` True for a block with M3 or M4.  Errors: VIB070
-    for V or D alone, zero, negative or beside S, VIB071 under constant surface speed or in inches.
+    for V or D alone, zero, negative, beside S or beside G50, VIB071 under constant surface speed or in
+    inches.
     """
     found = _from_words(block, starts_spindle=starts_spindle) or _from_directive(block)
     if found is None:
         return None
+    if makes_a_limit(block, dialect):
+        message = "V and D stand beside a code with which S is the limit of the spindle"
+        raise RefusalError("VIB070", message, "put them into a block of their own")
     if state.modes.speed_mode == "surface":
         message = "V and D give a spindle speed, but constant surface speed (G96) is active"
         raise RefusalError("VIB071", message, "write G97 in this block, or give S in G96 yourself")

@@ -135,7 +135,7 @@ class Interpreter:
             return effect
         try:
             starts = effect.does("spindle", "cw", "ccw")
-            asked = cutting_speed_of(effect.block, effect.after, starts_spindle=starts)
+            asked = cutting_speed_of(effect.block, effect.after, self.dialect, starts_spindle=starts)
         except RefusalError:
             return effect
         if asked is None:

@@ -13,7 +13,7 @@ from chipbreak.dialects.numbers import NumberRule
 from chipbreak.dialects.path_mode import has_lengths
 from chipbreak.model.codes import BlockCodes
 from chipbreak.model.modal import UNKNOWN, Setting, State
-from chipbreak.model.words import codes_of, feed_of, plain_value, speed_of, surface_limit
+from chipbreak.model.words import codes_of, feed_of, makes_a_limit, plain_value, speed_of, surface_limit
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.text.named_tuple import NamedTuple
 
@@ -143,7 +143,7 @@ def _feed_and_speed(after: State, said: Said) -> State:
             continue
         if word.address == "F":
             after = after._replace(feed=feed_of(word, _read_in(after, said), said.number_rule, line))
-        elif _is_speed_limit(said):
+        elif makes_a_limit(said.block, said.dialect):
             after = after._replace(speed_limit=Setting(plain_value(word), word.value_text, line))
         else:
             after = after._replace(speed=speed_of(word, _read_in(after, said), line))
@@ -156,11 +156,3 @@ def _read_in(after: State, said: Said) -> State:
     if not said.dialect.feed_before_units or units == after.modes.units:
         return after
     return after._replace(modes=after.modes._replace(units=units))
-
-
-def _is_speed_limit(said: Said) -> bool:
-    """``G50 S2000``: a code that limits the spindle when it stands with S."""
-    if not said.dialect.speed_limit or not said.block.has("S"):
-        return False
-    codes = (round(number * 10) for number in said.block.numbers("G"))
-    return any(code in said.dialect.speed_limit for code in codes)

@@ -32,6 +32,11 @@ def codes_of(block: Block, group: Group, dialect: Dialect) -> list[int]:
     return [n for n in numbers if n in dialect.g_codes and dialect.g_codes[n].group == group]
 
 
+def makes_a_limit(block: Block, dialect: Dialect) -> bool:
+    """``G50``: a code with which S is no speed but the highest one."""
+    return any(round(number * 10) in dialect.speed_limit for number in block.numbers("G"))
+
+
 def cylinder_of(block: Block) -> str:
     """``G7.1 C0`` ends what ``G7.1 C20.`` began: the radius of the cylinder is zero."""
     radii = [plain_value(w) for w in block.words_of("ABCH")]

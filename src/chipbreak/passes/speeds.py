@@ -57,7 +57,8 @@ def _edit_or_error(interpreted: InterpretedProgram, effect: BlockEffect) -> Edit
     line = effect.block.line
     try:
         starts = effect.does("spindle", "cw", "ccw")
-        asked = cutting_speed_of(effect.block, effect.after, starts_spindle=starts)
+        dialect = interpreted.settings.dialect
+        asked = cutting_speed_of(effect.block, effect.after, dialect, starts_spindle=starts)
     except RefusalError as error:
         return interpreted.program.diagnose(line, error.code, error.message, error.help)
     if asked is None:
