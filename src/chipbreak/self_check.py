@@ -18,6 +18,7 @@ from chipbreak.editing.restore import Region, regions, restores
 from chipbreak.editing.unroll import unrolled
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
 from chipbreak.model.modal import State
+from chipbreak.model.paths import begins_program
 from chipbreak.model.state_difference import difference, is_same_place, moved, spindle_speed
 from chipbreak.model.stops import stops
 from chipbreak.model.words import codes_of
@@ -206,7 +207,7 @@ def _check_borders(written: Written, motion_from: int) -> None:
     for where, line, new_line in (("before", edit.first, region.first), ("behind", edit.last, region.last)):
         was = written.original.before(line)
         now = written.result.before(new_line)
-        if was.ended:
+        if was.ended or _begins_another(written.original, line):
             continue  # the next block starts another program, from the power-on state
         if line <= motion_from:
             now = now.with_motion(was.modes.motion)
@@ -217,6 +218,12 @@ def _check_borders(written: Written, motion_from: int) -> None:
             wrong = moved(was, now)
         if wrong:
             raise SelfCheckError(f"{where} line {line + 1} {wrong} differs from the original")
+
+
+def _begins_another(original: InterpretedProgram, line: int) -> bool:
+    """Another program of the file begins, where the one before it has not said its end."""
+    program = original.program
+    return line < program.source.body.stop and begins_program(program.block(line), program.dialect)
 
 
 def _but_what_is_left(promise: Promise, was: State, now: State) -> State:

@@ -503,3 +503,10 @@ def test_calls_without_a_calibration_are_told_how_often_they_check() -> None:
     program = b"T1 M6\nS1000 M3\nG0 X1. Y2.\nG43 Z15. H1\nG1 Z-1. F100.\nX5.\nG0 Z15.\nM30\n"
     output = chipbreak.rewrite(program, chipbreak.load("fanuc-mill", ["checks.enabled=true", *own])).data
     assert b"G65 P1 T1 A4\n" in output
+
+
+def test_a_program_may_end_where_the_next_one_begins() -> None:
+    drills = "T1 M6\nG54 G90 G43 H1 S100 M3\nG98 G81 X-32. Y-18. Z-17. R5. F560.\nG0 Z15.\nG90\n"
+    settings = chipbreak.load("fanuc-mill-renishaw")
+    result = chipbreak.rewrite(f"O1\n{drills}O2\nM30\n".encode(), settings)
+    assert [edit.title.split()[:3] for edit in result.edits] == [["CHIP", "CHECK", "T1"]]
