@@ -567,7 +567,7 @@ def _all_or_a_reason(done: click.testing.Result, command: str, folder: Path) -> 
 
 
 def _nothing_left(_done: click.testing.Result, _command: str, folder: Path) -> str:
-    return "".join(f"{left.name} is left" for left in folder.rglob("*.part"))
+    return "".join(f"{left.name} is left" for left in folder.rglob(".chipbreak-*.part"))
 
 
 _RULES_OF_A_RUN: tuple[Callable[[click.testing.Result, str, Path], str], ...] = (

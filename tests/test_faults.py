@@ -57,6 +57,33 @@ def in_place(cwd: Path, *more: str, **extra: object) -> subprocess.CompletedProc
     return command("filter", "-q", "-p", "generic-lathe", "-i", "a.nc", *more, cwd=cwd, **extra)
 
 
+@pytest.mark.parametrize(
+    "line",
+    [
+        "filter {0} -p generic-lathe",
+        "filter a.nc -p {0}",
+        "filter a.nc -p generic-lathe -o {0}",
+        "filter -i {0} -p generic-lathe",
+        "filter a.nc -p generic-lathe --tools {0}",
+        "verify {0}",
+        "batch {0} -p generic-lathe -o out",
+        "batch a.nc -p generic-lathe -o {0}",
+        "hooks write cam -p generic-lathe -o {0}",
+        "hooks write cam -p {0} -o out",
+        "profile init {0}",
+        "profile show {0}",
+        "machine-test write -p linuxcnc-lathe -o {0}",
+        "explain a.nc -p {0}/{0}.toml",
+    ],
+)
+def test_a_name_that_no_file_can_have_is_not_there(file: Path, line: str) -> None:
+    done = command(*line.format("n" * 300).split(), cwd=file.parent)
+    assert done.returncode == 2, done.stderr
+    assert not done.stdout or b"0 written" in done.stdout
+    assert {*names(file.parent), "out"} == {"a.nc", "out"}  # a batch has made its folder by then
+    assert file.read_bytes() == PROGRAM
+
+
 def names(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 

@@ -15,6 +15,7 @@ from chipbreak.options import FAILED, LOG, READING, USAGE, Asked, asking, settin
 from chipbreak.program_files import read_program, write_or_note
 from chipbreak.streams import say, write_json
 from chipbreak.text.encoding import escaped
+from chipbreak.text.existence import is_there
 from chipbreak.text.named_tuple import NamedTuple
 
 if TYPE_CHECKING:
@@ -108,7 +109,7 @@ def _targets(inputs: Sequence[Input], folder: Path) -> list[Path]:
         other = sources.setdefault(target, one.path)
         if other != one.path:
             raise click.UsageError(escaped(f"{other} and {one.path} would both become {target}"))
-        if target.exists() and target.samefile(one.path):
+        if is_there(target) and target.samefile(one.path):
             raise click.UsageError(escaped(f"{target} would replace itself: name another folder with -o"))
     return targets
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from chipbreak.editing.beside import SUFFIX, fits
 from chipbreak.text.bounds import read_bounded
+from chipbreak.text.existence import is_file
 from chipbreak.text.named_tuple import NamedTuple
 
 _MOST_VERSIONS = 100
@@ -33,7 +34,7 @@ class Beside(NamedTuple):
 def beside_of_path(path: str, data: bytes) -> Beside:
     """The file beside for ``data``, a version of the file at ``path`` from the root of the work tree."""
     name = path + SUFFIX
-    is_known = Path(name).is_file() or _git("ls-files", "--", name) or _git("ls-tree", "HEAD", "--", name)
+    is_known = is_file(name) or _git("ls-files", "--", name) or _git("ls-tree", "HEAD", "--", name)
     if not is_known:
         return Beside()
     return next(_fitting(path, data), Beside(None, name))

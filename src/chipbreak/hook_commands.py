@@ -13,6 +13,7 @@ from chipbreak.options import LOG, PROFILE, READING, SET, Asked, asking, setting
 from chipbreak.program_files import read_program, write_or_note
 from chipbreak.streams import complain, replace_file
 from chipbreak.text.encoding import escaped
+from chipbreak.text.existence import is_file, is_there
 
 _NAMES = ("linuxcnc", "freecad", "cam", "git", "editors")
 
@@ -51,7 +52,7 @@ def hooks_write(asked: Asked, name: str, output: str) -> None:
 
     settings_of(asked, "-")  # a hook whose profile cannot be read would fail where nobody looks
     profile = asked.profile or "chipbreak.toml"
-    if Path(profile).is_file():
+    if is_file(profile):
         profile = str(Path(profile).absolute())
     folder = Path(output)
     try:
@@ -61,7 +62,7 @@ def hooks_write(asked: Asked, name: str, output: str) -> None:
     written = hook_files(name, program=_this_program(), profile=profile, folder=str(folder.absolute()))
     for file, (data, is_run) in written.items():
         target = folder / file
-        if target.exists() and target.read_bytes() != data:
+        if is_there(target) and target.read_bytes() != data:
             raise click.UsageError(f"{target} is there already and says something else: name another folder")
         replace_file(target, [data])
         if is_run:
@@ -95,7 +96,7 @@ def hooks_watch(asked: Asked, folder: str, output: str) -> None:
     for changes in watch(folder, recursive=False, raise_interrupt=False):
         for name in sorted({Path(path).name for _, path in changes}):
             source = Path(folder, name)
-            if is_program(name) and source.is_file():
+            if is_program(name) and is_file(source):
                 try:
                     _filter_into(asked, source, Path(output, name))
                 except click.UsageError as error:  # gone again, or not yet to be read: the next one may be
@@ -134,5 +135,5 @@ def _filter_into(asked: Asked, source: Path, target: Path) -> None:
 def _this_program() -> str:
     """The path by which a caller without this environment finds the command."""
     beside = Path(sys.executable).with_name("chipbreak")
-    found = str(beside) if beside.exists() else shutil.which("chipbreak")
+    found = str(beside) if is_there(beside) else shutil.which("chipbreak")
     return found or "chipbreak"

@@ -11,6 +11,7 @@ import click
 from chipbreak.options import PROFILE, REPORTING, SET, USAGE, Asked, asking, settings_of
 from chipbreak.streams import replace_file, replace_files, write_json
 from chipbreak.text.encoding import escaped
+from chipbreak.text.existence import is_there
 
 if TYPE_CHECKING:
     from chipbreak.machine_test.findings import Findings
@@ -72,7 +73,7 @@ def write(
     if form == target:
         raise click.UsageError("the program must not end in .toml: its form does")
     for file in (target, form):
-        if file.exists() and not force:
+        if is_there(file) and not force:
             raise click.UsageError(f"{file} is there already: give another name, or --force to replace it")
     # Where no clock times a group and no record of the motion is usual, a hand with a watch does.
     has_record = "max_feed_override" in LAW_KEYS[settings.planner.model]
@@ -117,7 +118,7 @@ def read(
     from chipbreak.machine_test.trace import pieces_of, read_trace
     from chipbreak.text.diagnostics import RefusalError
 
-    if output is not None and Path(output).exists() and not force:
+    if output is not None and is_there(output) and not force:
         raise click.UsageError(f"{output} is there already: give another name, or --force to replace it")
     try:
         filled = read_form(form)

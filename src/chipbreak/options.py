@@ -23,6 +23,7 @@ from chipbreak.outcome import (
 )
 from chipbreak.streams import Reporter, complain
 from chipbreak.text.encoding import escaped
+from chipbreak.text.existence import is_file
 from chipbreak.text.named_tuple import NamedTuple
 
 if TYPE_CHECKING:
@@ -257,7 +258,7 @@ def found_profile(source: str) -> Path | None:
     above = folder.absolute().parents
     for one in (folder, *above, user_folder()):
         file = one / "chipbreak.toml"
-        if file.is_file():
+        if is_file(file):
             return file
     return None
 

@@ -13,6 +13,7 @@ import click
 from chipbreak.options import REPORTING, SET, USAGE, Asked, asking, settings_of
 from chipbreak.streams import complain, replace_file, say, write_json
 from chipbreak.text.encoding import escaped
+from chipbreak.text.existence import is_there
 
 if TYPE_CHECKING:
     from chipbreak.machine_files.found import Found, Machine
@@ -83,7 +84,7 @@ def profile_init(
     if from_ini is not None and from_parameters is not None:
         raise click.UsageError("give one of --from-ini and --from-parameters")
     target = Path(file)
-    if target.exists() and not force:
+    if is_there(target) and not force:
         raise click.UsageError(f"{file} is there already: give another name, or --force to replace it")
     machine = _machine(asked, from_ini, from_parameters)
     if base is not None:
@@ -171,7 +172,7 @@ def _try_out(asked: Asked, target: Path, text: bytes) -> None:
     from chipbreak.settings import SettingsError, load
 
     with tempfile.TemporaryDirectory() as folder:
-        trial = Path(folder, target.name)
+        trial = Path(folder, "trial.toml")
         trial.write_bytes(text)
         try:
             load(trial)

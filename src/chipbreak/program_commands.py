@@ -57,6 +57,7 @@ from chipbreak.streams import (
     write_stdout,
 )
 from chipbreak.text.encoding import escaped
+from chipbreak.text.existence import is_file, is_folder, is_there
 from chipbreak.text.long_file import LongFile
 from chipbreak.text.named_tuple import NamedTuple
 
@@ -133,7 +134,7 @@ class _Filter(NamedTuple):
 
 def _names(sources: tuple[str, ...], *, many: bool) -> list[str]:
     """The inputs; folders stand for the programs in them.  Raises click.UsageError."""
-    if len(sources) == 1 and not Path(sources[0]).is_dir():
+    if len(sources) == 1 and not is_folder(sources[0]):
         return list(sources)
     if not many:
         raise click.UsageError(
@@ -150,7 +151,7 @@ def _names(sources: tuple[str, ...], *, many: bool) -> list[str]:
 def _filter_one(run: _Filter, source: str) -> int:
     """Filter one program; the exit code it leads to.  What is no fault of the program ends the command."""
     asked = run.asked
-    if run.in_place and Path(source).exists() and not Path(source).is_file():
+    if run.in_place and is_there(source) and not is_file(source):
         raise click.UsageError(f"-i replaces INPUT itself, and {source} is no file")
     opened = None if _is_read_whole(run, source) else open_long(source, LONG_BYTES)
     if not isinstance(opened, LongFile):
@@ -414,7 +415,7 @@ def macros(asked: Asked, output: str) -> None:
         asked.reporter.show([error.diagnostic])
         sys.exit(USAGE)
     folder = Path(output)
-    there = {name: (folder / name).read_bytes() for name in files if (folder / name).is_file()}
+    there = {name: (folder / name).read_bytes() for name in files if is_file(folder / name)}
     macros = settings.dialect.macros
     foreign = foreign_files(macros, there) if macros else []
     if foreign:

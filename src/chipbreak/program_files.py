@@ -16,6 +16,7 @@ import click
 from chipbreak.streams import note_rejection, read_input, remove_file, replace_file, write_stdout
 from chipbreak.text.bounds import read_bounded
 from chipbreak.text.encoding import escaped
+from chipbreak.text.existence import is_file
 from chipbreak.text.named_tuple import NamedTuple
 
 if TYPE_CHECKING:
@@ -90,8 +91,8 @@ def write_program(target: str | None, new: ProgramFile, beside: str | None = Non
 
 def check_place(target: str | None, new: ProgramFile, beside: str | None) -> None:
     """Raises click.UsageError where a program needs a file beside it, and there is no place for one."""
-    is_file = target not in (None, "-") and (not os.path.lexists(str(target)) or Path(str(target)).is_file())
-    if new.beside is not None and beside is None and not is_file:
+    has_place = target not in (None, "-") and (not os.path.lexists(str(target)) or is_file(str(target)))
+    if new.beside is not None and beside is None and not has_place:
         raise click.UsageError(_NO_PLACE)
 
 
@@ -104,7 +105,7 @@ def replace_program(
     """
     check_place(str(target), new, beside)
     place = _place(target) if beside is None else Path(beside)
-    before = _read_beside(place) if new.beside is not None or target.is_file() else None
+    before = _read_beside(place) if new.beside is not None or is_file(target) else None
     if new.beside is None and before is None:
         replace_file(target, [new.data], instead_of=instead_of)
         return
@@ -122,7 +123,7 @@ def _for_both(target: Path, new: ProgramFile, before: bytes | None) -> bytes:
     from chipbreak.editing.beside import both, plain
 
     if before is None:
-        before = plain(read_input(str(target))) if target.is_file() else plain(new.data)
+        before = plain(read_input(str(target))) if is_file(target) else plain(new.data)
     return both(new.beside or plain(new.data), before, str(target))
 
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from chipbreak.text.encoding import escaped
+from chipbreak.text.existence import is_file
 from chipbreak.text.long_file import CHANGES, LongFile
 
 if TYPE_CHECKING:
@@ -148,7 +149,7 @@ def open_long(source: str, least_bytes: int) -> LongFile | bytes | None:
         is_there = sys.stdin is not None and not sys.stdin.isatty()
         return _long_stdin(least_bytes) if is_there else None
     try:
-        if not Path(source).is_file() or Path(source).stat().st_size < least_bytes:
+        if not is_file(source) or Path(source).stat().st_size < least_bytes:
             return None
         return LongFile.of(Path(source).open("rb", buffering=0), source)
     except OSError:
@@ -287,7 +288,7 @@ def _file_at(target: Path) -> tuple[int, int] | None:
 
 def _left(target: Path) -> str:
     """What a target is when it could not be written; a device or pipe may have taken a part."""
-    if target.is_file():
+    if is_file(target):
         return "; the file is as it was"
     return "" if os.path.lexists(target) else "; no part of it is there"
 

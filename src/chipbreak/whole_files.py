@@ -15,6 +15,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
+from chipbreak.text.existence import is_file, is_folder, is_there
+
 _PART = re.compile(r"\.chipbreak-\d+-[0-9a-f]{8}\.part")
 _STREAM = re.compile(r"/(?:dev|proc/(?:self|\d+))/fd/(\d+)")
 _MOST_LINKS = 40
@@ -65,7 +67,7 @@ def keep(original: Path, data: bytes, suffix: str) -> Path:
             if _is_new(part, name):
                 _to_disk(first.parent)
                 return name
-            if name.is_file() and name.read_bytes() == data:
+            if is_file(name) and name.read_bytes() == data:
                 return name
     raise OSError(errno.EEXIST, f"there are {_MOST_BACKUPS} of it")
 
@@ -101,7 +103,7 @@ def _stream(target: Path) -> int | None:
         if not path.is_symlink():
             break
         path = path.parent / path.readlink()
-    if target.exists() and not target.is_file() and not target.is_dir():
+    if is_there(target) and not is_file(target) and not is_folder(target):
         return os.open(target, os.O_WRONLY)
     return None
 
@@ -126,7 +128,7 @@ def _is_replaceable(real: Path) -> bool:
         return False
     if not os.access(real, os.W_OK):  # renaming would not ask
         raise OSError(errno.EACCES, os.strerror(errno.EACCES))
-    if old.st_nlink > 1 and real.is_file():
+    if old.st_nlink > 1 and is_file(real):
         raise NotReplacedError(
             f"it has {old.st_nlink} names (hard links), and the others would keep the old program:"
             " write to another file, or give it a file of its own first (cp it, and mv the copy over it)"

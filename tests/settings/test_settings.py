@@ -251,3 +251,10 @@ def test_a_path_of_windows_with_a_tab_in_it() -> None:
     with pytest.raises(chipbreak.ToolFileError) as caught:
         chipbreak.read_tools("C:\tools.csv")
     assert "single quotes" in caught.value.diagnostics[0].help
+
+
+@pytest.mark.parametrize("number", ["2" * 400, "-" + "2" * 400])
+def test_a_number_that_no_float_holds_is_not_possible(number: str) -> None:
+    with pytest.raises(SettingsError) as caught:
+        load("generic-lathe", [f"spindle.settle_s={number}"])
+    assert caught.value.diagnostic.code == "SET003"

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from chipbreak.text.existence import is_folder
 from chipbreak.text.named_tuple import NamedTuple
 
 # How controls, CAM systems and editors name programs.  A file named on the command line is taken as it is.
@@ -34,7 +35,7 @@ def inputs_of(sources: Iterable[str], results: Path | None = None) -> list[Input
     found: dict[Path, Input] = {}
     for source in sources:
         path = Path(source)
-        inputs = _programs_in(path, results) if path.is_dir() else [Input(path, Path(path.name))]
+        inputs = _programs_in(path, results) if is_folder(path) else [Input(path, Path(path.name))]
         for one in inputs:
             found.setdefault(Path(os.path.realpath(one.path)), one)
     return list(found.values())

@@ -17,6 +17,7 @@ from chipbreak.machine_files.found import Found, Machine, first_of, plain
 from chipbreak.settings.axis_words import AXES
 from chipbreak.text.bounds import MOST_PROFILE_BYTES, read_bounded
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.existence import is_file
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
 
@@ -120,7 +121,7 @@ def machine_of_ini(path: str | Path) -> Machine:
 
 def _missing_table(ini: _Ini) -> Iterator[str]:
     table = _table_of(ini)
-    if table is not None and not table.is_file():
+    if table is not None and not is_file(table):
         yield plain(f"tools.files: {table}, the TOOL_TABLE of [EMCIO], is not there")
 
 
@@ -219,7 +220,7 @@ def _tool_table(ini: _Ini) -> Iterator[Found]:
     """The tool table, where there is one: a profile that names a file that is not there cannot be used."""
     entry = ini.get("EMCIO", "TOOL_TABLE")
     table = _table_of(ini)
-    if entry is not None and table is not None and table.is_file():
+    if entry is not None and table is not None and is_file(table):
         unit = "inch" if abs(ini.mm_per_unit - MM_PER_INCH) < 1e-9 else "mm"
         yield Found("tools.files", [str(table)], entry.source)
         yield Found("tools.table_unit", unit, "[TRAJ] LINEAR_UNITS")

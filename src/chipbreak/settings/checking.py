@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import types
 import typing
 from collections.abc import Callable, Iterable, Mapping
@@ -121,7 +122,7 @@ def _checked_value(
 ) -> Any:
     number = isinstance(value, int | float) and not isinstance(value, bool)
     if float in kinds and number:
-        value = float(value)
+        value = _as_float(value)
     elif type(value) not in kinds:
         raise layer.fail(WRONG_TYPE, full, f"{full} = {value!r} is of the wrong type", _expected(kinds, meta))
     fits = True
@@ -139,6 +140,13 @@ def _checked_value(
     if not fits:
         raise layer.fail(IMPOSSIBLE, full, f"{full} = {value!r} is not possible", _expected(kinds, meta))
     return value
+
+
+def _as_float(number: float) -> float:
+    try:
+        return float(number)
+    except OverflowError:  # of more than 308 digits
+        return -math.inf if number < 0 else math.inf
 
 
 def _checked_open(layer: Layer, section: str, key: str, value: Any) -> Any:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 from chipbreak.settings.checking import UNKNOWN_PROFILE, UNREADABLE, SettingsError
 from chipbreak.text.bounds import MOST_LINE_CHARS, MOST_PROFILE_BYTES, long_line, read_bounded
 from chipbreak.text.diagnostics import Diagnostic, Severity
+from chipbreak.text.existence import is_file
 from chipbreak.text.nearest import nearest
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def profile_text(profile: str) -> tuple[str, str]:
     if profile in profile_names():
         return profile, (_PROFILES / f"{profile}.toml").read_text("utf-8")
     path = Path(profile)
-    is_path = path.suffix == ".toml" or path.is_file()
+    is_path = path.suffix == ".toml" or is_file(path)
     file = path if is_path else _offered(profile)
     try:
         data = read_bounded(file, MOST_PROFILE_BYTES) if isinstance(file, Path) else file.read_bytes()
