@@ -274,3 +274,11 @@ def test_a_stroke_of_few_steps_is_refused_before_its_blocks_are_made(monkeypatch
     monkeypatch.setattr(plan, "sample", None)
     program = "G97 S3000 M3\nG0 X20. Z2.\nG1 Z1. F0.05 N1.5 Q0.5\nM30\n"
     assert "VIB059" in [code for code, *_ in rejected(program, "speedio-renishaw")]
+
+
+def test_a_spindle_that_hardly_turns_is_refused_before_its_control_is_followed() -> None:
+    sets = ["axes.X.max_acceleration_mm_s2=1000", "axes.Z.max_acceleration_mm_s2=1000"]
+    program = b"G18 G7 G90 G95 G97 S0.01 M3\nG0 X20. Z2.\nG1 Z-30 F0.05 N1.5\nM2\n"
+    (said,) = chipbreak.check(program, chipbreak.load("linuxcnc-lathe", sets))
+    assert said.code == "VIB021"
+    assert "3840000000 servo periods of the control" in said.message

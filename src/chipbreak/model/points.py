@@ -5,12 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
+import numpy as np
+
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
 from chipbreak.model.words import length_mm
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Word
+from chipbreak.syntax.parse import Program
+from chipbreak.syntax.shapes import bits_of
 
+_MOST_LINES = 1000
 WRITE_THE_POINT = 'write the point, or set control.decimal_point to "calculator" or "increment"'
 
 
@@ -29,10 +34,12 @@ def first_without_point(words: Iterable[Word], state: State, settings: Settings)
 def moved_without_point(interpreted: InterpretedProgram, line: int, why: str, axis: str) -> str:
     """The word, with its line, that took an axis to an unknown place before ``line``; or nothing.
 
-    ``why`` is why the place is not known there (``State.unknown_why``).
+    ``why`` is why the place is not known there (``State.unknown_why``).  Looked for in the lines just before.
     """
+    if interpreted.settings.number_rule.reads_whole:
+        return ""
     letter = interpreted.settings.axis_words.letters[axis]
-    for at in range(line - 1, -1, -1):
+    for at in _lines_that_may_say(interpreted.program, letter, line):
         word = interpreted.program.block(at).word(letter)
         if word is not None:
             before = interpreted.before(at)
@@ -40,3 +47,11 @@ def moved_without_point(interpreted: InterpretedProgram, line: int, why: str, ax
             said = interpreted.program.source.place(at).line
             return f"{letter}{word.value_text} in line {said}" if was else ""
     return ""
+
+
+def _lines_that_may_say(program: Program, letter: str, line: int) -> list[int]:
+    """Those of the lines before a line that may have a word of a letter, the last one first."""
+    first = max(line - _MOST_LINES, 0)
+    may = (program.plain[first:line] < 0) | ((program.bits[first:line] & bits_of(letter)) != 0)
+    lines: list[int] = (np.flatnonzero(may)[::-1] + first).tolist()
+    return lines

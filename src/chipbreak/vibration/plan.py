@@ -41,6 +41,7 @@ MOST_MOVES = 500_000
 MOST_PLANNED_MOVES = 300_000  # planned as a whole, or by several laws because the profile leaves one open
 MOST_DWELLS = 50_000
 MOST_STROKES_ROUND_BENDS = 200_000  # each axis behind its own filter
+MOST_PERIODS = 40_000_000  # half a day; each takes 8 to 16 bytes where a law is followed period by period
 _FEWER = "take a lower N or a higher feed, or make it several cuts with a rapid between"
 _MOST_GAPS = 4_000_000  # between a knot of a vibration and the passes before it, for every such pass
 
@@ -283,6 +284,10 @@ def _bounds(wave: WaveformParameters, expander: Expander, path: Path, law: Contr
         of = f"blocks, which the law of this control ({law.name}) plans again and again"
         yield _Bound(moves, MOST_PLANNED_MOVES, of, fewer)
     yield _Bound(moves, MOST_MOVES, "blocks", fewer)
+    if law.runs_whole_periods:
+        periods = round(path.length_mm / wave.feed_speed_mm_s / law.servo_period_s)
+        hint = "take a higher S or feed, or make it several cuts with a rapid between"
+        yield _Bound(periods, MOST_PERIODS, "servo periods of the control", hint)
 
 
 def _follows_bends(law: ControlLaw, path: Path) -> bool:
