@@ -90,3 +90,12 @@ def test_a_path_mode_of_other_units_is_as_wide_behind_a_cut(*, mode: str, units:
     cut = ("(VIB N0.5)", f"G1 Z{0.02 * scale:.4f} F{0.15 * scale:.4f}", "(VIB OFF)")
     lines = ("G17 G90 G94 G61", first, mode, then, "M3 S2000", f"G0 X0 Y0 Z{0.1 * scale:.4f}", *cut, "M2", "")
     assert check(Mixed("\n".join(lines).encode(), lathe=False, checked=False)) == "vibrated"
+
+
+@pytest.mark.linuxcnc
+@pytest.mark.parametrize("reads", ["G4 P#<_feed>", "M70\nG94 F5\nM72\nG4 P#<_feed>", "#5=#<_feed>\nG4 P#5"])
+@pytest.mark.parametrize("mode", ["G94 F200", "G95 F0.1"])
+def test_what_reads_a_feed_of_other_units_finds_its_number(*, mode: str, reads: str) -> None:
+    lines = ("G17 G90", "G21", mode, "G20", "M3 S2000", "G0 X0 Y0 Z0.1")
+    program = "\n".join([*lines, "(VIB N0.5)", "G1 Z-0.05", "(VIB OFF)", reads, "G1 Z-0.06", "M2", ""])
+    assert check(Mixed(program.encode(), lathe=False, checked=False)) == "vibrated"

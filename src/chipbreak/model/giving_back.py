@@ -27,6 +27,19 @@ def feed_text(state: State) -> str:
     return print_number(float(f"{typed:.{_DIGITS}g}"), _DECIMALS)
 
 
+def feed_blocks(state: State, dialect: Dialect) -> list[str]:
+    """The F in force, with the number that the program wrote: ``#<_feed>`` and M70 read that."""
+    feed = state.feed
+    if feed is None:
+        return []
+    text = feed_text(state)
+    if text == feed.text or not dialect.feed_before_units:
+        return [f"F{text}"]
+    # The F is read in the units before those of its block.
+    was, now = (dialect.code("units", units) for units in (feed.units, state.modes.units))
+    return [was, f"{now} F{feed.text}"]
+
+
 def speed_text(state: State) -> str:
     """The number of the S in force: as the program wrote it, unless that was in other units; "" without."""
     speed = state.speed

@@ -17,7 +17,7 @@ from chipbreak.insertion.looking_back import effects_before
 from chipbreak.insertion.place_words import place_word
 from chipbreak.insertion.retract import retract_blocks
 from chipbreak.model.flow import Flow
-from chipbreak.model.giving_back import feed_text, path_mode_blocks, speed_text
+from chipbreak.model.giving_back import feed_blocks, path_mode_blocks, speed_text
 from chipbreak.model.interpret import Interpreter, initial_state
 from chipbreak.model.modal import State
 from chipbreak.restart.from_before import Before, rotary_places
@@ -187,8 +187,12 @@ class _Writer:
 
     def feed(self) -> None:
         """The feed mode with F, the motion code, and the way of counting."""
-        feed = feed_text(self.state) if self.state.modes.feed_mode != "inverse" else ""
-        self.write(self.mode("feed_mode"), f"F{feed}" if feed else "")
+        is_inverse = self.state.modes.feed_mode == "inverse"
+        blocks = [] if is_inverse else feed_blocks(self.state, self.dialect)
+        first, *more = blocks or [""]
+        self.write(self.mode("feed_mode"), first)
+        for text in more:
+            self.write(text)
         self._motion()
         if self.now.modes.distance != self.state.modes.distance:
             self.write(self.dialect.code("distance", self.state.modes.distance, self.codes))

@@ -10,7 +10,7 @@ from chipbreak.dialects.path_mode import path_mode_in
 from chipbreak.editing.edits import Edit, MoveTable
 from chipbreak.editing.promise import Promise, Written
 from chipbreak.editing.restore import Region
-from chipbreak.model.giving_back import feed_text, path_mode_blocks
+from chipbreak.model.giving_back import feed_blocks, path_mode_blocks
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of
 from chipbreak.settings.sections import Settings
@@ -138,12 +138,15 @@ def _feed_modes(plan: CutPlan, interpreted: InterpretedProgram) -> tuple[str, li
     dialect = interpreted.settings.dialect
     was = chain.before.modes.feed_mode
     mode = plan.expander.feed_mode(was, interpreted.settings.output.feed_mode)
-    feed = f"F{feed_text(chain.after)}" if chain.after.feed else ""
+    feed = feed_blocks(chain.after, dialect)
     if mode != was:
         like = {n for e in interpreted.effects for n in codes_of(e.block, "feed_mode", dialect)}
-        return dialect.code("feed_mode", mode, like), [f"{dialect.code('feed_mode', was, like)} {feed}"]
+        back = dialect.code("feed_mode", was, like)
+        return dialect.code("feed_mode", mode, like), [" ".join([back, *feed[:1]]), *feed[1:]]
+    if len(feed) < 2 and plan.expander.ends_at_programmed_feed(plan.wave):
+        return "", []
     code = "G1 " if dialect.repeats_codes else ""
-    return "", [] if plan.expander.ends_at_programmed_feed(plan.wave) else [code + feed]
+    return "", [code + text for text in feed]
 
 
 def _title(steps: Sequence[Step]) -> str:
