@@ -16,6 +16,7 @@ of it: another file may call it.  So does a part of a program from N1000 to M99 
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
 from chipbreak.dialects.modes import UNSAID, Group
@@ -118,7 +119,7 @@ def _last_block(text: Text, last: int) -> int | None:
 
 
 def _part(number: int, lines: range, effects: Sequence[BlockEffect], flow: Flow, owner: int) -> Program:
-    inside = [effect for effect in effects if effect.block.line in lines]
+    inside = _between(effects, lines.start, lines.stop)
     how = next((e for e in inside if e.does("program", "end") or e.does("subprogram", "return")), None)
     if how is None:
         return Program(
@@ -127,6 +128,12 @@ def _part(number: int, lines: range, effects: Sequence[BlockEffect], flow: Flow,
     returns = how.does("subprogram", "return")
     last = _last_return(inside, flow) if returns else how.block.line
     return Program(number, lines.start, last + 1, returns, ends=False, last_return=last, owner=owner)
+
+
+def _between(effects: Sequence[BlockEffect], first: int, stop: int) -> Sequence[BlockEffect]:
+    """Those of some lines; effects are in the order of their lines."""
+    low, high = (bisect_left(effects, line, key=lambda effect: effect.block.line) for line in (first, stop))
+    return effects[low:high]
 
 
 def _last_return(inside: Sequence[BlockEffect], flow: Flow) -> int:
@@ -150,7 +157,7 @@ def _names(block: Block) -> bool:
 
 
 def _program(begin: BlockEffect, last: int, effects: Sequence[BlockEffect], flow: Flow) -> Program:
-    inside = [e for e in effects if begin.block.line <= e.block.line < last]
+    inside = _between(effects, begin.block.line, last)
     how = next((e for e in inside if e.does("program", "end") or e.does("subprogram", "return")), None)
     returns = how is not None and how.does("subprogram", "return")
     number = int(begin.block.number("O") or 0)

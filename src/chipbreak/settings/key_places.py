@@ -11,8 +11,9 @@ from chipbreak.text.named_tuple import NamedTuple
 _PART = r"""(?:"(?:\\.|[^"\\])*"|'[^']*'|[\w-]+)"""
 _DOTTED = rf"{_PART}(?:\s*\.\s*{_PART})*"
 _HEADER = re.compile(rf"\s*\[{{1,2}}\s*({_DOTTED})\s*\]")
+# What is no key is passed over in whole, else each of its characters would be looked at as the first of one.
 _TOKEN = re.compile(
-    rf"""(?P<comment>\#.*)|(?P<key>{_DOTTED})\s*=|(?P<text>"(?:\\.|[^"\\])*"|'[^']*')|(?P<mark>[\[\]{{}}])|."""
+    rf"""(?P<comment>\#.*)|(?P<key>{_DOTTED})\s*=|(?P<mark>[\[\]{{}}])|(?>{_DOTTED})|["'].*|."""
 )
 _LONG_TEXT = ('"""', "'''")
 
