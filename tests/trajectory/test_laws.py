@@ -291,7 +291,7 @@ def test_parts_with_rests_between_share_the_time_of_a_stroke_by_their_length(
     # From rest to rest: there and back over half the way each at full acceleration.
     least_s = [2.0 * (way / 4000.0) ** 0.5 for way in ways_mm]
     wanted_s = share * sum(least_s)
-    given_s = law._shared_out(wanted_s, ways_mm, [4000.0] * len(ways_mm))
+    given_s = law._shared_out(wanted_s, ways_mm, [law] * len(ways_mm))
     step_s = law.time_step_s(wanted_s)
     parts = len(ways_mm)
     assert sum(given_s) == pytest.approx(wanted_s, abs=parts * (step_s + law.servo_period_s))

@@ -16,6 +16,7 @@ FOLLOWED = [
     "planner.model=after-interpolation",
     *(f"axes.{axis}.{number}" for axis in "XZ" for number in ("acc_dec_ms=8", "position_gain_1_s=90")),
 ]
+RESTING = ["planner.model=trapezoid"]
 TWICE_PLANNED = ["planner.model=junction", "output.feed_mode=minute"]
 DWELL = "N0.2 WAVE DWELL"
 CASES = {
@@ -23,11 +24,18 @@ CASES = {
     "dwells": (DWELL, LINE, FOLLOWED, "MOST_DWELLS", "with a dwell each"),
     "an arc": ("N1.5", ARC, FOLLOWED, "MOST_STROKES_ROUND_BENDS", "behind its own filter"),
     "a corner": ("N1.5", CORNER, FOLLOWED, "MOST_STROKES_ROUND_BENDS", "behind its own filter"),
+    "no two alike": (
+        "N0.5 WAVE SINE Q1.8",
+        ARC,
+        RESTING,
+        "MOST_UNLIKE_MOVES",
+        "(trapezoid) runs no two strokes alike",
+    ),
     "planned": ("N1.5", LINE, TWICE_PLANNED, "MOST_PLANNED_MOVES", "(junction) plans again"),
     "a line": ("N1.5", LINE, FOLLOWED, "MOST_MOVES", "blocks"),
-    "no filters": ("N1.5", ARC, ["planner.model=trapezoid"], "MOST_MOVES", "blocks"),
+    "no filters": ("N1.5", ARC, RESTING, "MOST_MOVES", "blocks"),
 }
-BOUNDS = ("MOST_DWELLS", "MOST_STROKES_ROUND_BENDS", "MOST_PLANNED_MOVES", "MOST_MOVES")
+BOUNDS = ("MOST_DWELLS", "MOST_STROKES_ROUND_BENDS", "MOST_UNLIKE_MOVES", "MOST_PLANNED_MOVES", "MOST_MOVES")
 
 
 def said(case: str) -> list[chipbreak.Diagnostic]:

@@ -100,9 +100,9 @@ def forget(law: Tried) -> None:
 
 
 def _new_factors(stretches: Sequence[Stretch], before_mm_s: float, law: Tried) -> list[float | RefusalError]:
+    own = {has: law.with_acceleration(has) for has in {stretch.acceleration_mm_s2 for stretch in stretches}}
     for stretch in stretches:
-        own = law.with_acceleration(stretch.acceleration_mm_s2)
-        own.refuse_too_fast(sum(stretch.lengths_mm), stretch.wanted_s)
+        own[stretch.acceleration_mm_s2].refuse_too_fast(sum(stretch.lengths_mm), stretch.wanted_s)
     rows = zip(stretches, _late_of_all(stretches, before_mm_s, law), strict=True)
     found = [_among_tried(stretch, late_s, law) for stretch, late_s in rows]
     open_ones = [(s, f) for s, f in zip(stretches, found, strict=True) if isinstance(f, _Between)]

@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import inf, sqrt
 from typing import ClassVar, Self
 
@@ -233,7 +233,7 @@ class ControlLaw(ABC):
         """
         if not (abs(length_mm) > _NOTHING_MM and 0 < time_s < inf):
             raise ValueError(f"no feed for {length_mm} mm in {time_s} s")
-        return _feed(abs(float(length_mm)), float(time_s), replace(self, merge_mm=0.0))
+        return _feed(abs(float(length_mm)), float(time_s), self._of_one_block)
 
     def refuse_too_short(self, length_mm: float, time_s: float) -> None:
         """Errors: VIB030 and VIB032 where no feed takes the time, see :meth:`feed_for_time`."""
@@ -242,7 +242,7 @@ class ControlLaw(ABC):
             rate = f"{1 / time_s:.4g} blocks per second, the control reads {self.blocks_per_s:.4g}"
             way_out = "ask for a lower frequency, or one block per stroke"
             raise RefusalError("VIB032", f"{stroke} needs {rate}", way_out)
-        least = replace(self, velocity_mm_s=inf, blocks_per_s=None).shortest_time(length_mm)
+        least = self._at_any_speed.shortest_time(length_mm)
         if time_s >= least * (1.0 - 1e-9):
             return
         needed = self._acceleration_for(length_mm, time_s)
@@ -251,6 +251,16 @@ class ControlLaw(ABC):
             f"this stroke takes at least {least * 1000:.4g} ms; ask for a lower frequency or a smaller stroke"
         )
         raise RefusalError("VIB030", f"{stroke} needs {needed / 1000:.3g} m/s2, {has}", way)
+
+    @cached_property
+    def _at_any_speed(self) -> Self:
+        """The same control where only its acceleration counts; asked for every stroke, and made once."""
+        return replace(self, velocity_mm_s=inf, blocks_per_s=None)
+
+    @cached_property
+    def _of_one_block(self) -> Self:
+        """The same control where there is nothing to join."""
+        return replace(self, merge_mm=0.0)
 
     @property
     def limiting(self) -> str:

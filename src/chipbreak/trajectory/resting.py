@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -98,7 +98,7 @@ class RestingLaw(ControlLaw):
         self, lengths_mm: Floats, feeds_mm_s: Floats, acceleration_mm_s2: Floats, before_mm_s: float
     ) -> Floats:
         """Times of the blocks of stretches of n blocks each, (k, n), with an acceleration each, (k,)."""
-        laws = {has: self.with_acceleration(has) for has in set(acceleration_mm_s2.tolist())}
+        laws = self._laws_of(acceleration_mm_s2)
         rows = zip(acceleration_mm_s2.tolist(), lengths_mm, feeds_mm_s, strict=True)
         return np.array(
             [laws[has].block_times(ways, feeds, before_mm_s=before_mm_s) for has, ways, feeds in rows]
@@ -106,8 +106,13 @@ class RestingLaw(ControlLaw):
 
     def single_feeds(self, lengths_mm: Floats, times_s: Floats, acceleration_mm_s2: Floats) -> list[float]:
         """:meth:`feed_for_time` of blocks with an acceleration each, (k,)."""
+        laws = self._laws_of(acceleration_mm_s2)
         rows = zip(lengths_mm.tolist(), times_s.tolist(), acceleration_mm_s2.tolist(), strict=True)
-        return [self.with_acceleration(has).feed_for_time(length, time) for length, time, has in rows]
+        return [laws[has].feed_for_time(length, time) for length, time, has in rows]
+
+    def _laws_of(self, acceleration_mm_s2: Floats) -> dict[float, Self]:
+        """The same law with each of some accelerations, of which there are few: they have four digits."""
+        return {has: self.with_acceleration(has) for has in set(acceleration_mm_s2.tolist())}
 
     def refuse_too_fast(self, length_mm: float, time_s: float) -> None:
         """The errors of :meth:`feed_for_time`, without a feed."""
@@ -178,6 +183,7 @@ class RestingLaw(ControlLaw):
         """How long each part should take, (p,)."""
         times_s: list[float] = []
         done_s = late_s = 0.0
+        laws = self._laws_of(has_mm_s2)
         period_s = self.servo_period_s
         for first, last, end_s in _strokes(parts, spans_s):
             # What rounding to servo periods takes from one stroke, the next one gets.
@@ -187,7 +193,8 @@ class RestingLaw(ControlLaw):
                 done_s += wanted_s
             else:
                 ways = np.add.reduceat(ways_mm[: parts.stops[last - 1]], parts.starts[first:last]).tolist()
-                shares = self._shared_out(wanted_s, ways, has_mm_s2[first:last].tolist())
+                own = [laws[has] for has in has_mm_s2[first:last].tolist()]
+                shares = self._shared_out(wanted_s, ways, own)
                 times_s += shares
                 for share in shares:
                     done_s += share
@@ -196,11 +203,10 @@ class RestingLaw(ControlLaw):
         return np.array(times_s)
 
     def _shared_out(
-        self, wanted_s: float, ways_mm: Sequence[float], has_mm_s2: Sequence[float]
+        self, wanted_s: float, ways_mm: Sequence[float], laws: Sequence[ControlLaw]
     ) -> list[float]:
         """The time of each part of a stroke that rests between them: the least each needs, and by length."""
-        pairs = zip(ways_mm, has_mm_s2, strict=True)
-        least_s = [self.with_acceleration(has).shortest_time(way) for way, has in pairs]
+        least_s = [law.shortest_time(way) for way, law in zip(ways_mm, laws, strict=True)]
         step_s = self.time_step_s(wanted_s)
         spare = max(0, round((wanted_s - sum(least_s)) / step_s))
         given = [int(spare * way / sum(ways_mm)) for way in ways_mm]

@@ -40,6 +40,7 @@ from chipbreak.vibration.surface_speed import active_speed, limit_rpm
 MOST_MOVES = 500_000
 MOST_PLANNED_MOVES = 300_000  # planned as a whole, or by several laws because the profile leaves one open
 MOST_DWELLS = 50_000
+MOST_UNLIKE_MOVES = 100_000  # of strokes of several blocks round bends, each run in its own way
 MOST_STROKES_ROUND_BENDS = 200_000  # each axis behind its own filter
 MOST_PERIODS = 40_000_000  # half a day; each takes 8 to 16 bytes where a law is followed period by period
 _FEWER = "take a lower N or a higher feed, or make it several cuts with a rapid between"
@@ -279,6 +280,9 @@ def _bounds(wave: WaveformParameters, expander: Expander, path: Path, law: Contr
         of = "strokes round corners or arcs, where each axis follows behind its own filter"
         yield _Bound(2 * wave.vibrations, MOST_STROKES_ROUND_BENDS, of, _FEWER)
     moves = wave.vibrations * wave.knots_per_vibration
+    if wave.form == "tick" and law.unlike_stroke_costs > 1 and _bends(path):
+        of = f"blocks round corners or arcs, where this control ({law.name}) runs no two strokes alike"
+        yield _Bound(moves, MOST_UNLIKE_MOVES, of, _FEWER)
     fewer = 'take output.segments "stroke", a lower f, or a higher feed'
     if law.plans_whole or len(law.variants()) > 1:
         of = f"blocks, which the law of this control ({law.name}) plans again and again"
@@ -292,8 +296,11 @@ def _bounds(wave: WaveformParameters, expander: Expander, path: Path, law: Contr
 
 def _follows_bends(law: ControlLaw, path: Path) -> bool:
     """True where each axis follows on its own, and what they make must be sought along the path."""
-    is_filtered = any(axis.filter != NO_FILTER for axis in law.axes)
-    return is_filtered and (any(arc is not None for arc in path.arcs) or len(path.corners_mm()) > 0)
+    return any(axis.filter != NO_FILTER for axis in law.axes) and _bends(path)
+
+
+def _bends(path: Path) -> bool:
+    return any(arc is not None for arc in path.arcs) or len(path.corners_mm()) > 0
 
 
 def _check_passes(wave: WaveformParameters, edges: int) -> None:
