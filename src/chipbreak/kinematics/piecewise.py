@@ -14,6 +14,7 @@ Indices = NDArray[np.intp]
 Gaps = Iterator[tuple[Floats, Floats]]  # pairs of rising times and g_1 at those times, a piece at a time
 # Many passes at many corners would fill the memory, so they are worked out some corners at a time.
 _HEIGHTS_AT_ONCE = 1 << 20
+_SAME_SHARE = 1e-13
 # So are the knots of a cut of an hour, of which there are millions.
 KNOTS_AT_ONCE = 1 << 16
 
@@ -158,14 +159,24 @@ def highest_minimum(left: Floats, right: Floats, known: float) -> float:
 
     Not less than a value that is ``known`` already.
     """
-    best = max(known, float(np.append(left, right[:, -1:], axis=1).min(axis=0).max()))
-    # Above the corners it can only stand where two of the lines cross.
-    promising = np.maximum(left, right).min(axis=0) > best
+    best = max(known, float(left.min(axis=0).max()), float(right.min(axis=0).max()))
+    # Above the corners it can only stand where a line that rises crosses one that falls.
+    promising = np.flatnonzero(np.maximum(left, right).min(axis=0) > best)
     left, rise = left[:, promising], (right - left)[:, promising]
-    for m in range(1, left.shape[0]):
+    rising, falling = left.argmin(axis=0), (left + rise).argmin(axis=0)
+    while left.shape[1]:
+        column = np.arange(left.shape[1])
+        begin, slope = left[rising, column], rise[rising, column]
         with np.errstate(divide="ignore", invalid="ignore"):
-            place = (left[m] - left[:m]) / (rise[:m] - rise[m])
-        place = np.where((place > 0.0) & (place < 1.0), place, 0.0)
-        for row in place:
-            best = max(best, float((left + row * rise).min(axis=0).max(initial=best)))
+            place = (left[falling, column] - begin) / (slope - rise[falling, column])
+        bound = np.where((place > 0.0) & (place < 1.0), begin + place * slope, -np.inf)
+        heights = left + np.where(bound > best, place, 0.0) * rise
+        least = heights.argmin(axis=0)
+        lowest = heights[least, column]
+        best = max(best, float(lowest.max()))
+        # Where a third line lies below the crossing, it takes the place of one of the two.
+        rises = rise[least, column] > 0.0
+        rising, falling = np.where(rises, least, rising), np.where(rises, falling, least)
+        go_on = (bound > best) & (bound - lowest > _SAME_SHARE * np.abs(bound))
+        left, rise, rising, falling = left[:, go_on], rise[:, go_on], rising[go_on], falling[go_on]
     return best
