@@ -168,14 +168,15 @@ def _kept(
 def _check_lengths(
     source: Source, found: Sequence[Region], edits: Sequence[Edit], interpreted: InterpretedProgram
 ) -> None:
-    """No new block is longer than the control takes; a comment that is kept may be as long as it was."""
+    """No new block is longer than the control takes, or than the program's own that it stands for."""
     limit = interpreted.settings.control.max_line_chars
     original = interpreted.program.source
     for region, edit in zip(found, edits, strict=True):
         sizes = np.diff(source.starts[region.first : region.last + 1])
         for line in (np.flatnonzero(sizes > limit) + region.first).tolist():
             text = source.text(line)
-            if len(text) > limit and text not in map(original.text, range(edit.first, edit.last)):
+            most = max([limit, *(len(original.text(old)) for old in range(edit.first, edit.last))])
+            if len(text) > most:
                 raise SelfCheckError(f"a new block has {len(text)} characters, the control takes {limit}")
 
 

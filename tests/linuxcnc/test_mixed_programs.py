@@ -99,3 +99,11 @@ def test_what_reads_a_feed_of_other_units_finds_its_number(*, mode: str, reads: 
     lines = ("G17 G90", "G21", mode, "G20", "M3 S2000", "G0 X0 Y0 Z0.1")
     program = "\n".join([*lines, "(VIB N0.5)", "G1 Z-0.05", "(VIB OFF)", reads, "G1 Z-0.06", "M2", ""])
     assert check(Mixed(program.encode(), lathe=False, checked=False)) == "vibrated"
+
+
+@pytest.mark.linuxcnc
+@pytest.mark.parametrize("home", ["G28", "G30"])
+def test_a_home_of_the_programs_own_is_reached_from_where_the_tool_was(home: str) -> None:
+    moves = ("G0 X18 Y11.8", "G0 X17.7 Y12.3 Z16.3", "T1 M6", f"S1250 F0.1 {home}.1", "M3", home)
+    program = "\n".join([*moves, "G1 X10.6 Y9.8 Z13.4 F2", "M2", ""])
+    assert check(Mixed(program.encode(), lathe=False, checked=True)) in ("checked", "unchanged")

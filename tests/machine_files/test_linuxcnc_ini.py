@@ -145,3 +145,10 @@ def test_every_machine_that_linuxcnc_ships(every: int, tmp_path: Path) -> None:
         chipbreak.load(profile)
         machines += 1
     assert machines > 0.98 * len(files)
+
+
+@pytest.mark.parametrize("name", ["a\0b.inc", "~nobody-of-this-name/a.inc", "n" * 300])
+def test_an_include_of_an_impossible_name_is_said(name: str, tmp_path: Path) -> None:
+    with pytest.raises(RefusalError) as refused:
+        machine_of_ini(ini(tmp_path, f"[TRAJ]\nLINEAR_UNITS = mm\n#INCLUDE {name}\n"))
+    assert refused.value.code == "INI001"

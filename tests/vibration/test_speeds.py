@@ -305,3 +305,9 @@ def test_a_loop_that_says_its_speed_itself_is_left_with_it_too() -> None:
 @pytest.mark.parametrize("block", ["G92 V120. D20. M3", "G50 V120. D20.", "G50 (SPEED V120 D20)"])
 def test_v_and_d_become_no_limit_of_the_spindle(block: str) -> None:
     assert [code for code, _, _ in rejected(f"{HEAD}{block}\n")] == ["VIB070"]
+
+
+def test_a_line_that_is_too_long_already_may_be_rewritten() -> None:
+    line = "G97 V120. D20. M3 (" + "X" * 90 + ")"
+    lines = filtered(f"{line}\nM30\n", "speedio-blum").splitlines()
+    assert line.replace("V120. D20.", "S1910") in lines

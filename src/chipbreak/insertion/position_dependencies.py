@@ -197,7 +197,11 @@ class _Walk:
         return None
 
     def _goes_home(self, effect: BlockEffect, _: frozenset[str]) -> bool | None:
-        return self._home(effect) if "home" in effect.non_modal else None
+        if "home" not in effect.non_modal:
+            return None
+        # A home of the program's own (LinuxCNC's G28.1) may lie anywhere.
+        is_own = any("store-home" in other.non_modal for other in self.interpreted.effects)
+        return self._rely_on_rest() if is_own else self._home(effect)
 
     def _moves_in_machine(self, effect: BlockEffect, named: frozenset[str]) -> bool | None:
         return self._machine(effect, named) if "machine" in effect.non_modal else None

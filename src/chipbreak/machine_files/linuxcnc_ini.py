@@ -155,9 +155,17 @@ def _all_lines(path: Path, depth: int, read: list[Path]) -> Iterator[tuple[str, 
         raise RefusalError("INI001", message, "name the INI file that LinuxCNC is started with") from None
     for number, line in enumerate(text.splitlines(), 1):
         if include := _INCLUDE.fullmatch(line):
-            yield from _all_lines(path.parent / Path(include[1]).expanduser(), depth + 1, read)
+            yield from _all_lines(path.parent / _at_home(include[1]), depth + 1, read)
         elif line.lstrip()[:1] not in ("#", ";"):
             yield f"{path.name}, line {number}", line
+
+
+def _at_home(name: str) -> Path:
+    """``~/common.ini``; a name that begins so and is of nobody stays as it is."""
+    try:
+        return Path(name).expanduser()
+    except RuntimeError:
+        return Path(name)
 
 
 def _limits(ini: _Ini) -> Iterator[Found]:

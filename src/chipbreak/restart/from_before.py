@@ -80,6 +80,8 @@ def _other_origin(before: Before) -> str:
         if ("set-position" in effect.non_modal and names_axes) or "data-setting" in effect.non_modal:
             what = effect.block.text.strip()[:30]
             return f"line {before.user_line(effect.block.line)} ({what}) has set origins or offsets"
+        if "store-home" in effect.non_modal:
+            return f"line {before.user_line(effect.block.line)} has stored a place for G28 or G30"
         if "shift" in effect.non_modal and names_axes:
             return f"line {before.user_line(effect.block.line)} has shifted the origin"
     return ""

@@ -17,6 +17,8 @@ MOST_LINE_CHARS: Final = 10_000
 
 def read_bounded(path: Path, most_bytes: int) -> bytes:
     """All bytes of a file.  Raises OSError for a larger one, and for a pipe or device: it may have no end."""
+    if "\0" in str(path):
+        raise OSError(errno.EINVAL, "no file has such a name")
     descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
     with os.fdopen(descriptor, "rb") as file:
         mode = os.fstat(descriptor).st_mode
