@@ -11,12 +11,14 @@ from itertools import count
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 import chipbreak
 from chipbreak.batch import dask_cluster
 from chipbreak.batch.inputs import inputs_of, is_program
 from chipbreak.batch.processes import by_processes
 from chipbreak.batch.work import Finished, Task, filtered
+from chipbreak.cli import cli
 from chipbreak.settings import load
 from chipbreak.text.diagnostics import RefusalError
 from warm import cold, warm_text
@@ -237,11 +239,13 @@ def test_a_profile_beside_each_program(shop: Path) -> None:
     assert "2 not read" in done.stdout
 
 
-def test_no_cluster_there(shop: Path) -> None:
+def test_no_cluster_there(shop: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed", reason="pip install 'chipbreak[dask]'")
+    monkeypatch.setattr(dask_cluster, "_WAIT_S", 0.5)
+    monkeypatch.chdir(shop)
     args = ["batch", "-p", "generic-lathe", "in", "-o", "out", "--dask", "tcp://127.0.0.1:9", "--quiet"]
-    done = warm_text(*args, cwd=shop, loads=("distributed",))
-    assert done.returncode == 2
+    done = CliRunner().invoke(cli, args)
+    assert done.exit_code == 2
     assert done.stderr.splitlines()[-2].startswith("error BAT002: no Dask cluster at tcp://127.0.0.1:9")
 
 

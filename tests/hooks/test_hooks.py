@@ -289,9 +289,10 @@ def test_a_program_that_is_written_is_filtered(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "chipbreak", "hooks", "watch", "-p", "generic-lathe", "in", "-o", "out"]
     with interruptible():
         process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    impatience = threading.Timer(60.0, process.kill)  # nobody waits for a line that never comes
+    impatience.start()
     with process as watcher:
         assert watcher.stderr is not None
-        threading.Timer(60.0, watcher.kill).start()  # nobody waits for a line that never comes
         assert watcher.stderr.readline().startswith("watching in")
         time.sleep(0.5)
         (tmp_path / "in/notes.pdf").write_bytes(b"%PDF")
@@ -301,6 +302,7 @@ def test_a_program_that_is_written_is_filtered(tmp_path: Path) -> None:
         lines = until(watcher.stderr, "in/part.nc: ")
         watcher.send_signal(signal.SIGINT)
         watcher.wait(timeout=30)
+    impatience.cancel()
     assert "REJECTED" in lines[-1]
     filtered = chipbreak.rewrite(PROGRAM, chipbreak.load("generic-lathe")).data
     there = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
