@@ -91,8 +91,8 @@ def compared(data: bytes, settings: Settings, folder: Path) -> int:
 
 
 def test_every_program_of_the_tests_with_one_profile(tmp_path: Path) -> None:
-    each = zip(FILES, cycle(PROFILES.values()), strict=False)
-    assert sum(compared(file.read_bytes(), settings, tmp_path) for file, settings in each) > 50
+    each = zip(FILES[::2], cycle(PROFILES.values()), strict=False)
+    assert sum(compared(file.read_bytes(), settings, tmp_path) for file, settings in each) > 25
 
 
 @pytest.mark.long

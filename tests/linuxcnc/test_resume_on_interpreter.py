@@ -11,6 +11,7 @@ import pytest
 
 import chipbreak
 from chipbreak.restart.resume import resume
+from longer import short_where
 
 from . import rs274
 from .mixed_programs import _Machine, program
@@ -74,7 +75,7 @@ def assert_goes_on(data: bytes, line: int, settings: chipbreak.Settings) -> bool
     return True
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", short_where(range(8), lambda seed: seed % 2 == 0))
 def test_random_programs_go_on(seed: int) -> None:
     data, lathe, _ = program(seed)
     settings = chipbreak.load("linuxcnc-lathe" if lathe else "linuxcnc-mill", ["planner.model=ideal"])

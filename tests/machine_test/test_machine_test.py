@@ -74,6 +74,7 @@ def test_two_lags_of_which_one_is_short_are_found(tmp_path: Path) -> None:
     assert lags_ms == pytest.approx([1000.0 * lag_s for lag_s in sorted(machine.lags_s)], rel=0.02)
 
 
+@pytest.mark.long
 @pytest.mark.klipper
 @pytest.mark.skipif(
     not (PLANNER / "klippy" / "toolhead.py").is_file(), reason="Klipper's planner is not here"

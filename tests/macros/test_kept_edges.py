@@ -28,7 +28,7 @@ WORN = STRAIGHT.real(chips=(Chip(2, 2.0, 0.015, 2.2),))
 SHORTER = STRAIGHT.real(length_mm=50.97)
 NEW = STRAIGHT.real(phase_deg=70.0, length_mm=50.6)
 WARM = replace(BEAM, y_mm=BEAM.y_mm + 0.2, z_mm=BEAM.z_mm - 0.15)
-FEW = ((BEAM, "D1."), (WARM, "D0."), (WARM, "D2."))
+FEW = ((BEAM, "D1."), (WARM, "D2."))
 SMALL_STORE = replace(SETTINGS, store_last=SETTINGS.store_first + 95)
 
 

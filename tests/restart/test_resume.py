@@ -17,6 +17,7 @@ from chipbreak.model.state_difference import difference, spindle_speed
 from chipbreak.restart.resume import Resumed, resume
 from chipbreak.syntax.parse import parse
 from chipbreak.text.source import read
+from longer import short_where
 
 LATHE = chipbreak.load("fanuc-lathe", ['planner.model="ideal"'])
 MILL = chipbreak.load("fanuc-mill")
@@ -363,7 +364,7 @@ def _goes_on(data: bytes, line: int) -> None:
     assert moves == again
 
 
-@pytest.mark.parametrize("seed", range(16))
+@pytest.mark.parametrize("seed", short_where(range(16), lambda seed: seed % 2 == 0))
 def test_random_programs_go_on_as_they_would_have(seed: int) -> None:
     random = Random(seed)
     data = _program(random)
