@@ -8,12 +8,14 @@ from __future__ import annotations
 import codecs
 import re
 import unicodedata
+from collections.abc import Iterator
 
 LATIN_1, UTF_8, SHIFT_JIS = "latin-1", "utf-8", "cp932"
 # So much of the lines that are not ASCII is looked at.
 _MOST_BYTES = 1 << 16
 # Expressions are compiled where they are used: most programs are ASCII.
-_NOT_ASCII = rb"[^\r\n]*[\x80-\xff][^\r\n]*"
+_NOT_ASCII = rb"[\x80-\xff]"
+_LINE_END = rb"[\r\n]"
 # Two characters of two bytes in a row whose first byte no European text has side by side.
 _JAPANESE = r"[\u3000-\u30ff\u4e00-\u9fff\uff01-\uff5e]{2}"
 _FOREIGN_TO_JAPANESE = r"[\ue000-\uf8ff]"
@@ -37,8 +39,8 @@ def encoding_of(data: bytes) -> str:
     if data.isascii():
         return LATIN_1
     sample = bytearray()
-    for match in re.finditer(_NOT_ASCII, data):
-        sample += match[0] + b"\n"
+    for line in _lines_not_ascii(data):
+        sample += line + b"\n"
         if len(sample) > _MOST_BYTES:
             break
     if _reads(sample, UTF_8) is not None:
@@ -46,6 +48,16 @@ def encoding_of(data: bytes) -> str:
     japanese = _reads(sample, SHIFT_JIS) or ""
     is_japanese = re.search(_JAPANESE, japanese) and not re.search(_FOREIGN_TO_JAPANESE, japanese)
     return SHIFT_JIS if is_japanese else LATIN_1
+
+
+def _lines_not_ascii(data: bytes) -> Iterator[bytes]:
+    """The lines with such a byte; each byte of the others is looked at once."""
+    behind = 0
+    while found := re.compile(_NOT_ASCII).search(data, behind):
+        begin = max(data.rfind(end, behind, found.start()) + 1 for end in (b"\r", b"\n"))
+        end = re.compile(_LINE_END).search(data, found.end())
+        yield data[max(begin, behind) : end.start() if end else len(data)]
+        behind = end.end() if end else len(data)
 
 
 def _reads(data: bytes | bytearray, encoding: str) -> str | None:

@@ -5,10 +5,14 @@ Blocks are given as lengths [mm], speeds [mm/s] and accelerations [mm/s²], all 
 
 from __future__ import annotations
 
+from array import array
 from functools import lru_cache
 from itertools import pairwise
 from math import inf, sqrt
 
+import numpy as np
+
+from chipbreak.kinematics.floats import Floats
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.planner import Numbers
 
@@ -46,13 +50,13 @@ class Stretch(NamedTuple):
 
 
 @lru_cache(maxsize=4096)
-def linuxcnc(stretch: Stretch, clock: Clock) -> tuple[Numbers, Numbers]:
+def linuxcnc(stretch: Stretch, clock: Clock) -> tuple[Numbers, Floats]:
     """Time of each block as LinuxCNC 2.9 runs it, and the distance covered after each servo period."""
     kind = _Stretch if clock.override < inf else _PerRevolution
     run = kind(stretch, clock)
     while not run.finished:
         run.advance()
-    return tuple(run.times), tuple(run.places)
+    return tuple(run.times), np.array(run.places)
 
 
 class _Stretch:
@@ -73,7 +77,7 @@ class _Stretch:
         self.reachable = self._reachable()
         self.ends = self._end_speeds()
         self.times = [0.0] * len(lengths)
-        self.places = list[float]()
+        self.places = array("d")
         self.block = 0
         self.done = self.speed = self.before = 0.0
         self.leaving: tuple[float, float] | None = None  # time to the end of the block, and the speed there
@@ -139,7 +143,7 @@ class _Stretch:
         step = speed * self.period
         count = int((left - speed * speed / self.accelerations[self.block]) / step) - 2
         if count > 0:
-            self.places += [self.before + self.done + step * i for i in range(1, count + 1)]
+            self.places.frombytes((self.before + self.done + step * np.arange(1, count + 1)).tobytes())
             self.times[self.block] += count * self.period
             self.done += count * step
 

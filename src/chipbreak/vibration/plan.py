@@ -42,7 +42,7 @@ MOST_PLANNED_MOVES = 300_000  # planned as a whole, or by several laws because t
 MOST_DWELLS = 50_000
 MOST_UNLIKE_MOVES = 100_000  # of strokes of several blocks round bends, each run in its own way
 MOST_STROKES_ROUND_BENDS = 200_000  # each axis behind its own filter
-MOST_PERIODS = 40_000_000  # half a day; each takes 8 to 16 bytes where a law is followed period by period
+MOST_PERIODS = 20_000_000  # hours; each takes 8 to 16 bytes where a law is followed period by period
 _FEWER = "take a lower N or a higher feed, or make it several cuts with a rapid between"
 _MOST_GAPS = 40_000  # between a knot of a vibration and the passes before it, for every such pass
 
