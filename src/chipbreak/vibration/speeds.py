@@ -201,7 +201,7 @@ def _before_own_speed(at: _Place) -> _Blocks | None:
     before = at.effect.before
     after = at.effect.after
     # Where a loop or a jump ends, several ways meet: nothing is commanded there.
-    if after.speed == before.speed or after.speed is None or at.effect.block.controls:
+    if after.speed == before.speed or after.speed is None or at.effect.block.statements:
         return None
     # An S under G96 is metres per minute: it must not meet the G97 of the cut before it.
     own_mode = after.modes.speed_mode == "rpm" or _says_speed_mode(at.effect)
