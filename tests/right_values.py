@@ -57,7 +57,7 @@ RIGHT = (
         LC_LATHE,
         SHORT,
         cuts=("N0.5 F8.333 S1000 STROKE 3.048",),
-        modes=("G95", "G61", "G94 F2540.", "G64"),
+        modes=("G95", "G61", "G94 G20", "G21 F100", "G64"),
         said=("MOD002 4",),
     ),
     Right(
@@ -81,7 +81,7 @@ RIGHT = (
         LC_LATHE,
         SHORT,
         cuts=("N0.5 F8.333 S1000 STROKE 3.048",),
-        modes=("G95", "G61", "G94 F2540.", "G64"),
+        modes=("G95", "G61", "G94 G20", "G21 F100", "G64"),
         said=("MOD002 4",),
     ),
     Right(
@@ -120,7 +120,7 @@ RIGHT = (
         LC_LATHE,
         IDEAL,
         cuts=("N0.5 F8.333 S1000 STROKE 0.0048",),
-        modes=("G95", "G61", "G94 F0.15748031", "G64"),  # 4 mm/min in inches
+        modes=("G95", "G61", "G94 G21", "G20 F4.", "G64"),
         said=("MOD002 4",),
     ),
     # --- comments: none of ours closes one that the program left open

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import pytest
 from hypothesis import assume, given
@@ -406,3 +407,13 @@ def test_the_three_always_agree_and_solving_twice_changes_nothing(
     assert GROUP.nearest(first.frequency_hz) == first.period
     again = solved(speed=first.speed_rpm, frequency=first.frequency_hz, rules=rules)
     assert (again.speed_rpm, again.reasons) == (first.speed_rpm, ())
+
+
+def test_of_very_many_periods_some_are_taken_that_lie_close() -> None:
+    group = CommandGroup(base_period_s=0.001)
+    few = group.between(1.0, 100.0)
+    assert [period.ticks for period in few] == list(range(10, 1001))
+    many = [period.ticks for period in group.between(0.001, 100.0)]
+    assert (many[0], many[-1]) == (10, 1_000_000)
+    assert len(many) <= 4000
+    assert all(later <= 1 + now * 1.003 for now, later in pairwise(many))

@@ -7,8 +7,11 @@ per base period can only vibrate at f = 1 / (n T0), so what was asked moves to t
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
+
+import numpy as np
 
 from chipbreak.kinematics.sourced_value import SourcedValue, shown
 from chipbreak.text.diagnostics import RefusalError
@@ -23,6 +26,7 @@ NEVER_BREAKS = "VIB005"
 ABOVE_CLAMP = "VIB006"
 TOO_SLOW = "VIB008"
 _FUZZ = 1e-9  # two numbers that differ by less were meant to be equal
+_MOST_COUNTS = 4000  # of periods to choose from
 
 
 @dataclass(frozen=True)
@@ -80,14 +84,18 @@ class CommandGroup:
         return self.around(frequency_hz, 1)[0]
 
     def between(self, low_hz: float, high_hz: float) -> tuple[Period, ...]:
-        """All periods with a frequency within these bounds, the fastest first."""
+        """All periods with a frequency within these bounds, the fastest first.
+
+        Of more than some thousands, as a spindle that hardly turns has them, those that are some thousandths
+        apart.
+        """
         if self.periods_s is not None or self.multiples is not None:
             count = len(self.periods_s or self.multiples or ())
             every = self.around(high_hz, count)
             return tuple(sorted((p for p in every if low_hz <= p.frequency_hz <= high_hz), key=_length))
         fewest = max(self.min_multiple, math.ceil(1.0 / (high_hz * self.base_period_s) - _FUZZ))
         most = min(self.max_multiple or MOST_TICKS, math.floor(1.0 / (low_hz * self.base_period_s) + _FUZZ))
-        periods = ((n, n * self.base_period_s) for n in range(fewest, most + 1))
+        periods = ((n, n * self.base_period_s) for n in _counts(fewest, most))
         return tuple(Period(1.0 / period_s, period_s, n) for n, period_s in periods)
 
     def contains_near(self, frequency_hz: float) -> bool:
@@ -95,6 +103,16 @@ class CommandGroup:
         slowest_hz = self.nearest(1e-6).frequency_hz
         fastest_hz = self.nearest(1e6).frequency_hz
         return slowest_hz / FAR_RATIO <= frequency_hz <= fastest_hz * FAR_RATIO
+
+
+def _counts(fewest: int, most: int) -> Sequence[int]:
+    """So many base periods, from few to many."""
+    if most - fewest < _MOST_COUNTS:
+        return range(fewest, most + 1)
+    spread: list[int] = np.unique(
+        np.rint(np.geomspace(max(fewest, 1), most, _MOST_COUNTS)).astype(int)
+    ).tolist()
+    return spread
 
 
 def _length(period: Period) -> float:

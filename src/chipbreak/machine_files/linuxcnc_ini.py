@@ -21,9 +21,10 @@ from chipbreak.text.existence import is_file
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.units import MM_PER_INCH, S_PER_MIN
 
-_LINE = re.compile(r"\s*([A-Za-z0-9_]+)\s*=\s*(.*?)\s*")
-_SECTION = re.compile(r"\s*\[([^\]]*)\].*")
-_INCLUDE = re.compile(r"#INCLUDE\s+(.+?)\s*")
+# Of lines without blanks at their ends.
+_LINE = re.compile(r"([A-Za-z0-9_]+)\s*=\s*(.*)")
+_SECTION = re.compile(r"\[([^\]]*)\].*")
+_INCLUDE = re.compile(r"#INCLUDE\s+(.+)")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _PATH_MODE = re.compile(r"(G6[14](?:\.1)?)(?![\d.])((?:\s*[PQ]\s*\d*\.?\d+)*)", re.IGNORECASE)
 _TOLERANCE = re.compile(r"([PQ])\s*([\d.]+)", re.IGNORECASE)
@@ -153,10 +154,12 @@ def _all_lines(path: Path, depth: int, read: list[Path]) -> Iterator[tuple[str, 
     except OSError as error:
         message = plain(f"cannot read {path}: {error.strerror}")
         raise RefusalError("INI001", message, "name the INI file that LinuxCNC is started with") from None
-    for number, line in enumerate(text.splitlines(), 1):
-        if include := _INCLUDE.fullmatch(line):
+    for number, bare in enumerate(text.splitlines(), 1):
+        line = bare.strip()
+        # LinuxCNC takes an include only where the line begins with it.
+        if bare[:1] == "#" and (include := _INCLUDE.fullmatch(line)):
             yield from _all_lines(path.parent / _at_home(include[1]), depth + 1, read)
-        elif line.lstrip()[:1] not in ("#", ";"):
+        elif line[:1] not in ("#", ";"):
             yield f"{path.name}, line {number}", line
 
 
