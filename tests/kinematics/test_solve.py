@@ -417,3 +417,7 @@ def test_of_very_many_periods_some_are_taken_that_lie_close() -> None:
     assert (many[0], many[-1]) == (10, 1_000_000)
     assert len(many) <= 4000
     assert all(later <= 1 + now * 1.003 for now, later in pairwise(many))
+
+
+def test_a_way_out_is_no_spindle_that_stands() -> None:
+    assert refusal(speed=0.5, per_rev=1_000_000_000.5).help == "give N and f without S"

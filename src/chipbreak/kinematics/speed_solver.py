@@ -360,7 +360,9 @@ class _Made(NamedTuple):
     group: CommandGroup
 
     def breaks(self, edges: int) -> bool:
-        """True where the N that comes out is not whole."""
+        """True where the N that comes out is not whole, and the spindle turns."""
+        if self.speed_rpm <= 0.0:
+            return False
         period = self.group.nearest(self.per_rev * self.speed_rpm / S_PER_MIN)
         return not never_breaks(_ratio(period, self.speed_rpm), edges)
 
