@@ -13,7 +13,7 @@ CODE := src tests benchmarks
 FUZZ_SECONDS ?= 120
 # Runs on simulated machines wait more than they compute.
 CORES := $(shell $(PYTHON) -c 'import os; print(os.cpu_count() or 1)')
-WORKERS := $(shell expr 3 '*' $(CORES))
+WORKERS := $(shell expr 2 '*' $(CORES))
 # So do runs of a cluster and of other processes, but less.
 MEASURING := $(shell expr 3 '*' $(CORES) / 2)
 # Otherwise each of them, and each Python that a test starts, compiles everything anew.
