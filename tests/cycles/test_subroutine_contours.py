@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from itertools import pairwise
+
 import pytest
 
 import chipbreak
@@ -47,3 +50,21 @@ def test_finishing_passes_are_counted() -> None:
         f"(PASS {number} {off} MM OFF THE CONTOUR)"
         for number, off in ((1, "0.4667"), (2, "0.3333"), (3, "0.2"))
     ]
+
+
+@pytest.mark.parametrize(
+    ("end", "is_cut"),
+    [("X26", True), ("X26\nG1 Z-20", True), ("X20\nX18 Z-20\nX26", True), ("X26\nG1 X20 Z-20", False)],
+)
+def test_the_last_block_says_whether_a_contour_ends_in_a_pocket(end: str, is_cut: bool) -> None:
+    """Pockets stay, so the edge of one that no wall ends would stay with all that is behind it."""
+    said = filtered(f"G0 X8\nG1 Z-15\n{end}", "G71.1 Q100 I2 R0.5")
+    assert said.changed == is_cut
+    assert [one.code for one in said.diagnostics] == ([] if is_cut else ["CYC003"])
+
+
+def test_a_cycle_that_leaves_pockets_ends_each_pass_at_their_edge_or_at_the_wall() -> None:
+    """A pocket of 4 mm before the wall at X26: passes above it go on to the wall, the one in it does not."""
+    blocks = unrolled("G0 X8\nG1 Z-15\nX20\nX16 Z-20\nX26", "G71.1 Q100 I2 R0.5").split("\n")
+    ends = [after for block, after in pairwise(blocks) if re.fullmatch(r"G0 X(10|14|18|22|26)\.", block)]
+    assert ends == ["G1 Z-20.", "G1 Z-20.", "G1 Z-15.", "G1 Z-15.", "G1 Z-15."]

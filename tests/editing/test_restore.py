@@ -116,6 +116,19 @@ def test_no_line_around_a_cut_is_longer_than_the_control_takes(limit: int, end: 
         assert min(max(map(len, part.split(end))) for part in parts) > 40
 
 
+@pytest.mark.parametrize(("room", "title"), [(3, "VIB"), (2, "VI"), (1, "V"), (0, ""), (-1, ""), (-4, "")])
+def test_a_title_takes_the_room_that_a_long_block_number_leaves(room: int, title: str) -> None:
+    """``(CHIPBREAK BEGIN )`` is 18 characters, and a blank stands behind the number."""
+    settings = chipbreak.load("generic-lathe", ["control.max_line_chars=60"])
+    number = b"N".ljust(60 - 18 - 1 - room, b"1")
+    result = chipbreak.rewrite(
+        b"G97 S3000 M3\nG0 X20. Z0.\n" + number + b" G1 Z-1. F0.05 N1.5\nM30\n", settings
+    )
+    (begin,) = [line for line in result.data.split(b"\n") if line.startswith(number)]
+    assert begin == number + f" (CHIPBREAK BEGIN {title})".encode()
+    assert len(begin) <= 60 or room < 0
+
+
 def test_a_comment_in_a_chain_may_be_longer_than_the_control_takes() -> None:
     comment = b"(" + b"A" * 100 + b")"
     out = there_and_back(CUT.replace(b"N1.5\n", b"N1.5\n" + comment + b"\nX30. N1.5\n"))
