@@ -13,8 +13,10 @@ from hypothesis import strategies as st
 
 import chipbreak
 from chipbreak import load
+from chipbreak.model import interpreted_program
+from chipbreak.model.arrivals import Carried, carried_by, together
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
-from chipbreak.model.modal import State
+from chipbreak.model.modal import Setting, State
 from chipbreak.syntax.parse import parse
 from chipbreak.text.source import read
 from macro_interpreter import Interpreter, Library, Machine
@@ -291,3 +293,45 @@ def test_a_feed_that_was_given_back_in_other_units_is_the_same_where_a_loop_begi
     result = chipbreak.rewrite(program, settings, allow_unbroken=True)
     assert len(result.cuts) == 1
     assert chipbreak.restore(result.data) == program
+
+
+def test_many_jumps_to_many_blocks_of_one_number_are_put_together_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """300 jumps, each of which may go to any of 300 blocks: not 90,000 ways."""
+    looked_at: list[State] = []
+
+    def counted(state: State) -> Carried:
+        looked_at.append(state)
+        return carried_by(state)
+
+    monkeypatch.setattr(interpreted_program, "carried_by", counted)
+    program = "G94 S900 M3 F100.\n" + "IF[#1EQ1]GOTO7\nN7 X1.\n" * 300 + "(HERE)\nM30\n"
+    assert at_mark(program, FANUC) == ("100.", "900")
+    assert 300 <= len(looked_at) < 2000
+
+
+_MODES = ("mm", "per-minute", "rpm")
+
+
+def brought(feed: float | None, line: int, read_by: tuple[str, str, str] = _MODES) -> Carried:
+    setting = None if feed is None else Setting(feed, f"{feed:g}", line, "mm")
+    return Carried(setting, None, read_by)
+
+
+@pytest.mark.parametrize(
+    ("ways", "expected"),
+    [
+        pytest.param([], (), id="none"),
+        pytest.param([brought(5.0, 8), brought(5.0, 3)], (brought(5.0, 3),), id="the first that said it"),
+        pytest.param([brought(5.0, 8), brought(6.0, 3)], (brought(None, 0),), id="another F"),
+        pytest.param([brought(5.0, 8), brought(None, 0)], (brought(None, 0),), id="F of nobody knows what"),
+        pytest.param(
+            [brought(5.0, 8), brought(5.0, 9), brought(5.0, 9, ("inch", "per-minute", "rpm"))],
+            (brought(5.0, 8), brought(5.0, 9, ("inch", "per-minute", "rpm"))),
+            id="other units",
+        ),
+    ],
+)
+def test_ways_that_say_the_same_are_one(ways: list[Carried], expected: tuple[Carried, ...]) -> None:
+    assert together(ways) == expected

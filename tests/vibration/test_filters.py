@@ -7,8 +7,10 @@ import pytest
 from numpy.typing import NDArray
 
 import chipbreak
+from chipbreak.kinematics.waveform import WaveformParameters, sample
 from chipbreak.trajectory.filters import AxisFilter, axis_filter, filtered, times_to_look_at
 from chipbreak.trajectory.look_ahead import LookAhead
+from chipbreak.vibration import compensation
 from chipbreak.vibration.measure import CutReport
 
 Floats = NDArray[np.float64]
@@ -155,6 +157,24 @@ def test_no_stroke_is_raised_beyond_what_the_axis_can_do() -> None:
     with pytest.raises(chipbreak.ProgramRejectedError) as caught:
         chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-lathe", sets))
     assert "VIB062" in [d.code for d in caught.value.diagnostics]
+
+
+def test_nothing_is_run_behind_a_filter_of_minutes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It settles over 60,000 vibrations and leaves nothing of any; an axis that stands does not count."""
+    seen: list[int] = []
+
+    def counted(wave: WaveformParameters) -> tuple[Floats, Floats]:
+        time_s, distance_mm = sample(wave)
+        seen.append(len(time_s))
+        return time_s, distance_mm
+
+    monkeypatch.setattr(compensation, "sample", counted)
+    program = FAST.replace(" Q1.2", "")
+    assert cut_of(program, "axes.Z.acc_dec_ms=999999").verdict.margin == pytest.approx(0.0, abs=0.001)
+    assert not seen
+    cut = cut_of(program, "axes.X.acc_dec_ms=999999", "axes.Z.acc_dec_ms=8")
+    assert cut.verdict.margin == pytest.approx(1.2, rel=0.02)
+    assert 0 < max(seen) < 1000
 
 
 def test_what_the_control_makes_of_strokes_must_be_known() -> None:

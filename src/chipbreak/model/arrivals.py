@@ -87,8 +87,9 @@ def at_targets(
             return
         ways.setdefault(jump.number, []).append(Place(jump.line, is_behind=True))
     for number in ways.keys() - called:
+        arrival = Arrival(tuple(ways[number]))
         for line in numbers.get(number, ()):
-            yield Place(line, is_behind=False), Arrival(tuple(ways[number]))
+            yield Place(line, is_behind=False), arrival
 
 
 @dataclass(eq=False, repr=False)
@@ -209,6 +210,19 @@ def carried_by(state: State) -> Carried:
 
 def _known(setting: Setting | None) -> Setting | None:
     return None if setting is None or math.isnan(setting.value) else setting
+
+
+def together(ways: Sequence[Carried]) -> tuple[Carried, ...]:
+    """As few that say the same of the place where all these meet: one, or two read by other modes."""
+    if not ways:
+        return ()
+    first = ways[0]
+    other = next((way for way in ways if way.read_by != first.read_by), None)
+    if other is not None:
+        return (first, other)
+    feed = _common([way.feed for way in ways])
+    speed = _common([way.speed for way in ways])
+    return (Carried(feed, speed, first.read_by),)
 
 
 def met(state: State, carried: Sequence[Carried] | None, why: str, *, from_above: bool) -> State:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from chipbreak.dialects.modes import Motion
 from chipbreak.kinematics.floats import Floats
-from chipbreak.model.arrivals import Carried, CarriedTo, Place, carried_by
+from chipbreak.model.arrivals import Arrival, Carried, CarriedTo, Place, carried_by, together
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.callers import Program as Called
 from chipbreak.model.callers import entry_states, lines_of_calls, local_programs, programs_of
@@ -286,23 +286,40 @@ def _settled(
 
 
 def _carried(interpreted: InterpretedProgram) -> CarriedTo:
-    """What each way brings."""
+    """What the ways bring to each place.
+
+    A thousand jumps may go to a thousand blocks of one number: what jumps bring is put together once.
+    """
     say_feed = _calls_that_may_say(SAYS_FEED, interpreted)
     say_speed = _calls_that_may_say(SAYS_SPEED, interpreted)
+    arrivals = interpreted.flow.arrivals
+    each = {id(arrival): arrival for arrival in arrivals.values()}
+    brought = {key: _Brought.by(arrival, interpreted) for key, arrival in each.items()}
 
-    def brought_to(place: Place, way: Place) -> Carried:
-        _, effect = interpreted.reached[way.line]
-        found = carried_by(effect.after if way.is_behind else effect.before)
-        # Where it goes back over a call.
+    def brought_to(place: Place, arrival: Arrival) -> tuple[Carried, ...]:
+        all_ways = brought[id(arrival)]
+        # A way that goes back over a call may bring what that says.
         says_feed, says_speed = (
-            bisect_left(calls, place.line) < bisect_right(calls, way.line) for calls in (say_feed, say_speed)
+            bisect_left(calls, place.line) < bisect_right(calls, all_ways.last_line)
+            for calls in (say_feed, say_speed)
         )
-        return found.without(feed=says_feed, speed=says_speed)
+        return tuple(way.without(feed=says_feed, speed=says_speed) for way in all_ways.carried)
 
-    return {
-        place: tuple(brought_to(place, way) for way in arrival.ways)
-        for place, arrival in interpreted.flow.arrivals.items()
-    }
+    return {place: brought_to(place, arrival) for place, arrival in arrivals.items()}
+
+
+class _Brought(NamedTuple):
+    """What some ways bring, those that bring the same taken together, and the last line they come from."""
+
+    carried: tuple[Carried, ...]
+    last_line: int
+
+    @classmethod
+    def by(cls, arrival: Arrival, interpreted: InterpretedProgram) -> _Brought:
+        """What the ways of an arrival bring."""
+        effects = ((way, interpreted.reached[way.line][1]) for way in arrival.ways)
+        carried = [carried_by(effect.after if way.is_behind else effect.before) for way, effect in effects]
+        return cls(together(carried), max((way.line for way in arrival.ways), default=0))
 
 
 def _calls_that_may_say(says: str, interpreted: InterpretedProgram) -> list[int]:

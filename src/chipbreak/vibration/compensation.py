@@ -25,6 +25,7 @@ _ROUNDS = 8
 _SAME_SHARE = 0.002  # of the margin asked for
 _MOST_TIMES = 25.0  # what is left of less of a stroke depends on every digit of the machine's numbers
 _HALVINGS = 7
+_MOST_PERIODS = 1000.0  # a filter that settles over more leaves far less than a part in _MOST_TIMES
 _NO_MOVE_MM = 1e-9
 _MORE = 3  # vibrations, and revolutions, that are looked at once all has settled
 
@@ -67,6 +68,8 @@ def _probe_of(wave: WaveformParameters) -> WaveformParameters:
 def _stroke_mm(wave: WaveformParameters, asked: Asked, law: ControlLaw, way: Direction) -> float:
     """The stroke that has the margin in this direction, as far as the control can make it."""
     own_mm = wave.stroke_mm
+    if _settling_s(law, way) > _MOST_PERIODS * wave.period_s:
+        return own_mm
     reached_mm = own_mm
     stroke_mm = own_mm
     for _ in range(_ROUNDS):
@@ -98,7 +101,7 @@ def _largest_mm(
 
 def _margin(wave: WaveformParameters, asked: Asked, law: ControlLaw, way: Direction) -> float | None:
     """The margin of the weakest vibration once all has settled; None where the control cannot make it."""
-    settling_s = max(axis.filter.settling_s for axis in law.axes)
+    settling_s = _settling_s(law, way)
     shown_s = settling_s + _MORE * (wave.period_s + 60.0 / wave.speed_rpm)
     count = math.ceil(shown_s / wave.period_s) + 1
     whole_mm = count * wave.period_s * wave.speed_mm_s
@@ -128,3 +131,8 @@ def _margin(wave: WaveformParameters, asked: Asked, law: ControlLaw, way: Direct
         vibration_s=wave.period_s,
     )
     return verdict.margin
+
+
+def _settling_s(law: ControlLaw, way: Direction) -> float:
+    """How long the axes that move in a direction still see a change of the command."""
+    return max(axis.filter.settling_s for axis, part in zip(law.axes, way, strict=True) if part)
