@@ -49,6 +49,20 @@ def test_a_program_with_a_variable_of_the_macros_gets_no_check(
 
 
 @pytest.mark.parametrize(
+    ("line", "options", "ranges"),
+    [
+        ("#105=4.", (), "#100 to #179 and #500 to #999"),
+        ("#205=4.", ("macros.first_variable=200",), "#200 to #279 and #500 to #999"),
+        ("#705=4.", ("macros.store_first=700",), "#100 to #179 and #700 to #999"),
+    ],
+)
+def test_all_variables_of_the_macros_are_said(line: str, options: tuple[str, ...], ranges: str) -> None:
+    """From the first to the last: another variable is free when it lies in none of them."""
+    (message,) = told(rewritten(line, "X4.", "fanuc-mill", *options))
+    assert message.endswith(f"the macros they call use {ranges}")
+
+
+@pytest.mark.parametrize(
     ("profile", "line", "options"),
     [
         ("fanuc-mill", "#99=4.", ()),

@@ -14,10 +14,10 @@ ARC = "G0 X8\nG1 Z-5\nG2 X12 Z-9 I4 K0\nG1 X26"
 CYCLES = ("G71 Q100 I2 R0.5", "G70 Q100", "G70 Q100 D0.6 E0.2 P3")
 
 
-def filtered(shape: str, cycle: str) -> chipbreak.Result:
+def filtered(shape: str, cycle: str, before: str = "X28 Z2") -> chipbreak.Result:
     program = (
         "G8 G18 G21 G90 G94 G40\nF200 S800 M3\no100 sub\n"
-        f"{shape}\no100 endsub\nG0 X28 Z2\n{cycle}\nG0 X40 Z10\nM2\n"
+        f"{shape}\no100 endsub\nG0 {before}\n{cycle}\nG0 X40 Z10\nM2\n"
     )
     settings = chipbreak.load("linuxcnc-lathe", ['cycles.unroll="always"'])
     return chipbreak.rewrite(program.encode(), settings)
@@ -68,3 +68,14 @@ def test_a_cycle_that_leaves_pockets_ends_each_pass_at_their_edge_or_at_the_wall
     blocks = unrolled("G0 X8\nG1 Z-15\nX20\nX16 Z-20\nX26", "G71.1 Q100 I2 R0.5").split("\n")
     ends = [after for block, after in pairwise(blocks) if re.fullmatch(r"G0 X(10|14|18|22|26)\.", block)]
     assert ends == ["G1 Z-20.", "G1 Z-20.", "G1 Z-15.", "G1 Z-15.", "G1 Z-15."]
+
+
+@pytest.mark.parametrize(
+    ("before", "is_free"),
+    [("X40 Z-10", True), ("X28 Z-10", True), ("X27 Z-10", False), ("X20 Z-10", False), ("X20 Z2", True)],
+)
+def test_the_way_to_the_start_leads_over_the_stock_or_in_front_of_it(before: str, is_free: bool) -> None:
+    """The stock reaches from X28 Z2 to the contour: over it and before it are ways, beside it is none."""
+    said = filtered(SAID, "G71 Q100 X28 Z2 I2 R0.5", before)
+    assert said.changed == is_free
+    assert ["way to the start" in one.message for one in said.diagnostics] == ([] if is_free else [True])

@@ -421,3 +421,26 @@ def test_of_very_many_periods_some_are_taken_that_lie_close() -> None:
 
 def test_a_way_out_is_no_spindle_that_stands() -> None:
     assert refusal(speed=0.5, per_rev=1_000_000_000.5).help == "give N and f without S"
+
+
+def test_the_way_out_is_the_speed_that_makes_the_better_count_with_the_frequency_there_is() -> None:
+    """Only 62.5 Hz, so S 3750 makes N 1 whatever N is asked; 60 * 62.5 / S is 0.5 at 7500, 1.5 at 2500."""
+    group = CommandGroup(max_multiple=4)
+    error = refusal(speed=3750, per_rev=1.2, group=group, rules=SolverRules(correct="count"))
+    assert (error.code, error.help, error.instead) == ("VIB005", "give S 7500 or 2500", ())
+
+
+@pytest.mark.parametrize(
+    ("clamp", "speed", "frequency", "ticks"),
+    [(2500, 2500, 62.5, 4), (2499, 2000, 50.0, 5), (2300, 2000, 50.0, 5)],
+)
+def test_below_a_clamp_the_next_slower_frequency_is_taken(
+    clamp: float, speed: float, frequency: float, ticks: int
+) -> None:
+    """S 2300 and N 1.5 ask 57.5 Hz; nearest is 62.5, which needs S 2500, and the next slower one is 50 Hz."""
+    got = solved(speed=2300, per_rev=1.5, rules=SolverRules(max_rpm=clamp))
+    assert (got.speed_rpm, got.frequency_hz, got.period.ticks) == (speed, frequency, ticks)
+    why = (
+        "nearest the control can command" if ticks == 4 else f"the next that the clamp of {clamp} rpm allows"
+    )
+    assert got.reasons[0] == f"f 57.5 -> {frequency:g} Hz, {why} (n = {ticks})"
