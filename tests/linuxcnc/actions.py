@@ -22,7 +22,7 @@ _OFFSETS = ("SET_G5X_OFFSET", "SET_G92_OFFSET", "USE_TOOL_LENGTH_OFFSET")
 _FOLLOWED = ("SET_G5X_OFFSET", "SET_G92_OFFSET")
 _LENGTHS = ("SET_FEED_RATE", "SET_MOTION_CONTROL_MODE", "SET_NAIVECAM_TOLERANCE")
 _NEED_NO_SPINDLE = ("STRAIGHT_TRAVERSE", "DWELL", "PROGRAM_END")
-_SAME_MM = 2e-3
+_SAME_MM = 1.01e-4 * rs274.MM_PER_INCH  # in inches the interpreter says four decimals, here too
 
 
 class Action(NamedTuple):
@@ -144,7 +144,7 @@ def _changed(was: Action, now: Action) -> frozenset[str]:
 def _is_same_feed(was: Action, now: Action) -> bool:
     """The interpreter says four decimals of a feed, in the units in which it was set."""
     one, other = (float(action.in_force["SET_FEED_RATE"][0]) for action in (was, now))
-    return abs(one - other) <= 1.01e-4 * rs274.MM_PER_INCH
+    return abs(one - other) <= _SAME_MM
 
 
 def _needs_no_spindle(action: Action) -> bool:

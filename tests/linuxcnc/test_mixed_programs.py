@@ -33,7 +33,7 @@ WITHOUT_CHECKS = "checks.enabled=false"
 def check(mixed: Mixed) -> str:
     """Filter a program and compare; what became of it in a word."""
     try:
-        result = chipbreak.rewrite(mixed.data, _settings(mixed), allow_unbroken=True)
+        result = chipbreak.rewrite(mixed.data, profile_of(mixed), allow_unbroken=True)
     except chipbreak.ProgramRejectedError:
         return "refused"
     if not result.changed:
@@ -53,7 +53,8 @@ def _profile(machine: str, *sets: str) -> chipbreak.Settings:
     return chipbreak.load(machine, [*SETTINGS, *sets])
 
 
-def _settings(mixed: Mixed) -> chipbreak.Settings:
+def profile_of(mixed: Mixed) -> chipbreak.Settings:
+    """The machine of a program."""
     if mixed.checked:
         return _profile("linuxcnc-mill", *BEAM, f'tools.files=["{wooden_macros() / "tools.csv"}"]')
     return _profile(f"linuxcnc-{'lathe' if mixed.lathe else 'mill'}", WITHOUT_CHECKS)

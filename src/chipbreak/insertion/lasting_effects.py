@@ -6,6 +6,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 
+from chipbreak.dialects.path_mode import has_lengths
 from chipbreak.insertion.subprograms import Subprograms
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
@@ -96,7 +97,7 @@ def unit_switches(interpreted: InterpretedProgram) -> Iterator[UnitSwitch]:
         before = effect.before
         has_feed |= before.feed is not None  # after a loop it is not known any more, but in force
         if before.modes.units != effect.after.modes.units:
-            has_tolerance = has_tolerance or "P" in before.path_words
+            has_tolerance = has_tolerance or has_lengths(before.path_words)
             yield UnitSwitch(effect.block.line, has_feed, has_tolerance)
         elif codes_of(effect.block, "path", interpreted.settings.dialect):
             has_tolerance = False
