@@ -492,3 +492,21 @@ def test_a_tool_that_never_turns_back_meets_only_the_last_pass() -> None:
     assert not verdict.breaks
     assert (verdict.cut_share, verdict.chips_per_rev) == (1.0, 0.0)
     assert verdict.peak_thickness == pytest.approx(400.0)
+
+
+@pytest.mark.parametrize("late_s", [0.0, 0.2 * REV_S, REV_S])
+def test_a_vibration_that_takes_as_long_as_two_is_one(late_s: float) -> None:
+    """N is that of the vibrations that were meant, over the time that they take, however late one is."""
+    time_s, distance_mm = steady_wave("triangle", 1.5, 1.2, revs=20)
+    late = time_s + np.where(np.arange(len(time_s)) > 30, late_s, 0.0)
+    got = judged(late, distance_mm, vibration_s=REV_S / 1.5, meant_s=(late, time_s))
+    crests = 29  # steps between the 30 crests
+    assert got.per_rev == pytest.approx(crests / (crests / 1.5 + late_s / REV_S), rel=1e-9)
+
+
+def test_a_vibration_that_was_swallowed_still_has_its_time() -> None:
+    time_s, distance_mm = steady_wave("triangle", 1.5, 1.2, revs=20)
+    kept = ~np.isin(np.arange(len(time_s)), (30, 31))
+    got = judged(time_s[kept], distance_mm[kept], vibration_s=REV_S / 1.5, meant_s=(time_s, time_s))
+    assert got.per_rev == pytest.approx(1.5, rel=1e-9)
+    assert not got.breaks

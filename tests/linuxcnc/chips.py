@@ -106,6 +106,13 @@ def chips(time_s: Floats, along_mm: Floats, speed_rpm: float, window_s: tuple[fl
     return Chips(broken, float(lengths.max(initial=0)) / _ANGLES, float(thick.max(initial=0.0)))
 
 
+def stands(time_s: Floats, along_mm: Floats, least_s: float) -> Floats:
+    """When the tool comes to stand for so long at least; (n,) of (m,)."""
+    moves = np.flatnonzero(np.abs(np.diff(along_mm)) > _NOTHING_MM)
+    since, until = time_s[moves[:-1] + 1], time_s[moves[1:]]
+    return np.asarray(since[until - since >= least_s])
+
+
 @dataclass(frozen=True)
 class Vibration:
     """How a motion swings between two times: turns from forward to back, their mean rate, and the stroke.

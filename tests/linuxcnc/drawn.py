@@ -20,11 +20,12 @@ from chipbreak.kinematics.waveform import full_window
 from chipbreak.vibration.measure import CutReport
 
 from . import machine
-from .chips import Floats, Leg, Point, chips, follow, vibration
+from .chips import Floats, Leg, Point, chips, follow, stands, vibration
 from .machine import Run
 from .settled import SPEEDS, UNSETTLED, Seen, is_settled, tries_of
 
 MM_PER_INCH = 25.4
+_STAND_SHARE = 0.5  # of a revolution: a rest at a corner is shorter
 
 
 class Machine(NamedTuple):
@@ -334,7 +335,13 @@ def kept(cut: Cut, promise: CutReport, time_s: Floats, points_mm: Floats) -> Kep
         misses = np.abs(seen.strokes_mm / verdict.stroke_mm - 1.0)
         # A stroke across a corner, or bent round an arc, is no longer measured along one line.
         stroke_error = float(misses.max() if len(cut.legs) == 1 else np.median(misses))
-    wanted = max(0.0, (end_s - start_s) / wave.period_s / shift) if verdict.breaks else 0.0
+    period_s = wave.period_s * shift
+    if not turns_back:
+        # Dwells end the chips whatever N is, so the N that is promised is the one that is reached.
+        period_s = rev_s / verdict.per_rev
+        begun_s = stands(time_s, along, _STAND_SHARE * rev_s)
+        count_error = abs(float(np.diff(begun_s).mean()) / period_s - 1.0)
+    wanted = max(0.0, (end_s - start_s) / period_s) if verdict.breaks else 0.0
     return Kept(
         count_error,
         stroke_error,

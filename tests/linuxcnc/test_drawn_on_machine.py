@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from . import drawn as drawn_cuts
-from .drawn import NOTHING_KEPT, PATHS, Cut, Kept, Ran, drawn, run_cuts
+from .drawn import NOTHING_KEPT, PATHS, Cut, Kept, Ran, drawn, kept, run_cuts
 from .settled import UNSETTLED
 
 SEEDS = (2, 3, 4, 8, 9, 10, 12, 16, 37, 58)
@@ -62,3 +63,22 @@ def test_a_stalled_run_is_told_from_a_wrong_program(
     assert not refused
     assert ran.misses == misses
     assert len(runs) - len(left) == tries
+
+
+def test_one_chip_of_a_cut_that_dwells_is_missed() -> None:
+    """Feeding evenly and standing behind each step it keeps all; of one stand that is too short N tells."""
+    cut = drawn(11, "turning")
+    (promise,) = cut.filtered().cuts
+    wave, (leg,) = promise.wave, cut.legs
+    step_mm = wave.speed_mm_s * wave.period_s
+    for moved_s, misses in ((0.0, []), (0.028, ["N"])):
+        begin_s = wave.period_s * np.arange(wave.vibrations + 1)
+        begin_s[20] -= moved_s  # the stand before it is shorter, and the one behind it longer
+        stand_s = begin_s[:-1] + wave.period_s - promise.each_dwell_s
+        places_mm = step_mm * np.arange(wave.vibrations + 1)
+        time_s = np.append(
+            np.column_stack([begin_s[:-1], stand_s]).ravel(), [begin_s[-1], promise.duration_s]
+        )
+        along_mm = np.append(np.repeat(places_mm, 2)[1:], leg.length_mm)
+        found = kept(cut, promise, time_s, leg.at(along_mm))
+        assert found.misses() == misses, found

@@ -211,3 +211,46 @@ def test_a_long_motion_is_worked_out_in_pieces(monkeypatch: pytest.MonkeyPatch, 
     assert pieces.distance_mm.tolist() == pytest.approx(whole.distance_mm.tolist(), abs=1e-12)
     assert whole._replace(look_s=1.0).fingerprint != whole.fingerprint
     assert whole._replace(spans_s=whole.spans_s + 1e-12).fingerprint != whole.fingerprint
+
+
+def test_a_first_block_from_a_stand_speeds_up_as_if_it_was_the_only_one() -> None:
+    """LinuxCNC begins it in the period in which it hands it over, before it knows another one."""
+    acceleration, period = 20000.0, 0.001
+    blocks = Stretch((0.06, 0.07), (20.0, 20.0), (50.0, 50.0), (acceleration, acceleration))
+    for override in (1.0, 1.2, 2.0, inf):
+        clock = Clock(period, 0.01, override)
+        _, places = linuxcnc(blocks, clock)
+        assert places[0] == pytest.approx(acceleration * period**2 / 2.0)
+    _, behind_another = linuxcnc(blocks._replace(before=20.0), Clock(period, 0.01, 1.0))
+    # Evenly to 20 mm/s at the end of 0.06 mm: v dv/ds is the same all the way.
+    assert behind_another[0] == pytest.approx(20.0**2 / (2.0 * 0.06) * period**2 / 2.0)
+
+
+@pytest.mark.parametrize(("way", "stands"), [(0.06, True), (0.2, False)])
+def test_a_tool_must_stand_before_a_first_block_that_would_be_one_ramp(way: float, stands: bool) -> None:
+    ahead = np.array([way, 0.07, -0.06])
+    blocks = blocks_of(np.column_stack([ahead, 0.0 * ahead, 0.0 * ahead]), ahead, [20000.0] * 3)
+    feeds = np.full(3, 20.0)
+    model = LinuxCnc(velocity_mm_s=50.0, acceleration_mm_s2=20000.0)
+    assert model.must_stand_before(blocks, feeds) == stands
+    assert not replace(model, per_revolution=True).must_stand_before(blocks, feeds)
+    assert not replace(model, every_block_stops=True).must_stand_before(blocks, feeds)
+
+
+def test_blocks_that_are_too_slow_get_the_lowest_feed_and_others_their_time() -> None:
+    least = 0.1 * 25.4 / 60.0
+    model = replace(MODEL, least_feed_mm_s=least)
+    ahead = np.array([0.014224, 0.001016, 0.02717, -0.0008, 0.03, -0.02])
+    blocks = blocks_of(np.column_stack([0.0 * ahead, 0.0 * ahead, ahead]), ahead, [2000.0] * 3)
+    spans = np.full(6, 0.1)
+    feeds = model.feeds_for_spans(blocks, spans, 6)
+    assert feeds.min() == least
+    # The slowest ones take as long as their way at the lowest feed; what they lack the others have.
+    took = model.block_times(ahead, feeds)
+    assert took.sum() == pytest.approx(0.6)
+    assert took[:3].sum() == pytest.approx(0.3)
+    assert took[3] == pytest.approx(0.0008 / least, abs=0.0015)
+    assert took[3:5].sum() == pytest.approx(0.2)
+    # As on the machine: 24 ms for 0.001016 mm, whatever F asks for.
+    assert model.block_times([0.001016], [0.0102])[0] == pytest.approx(0.024, abs=0.0011)
+    assert MODEL.block_times([0.001016], [0.0102])[0] > 0.099

@@ -145,3 +145,75 @@ def test_a_short_cut_is_not_refused_for_rounded_crests() -> None:
     cut = cut_of(*sets, "planner.model=ideal", program=program)
     assert cut.verdict.per_rev == pytest.approx(0.5, rel=0.02)
     assert not cut.misses_plan
+
+
+def test_a_stroke_larger_than_the_fillet_that_it_goes_round_is_told_with_the_n_that_is_left() -> None:
+    """Vibrations in the fillet take up to twice as long: these are no two vibrations of which one is lost."""
+    program = (
+        "G20 G18 G90 G8 G97 G95 S1250 M3\nG0 X0.315 Z0.0197\nG1 Z-0.0159 F0.0051 N1.5 Q2.29\n"
+        "G2 X0.3229 Z-0.0238 I0.0079 K0 F0.0051 N1.5 Q2.29\nG1 X0.3585 F0.0051 N1.5 Q2.29\nM2\n"
+    )
+    sets = ["output.feed_mode=minute", "vibration.ramp_vibrations=0", "vibration.end=dwell"]
+    sets += [f"axes.{axis}.max_acceleration_mm_s2=10000" for axis in "XZ"]
+    sets += ["planner.servo_period_ms=0.5", "planner.max_feed_override=1.2"]
+    settings = chipbreak.load("linuxcnc-lathe", sets)
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        chipbreak.rewrite(program.encode(), settings, allow_unbroken=True)
+    (said,) = caught.value.diagnostics
+    # On the simulated machine there are 20 vibrations in the 771.5 ms from the first crest to the last.
+    assert (
+        f"make N {20 / 0.7715 * 60 / 1250:.3f} of 1.500: it slows down at bends of the path" in said.message
+    )
+    assert said.code == "VIB034"
+
+
+IN_INCHES = "G20 G18 G90 G8 G97 G95 S200 M3\nG0 X0.315 Z0.0197\nG1 Z-0.0183 F0.0009 N1.5 Q1.71\nM2\n"
+IN_MM = "G21 G18 G90 G8 G97 G95 S6 M3\nG0 X8 Z0.5\nG1 Z-0.466 F0.023 N1.5 Q1.71\nM2\n"
+
+
+@pytest.mark.parametrize(
+    ("program", "unit_mm", "sets"),
+    [(IN_INCHES, 25.4, ()), (IN_MM, 1.0, ("command.periods_ms=[6666]", "output.decimals=5"))],
+    ids=["inch", "mm"],
+)
+def test_no_block_of_inverse_time_is_slower_than_linuxcnc_makes_it(
+    program: str, unit_mm: float, sets: tuple[str, ...]
+) -> None:
+    """Its interpreter before 2.9.0 makes 0.1 of anything slower: others of the cut get the time."""
+    settings = chipbreak.load("linuxcnc-lathe", ["output.feed_mode=inverse", *sets])
+    result = chipbreak.rewrite(program.encode(), settings)
+    (cut,) = result.cuts
+    blocks = [line.split() for line in result.data.decode().split("\n") if " F" in line and "Z" in line]
+    blocks = [words for words in blocks if not words[0].startswith("(")]
+    ends = [float(word[1:]) for words in blocks for word in words if word[0] == "Z"]
+    rates = [float(words[-1][1:]) for words in blocks]
+    start = float(program.split("\n")[1].split("Z")[1])
+    slowest = min(abs(way) * rate for way, rate in zip(np.diff(ends, prepend=start), rates, strict=True))
+    assert 0.1 * 0.999 <= slowest < 0.15
+    spans = np.abs(np.diff(cut.expansion.time_s, prepend=0.0))
+    assert (np.abs(np.diff(ends, prepend=start)) / spans * 60.0).min() < 0.05  # so slow they were meant to be
+    assert cut.duration_s == pytest.approx(cut.wave.duration_s, rel=0.001)
+    assert cut.verdict.per_rev == pytest.approx(1.5, rel=0.001)
+
+
+TICKS = "G21 G18 G90 G8 G97 G94 S6000 M3\nG0 X14.664 Z-0.4\nG1 X9.966 F840 E2\nG0 X10.966 Z0.2\nM2\n"
+FAST = ("axes.X.max_acceleration_mm_s2=20000", "planner.max_feed_override=1.2")
+FROM_FULL = ("vibration.ramp_vibrations=0",)
+
+
+@pytest.mark.parametrize(
+    ("mode", "sets", "stands"),
+    [
+        ("minute", ("output.segments=tick",), True),
+        ("inverse", ("output.segments=tick",), True),
+        ("rev", ("output.segments=tick", *FROM_FULL), False),
+        ("minute", FROM_FULL, False),
+    ],
+)
+def test_where_the_first_block_depends_on_what_was_read_the_tool_stands_before_it(
+    mode: str, sets: tuple[str, ...], stands: bool
+) -> None:
+    settings = chipbreak.load("linuxcnc-lathe", [*FAST, f"output.feed_mode={mode}", *sets])
+    lines = chipbreak.rewrite(TICKS.encode(), settings).data.decode().split("\n")
+    first = next(number for number, line in enumerate(lines) if line.startswith("G1 X"))
+    assert ("G4 P0" in lines[:first]) == stands

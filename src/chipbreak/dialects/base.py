@@ -243,6 +243,7 @@ class Dialect(NamedTuple):
     ``stops_at``      what it stops at; None where it is not known to
     ``repeats_codes`` every block says its code: G1, and with S the M code of the spindle
     ``clock``         how a program reads the time; None where it cannot
+    ``least_inverse_feed`` no block of inverse time is slower, in the program's own units per minute
     ``holds_programs`` M0 holds a program until somebody lets it go on, and M2 ends it
     """
 
@@ -301,6 +302,7 @@ class Dialect(NamedTuple):
     settings: Mapping[int, str] = FrozenTable({})
     stops_at: Stops | None = None
     repeats_codes: bool = False
+    least_inverse_feed: float = 0.0
     holds_programs: bool = True
     message_mark: str = ""
     clock: Clock | None = None

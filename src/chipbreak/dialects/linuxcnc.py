@@ -121,6 +121,8 @@ LINUXCNC_LATHE = Dialect(
     grammar="linuxcnc",
     precedence=LOGIC_LAST,
     surface_limit="D",
+    # Its interpreter before 2.9.0, that of Debian 12 among them.
+    least_inverse_feed=0.1,
     surface_needs_speed=True,
     dwell_word="P",
     axis_letters="XYZUW",

@@ -89,6 +89,7 @@ def judge(
     waveform: str | None = None,
     alpha_share: float = 0.5,
     vibration_s: float | None = None,
+    meant_s: tuple[Floats, Floats] | None = None,
 ) -> Verdict:
     """The verdict on knots of shape (n,) as they will really be run; time rises strictly.
 
@@ -98,6 +99,8 @@ def judge(
     out exactly: it repeats.  Where the wave never turns back,
     its rests are judged; else ``waveform`` and ``alpha_share`` serve only the speed band.  ``vibration_s`` is
     how long a vibration was meant to take: of a tool that never turns back nothing else tells its mean speed.
+    ``meant_s`` are moments of the motion and when they were meant to be, (k,) each: what is late is told from
+    what is missing by them.
     Errors: VIB020.
     """
     _check(time_s, distance_mm, speed_rpm, feed_mm_rev, edges)
@@ -107,6 +110,7 @@ def judge(
     turns_back = waveform is None or wave_named(waveform).turns_back
     rests = None if turns_back else rests_of(time_s, distance_mm, motion.touch_mm)
     steady = _steady_part(motion, steady_s, feed_mm_rev / rev_s, rests)
+    steady = _as_meant(steady, motion, vibration_s, meant_s)
     if rests is None and steady.crest.size <= 1 and vibration_s is not None:
         steady = replace(steady, speed_mm_s=_mean_speed_mm_s(motion, steady, vibration_s))
     margin = _margin(motion, steady)
@@ -168,6 +172,17 @@ def _steady_part(
     if end_s - begin_s < min(period_s, motion.pass_s):
         begin_s = start_s
     return _Steady(crest, start_s, begin_s, end_s, period_s, speed_mm_s)
+
+
+def _as_meant(
+    steady: _Steady, motion: Motion, vibration_s: float | None, meant_s: tuple[Floats, Floats] | None
+) -> _Steady:
+    """The same part with the period of as many vibrations as were meant to be in it."""
+    if steady.crest.size < 2 or vibration_s is None or meant_s is None:
+        return steady
+    crest_s = motion.time_s[steady.crest]
+    vibrations = float(np.ptp(np.interp(crest_s[[0, -1]], *meant_s))) / vibration_s
+    return replace(steady, period_s=mean_step_s(crest_s, vibrations))
 
 
 def _mean_speed_mm_s(motion: Motion, steady: _Steady, vibration_s: float) -> float:

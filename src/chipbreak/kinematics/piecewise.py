@@ -117,15 +117,19 @@ def rests_of(time_s: Floats, distance_mm: Floats, still_mm: float) -> Rests:
     return Rests(begin, time_s[end] - time_s[begin])
 
 
-def mean_step_s(crest_s: Floats) -> float:
+def mean_step_s(crest_s: Floats, vibrations: float | None = None) -> float:
     """The time from crest to crest on average, (n,) with n > 1.
 
     Rounded points move single crests by some base periods, and a control that counts whole servo periods
     makes vibrations of one more and one less: the commonest step is not the mean.  A step of two vibrations,
     one of them swallowed by the control, counts as two, and a wrinkle of rounding as none.
+
+    ``vibrations`` is how many of them were meant from the first crest to the last.  Without it a step is told
+    by its time, and one vibration that takes as long as two, at a corner of the path, is taken for two.
     """
     steps_s = np.diff(crest_s)
-    return float(steps_s.sum() / np.rint(steps_s / np.median(steps_s)).sum())
+    count = 0.0 if vibrations is None else float(np.rint(vibrations))
+    return float(steps_s.sum() / (count or np.rint(steps_s / np.median(steps_s)).sum()))
 
 
 def lowest_of(

@@ -144,6 +144,13 @@ class ControlLaw(ABC):
         """
         return None
 
+    def must_stand_before(self, blocks: Blocks, feeds_mm_s: Floats) -> bool:
+        """True where these blocks run as they should only from a stand with nothing read ahead.
+
+        They are those of a cut, behind whatever move comes before it.
+        """
+        return False
+
     def late_behind_s(self, feed_mm_s: float) -> float:
         """How much longer than its block, at this feed, the tool goes on before a dwell."""
         return self.late_s + self.axes_late_s(feed_mm_s)

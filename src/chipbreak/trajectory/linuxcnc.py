@@ -33,7 +33,7 @@ from chipbreak.trajectory.law import ControlLaw, turns_of
 from chipbreak.trajectory.linuxcnc_fit import Asked, fitted_feeds
 from chipbreak.trajectory.linuxcnc_joints import Bends, bends_of
 from chipbreak.trajectory.linuxcnc_planner import Clock
-from chipbreak.trajectory.linuxcnc_runs import Columns, Parts, Runs, parts_of, run_all
+from chipbreak.trajectory.linuxcnc_runs import Columns, Parts, Runs, first_is_even, parts_of, run_all
 from chipbreak.trajectory.linuxcnc_strokes import middle_feeds
 from chipbreak.trajectory.motion import Motion
 
@@ -50,7 +50,8 @@ _PERIODS_AT_ONCE = 1 << 16
 class LinuxCnc(ControlLaw):
     """LinuxCNC's planner and joint interpolator; ``ramp_s`` is 1/ARC_BLEND_RAMP_FREQ.
 
-    ``max_feed_override`` is [DISPLAY] MAX_FEED_OVERRIDE, None where it is not known.
+    ``max_feed_override`` is [DISPLAY] MAX_FEED_OVERRIDE, None where it is not known.  No feed is below
+    ``least_feed_mm_s``: its interpreter sees to that in inverse time.
     """
 
     name: ClassVar[str] = "linuxcnc"
@@ -59,6 +60,7 @@ class LinuxCnc(ControlLaw):
 
     ramp_s: float = 0.01
     max_feed_override: float | None = None
+    least_feed_mm_s: float = 0.0
 
     @property
     def late_s(self) -> float:
@@ -89,7 +91,8 @@ class LinuxCnc(ControlLaw):
     @property
     def _clock(self) -> Clock:
         override = 1.0 if self.max_feed_override is None else self.max_feed_override
-        return Clock(self.servo_period_s, self.ramp_s, inf if self.per_revolution else override)
+        highest = inf if self.per_revolution else override
+        return Clock(self.servo_period_s, self.ramp_s, highest, self.least_feed_mm_s)
 
     def rounded(self, time_s: float) -> float:
         """A whole number of servo periods."""
@@ -106,6 +109,7 @@ class LinuxCnc(ControlLaw):
     ) -> Floats:
         """See :meth:`ControlLaw.block_times`."""
         lengths, feeds = self.checked(lengths_mm, feeds_mm_s)
+        feeds = np.maximum(feeds, self.least_feed_mm_s)
         size = len(lengths)
         even = np.full(size, self.velocity_mm_s), np.full(size, self.acceleration_mm_s2)
         turns = turns_of(lengths)
@@ -126,16 +130,30 @@ class LinuxCnc(ControlLaw):
     def motion_between_dwells(self, distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats) -> Motion:
         """See :meth:`ControlLaw.motion`."""
         self.refuse_lost_strokes(blocks.lengths_mm)
+        columns, parts = self._columns(blocks, feeds_mm_s)
+        runs = self._runs(columns, parts)
+        time_s, knots_mm = self._knots(distance_mm, blocks.lengths_mm, parts, runs)
+        return Motion(runs.times, time_s, knots_mm)
+
+    def must_stand_before(self, blocks: Blocks, feeds_mm_s: Floats) -> bool:
+        """See :meth:`ControlLaw.must_stand_before`: it hands over one block a period, and begins the first.
+
+        Behind another move all of them wait, and know each other.  With feed per revolution it is the same.
+        """
+        if self.per_revolution:
+            return False
+        return any(first_is_even(*law._columns(blocks, feeds_mm_s), law._clock) for law in self.variants())
+
+    def _columns(self, blocks: Blocks, feeds_mm_s: Floats) -> tuple[Columns, Parts]:
+        """What runs, and from where to where without a rest."""
         bends = self._bends(blocks)
         clock = self._clock
+        feeds_mm_s = np.maximum(feeds_mm_s, self.least_feed_mm_s)
         joints = bends.joints(
             feeds_mm_s, clock.period_s, clock.override, every_block_stops=self.every_block_stops
         )
         columns = Columns(bends.lengths_mm, feeds_mm_s, bends.velocity_mm_s, joints.acceleration_mm_s2)
-        parts = parts_of(joints.runs_on)
-        runs = self._runs(columns, parts)
-        time_s, knots_mm = self._knots(distance_mm, blocks.lengths_mm, parts, runs)
-        return Motion(runs.times, time_s, knots_mm)
+        return columns, parts_of(joints.runs_on)
 
     def _bends(self, blocks: Blocks) -> Bends:
         limits = [(axis.velocity_mm_s, axis.acceleration_mm_s2) for axis in self.axes] or [(inf, inf)] * 3

@@ -64,16 +64,21 @@ def fitted_feeds(asked: Asked, clocks: Sequence[Clock], refuse: Refuse) -> Float
 
     With several clocks nobody knows which one it will be: the worst of them counts.
     """
-    joints = _joints(asked, asked.bends.lengths_mm / asked.spans, clocks)
+    joints = _joints(asked, _even_feeds(asked, clocks), clocks)
     for _ in range(_ROUNDS):
         fit = _Fit.of(asked, joints, clocks, refuse)
-        found = fit.feeds()
+        found = np.maximum(fit.feeds(), clocks[0].least_mm_s)
         # What a corner costs depends on the feeds, and the feeds on what it costs.
         now = _joints(asked, found, clocks)
         if np.array_equal(now.runs_on, joints.runs_on) and fit.keeps_times(found, now):
             break
         joints = Joints(joints.runs_on & now.runs_on, now.acceleration_mm_s2)
     return found
+
+
+def _even_feeds(asked: Asked, clocks: Sequence[Clock]) -> Floats:
+    """Those with which the blocks would take their times if nothing had to speed up, (n,)."""
+    return np.maximum(asked.bends.lengths_mm / asked.spans, clocks[0].least_mm_s)
 
 
 def _joints(asked: Asked, feeds: Floats, clocks: Sequence[Clock]) -> Joints:
@@ -100,7 +105,7 @@ class _Fit:
     def of(cls, asked: Asked, joints: Joints, clocks: Sequence[Clock], refuse: Refuse) -> _Fit:
         """The parts that begin before the blocks that keep their feeds."""
         bends = asked.bends
-        nominal = bends.lengths_mm / asked.spans
+        nominal = _even_feeds(asked, clocks)
         columns = Columns(bends.lengths_mm, nominal, bends.velocity_mm_s, joints.acceleration_mm_s2)
         parts = parts_of(joints.runs_on)
         count = int(np.searchsorted(parts.starts, asked.plain_from))
@@ -116,7 +121,7 @@ class _Fit:
         feeds = self.columns.speeds.copy()
         if not len(self.parts.starts):
             return feeds
-        times = _times_of_parts(self.asked, self.columns, self.parts, self.period_s)
+        times = self._in_time(_times_of_parts(self.asked, self.columns, self.parts, self.period_s))
         single = self.parts.of_size(1)
         blocks = self.parts.starts[single]
         feeds[blocks] = self._single_feeds(blocks, times[single])
@@ -129,6 +134,21 @@ class _Fit:
             if len(inner) < len(which):
                 self._fit_last(which[len(inner) :], size, times, feeds)
         return feeds
+
+    def _in_time(self, times: Floats) -> Floats:
+        """The times of the parts, (p,), none longer than at the lowest feed: the next one gets the rest."""
+        least = self.clocks[0].least_mm_s
+        if least <= 0.0:
+            return times
+        ways, has = _parts_as_blocks(self.columns, self.parts)
+        longest = profile_of(ways, np.full(len(ways), least), has, self.period_s).periods * self.period_s
+        for first in np.flatnonzero(times > longest + _SAME_S).tolist():
+            at = first
+            while at + 1 < len(times) and times[at] > longest[at]:
+                times[at + 1] += times[at] - longest[at]
+                times[at] = longest[at]
+                at += 1
+        return times
 
     def keeps_times(self, feeds: Floats, joints: Joints) -> bool:
         """True where other joints change no time that the parts were given."""

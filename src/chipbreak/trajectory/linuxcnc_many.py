@@ -36,6 +36,10 @@ class Stretches(NamedTuple):
         """Some of them."""
         return Stretches(*(column[which] for column in self))
 
+    def at_least(self, speed: float) -> Stretches:
+        """The same with no block slower than that."""
+        return self if speed <= 0.0 else self._replace(speeds=np.maximum(self.speeds, speed))
+
 
 def linuxcnc_many(stretches: Stretches, clock: Clock) -> tuple[Floats, Floats]:
     """Time of each block, (m, n), and the distance covered after each servo period, (m, periods).
@@ -109,7 +113,7 @@ class _Blocks:
     def __init__(self, stretches: Stretches, clock: Clock) -> None:
         lengths, speeds, tops, accelerations, _ = stretches
         self.count = lengths.shape[1]
-        self.period, self.ramp, override = clock
+        self.period, self.ramp, override, _ = clock
         self.per_revolution = override == inf
         caps = lengths / (LEAST_PERIODS * self.period)
         caps[:, 0] = lengths[:, 0] / self.period
@@ -134,7 +138,8 @@ class _Blocks:
         asked = np.minimum(rows.feed_before, self.caps[at]) if self.per_revolution else self.tops[at]
         aim = np.minimum(self.reachable[at], asked)
         left = self.lengths[at] - rows.done
-        even: Bools = (rows.block < self.count - 1) & (2.0 * left < self.ramp * (rows.speed + aim))
+        knows_next = (rows.block < self.count - 1) & ((rows.block > 0) | (rows.feed_before > 0.0))
+        even: Bools = knows_next & (2.0 * left < self.ramp * (rows.speed + aim))
         return even
 
     def cruise(self, rows: _Rows, times: Floats) -> None:

@@ -27,19 +27,20 @@ class Clock(NamedTuple):
     ``period_s`` is its servo period.  A block run through in less than ``ramp_s`` is one even change of speed
     (1 / ARC_BLEND_RAMP_FREQ).  ``override`` is [DISPLAY] MAX_FEED_OVERRIDE: where feeds are per minute, the
     speeds at joints are planned as if it were turned up all the way; inf with feed per revolution, where they
-    are planned for the highest speed possible.
+    are planned for the highest speed possible.  No feed is below ``least_mm_s``.
     """
 
     period_s: float
     ramp_s: float = 0.01
     override: float = 1.0
+    least_mm_s: float = 0.0
 
 
 class Stretch(NamedTuple):
     """Blocks from rest to rest: ``tops`` are the speeds that the axes allow.
 
-    ``before`` is the speed of the block before these, 0 where there was none; it counts with feed per
-    revolution alone.
+    ``before`` is the speed of the block before these, 0 where there was none: the tool stood with nothing to
+    do.  With other feeds than those per revolution it counts only whether there was one.
     """
 
     lengths: Numbers
@@ -59,6 +60,11 @@ def linuxcnc(stretch: Stretch, clock: Clock) -> tuple[Numbers, Floats]:
     return tuple(run.times), np.array(run.places)
 
 
+def begins_evenly(stretch: Stretch, clock: Clock) -> bool:
+    """True where the first block is one even change of speed if the next one is known when it is begun."""
+    return _Stretch(stretch._replace(before=inf), clock).even
+
+
 class _Stretch:
     """The state of LinuxCNC's planner on one stretch, advanced by one servo period at a time.
 
@@ -69,7 +75,7 @@ class _Stretch:
     def __init__(self, stretch: Stretch, clock: Clock) -> None:
         lengths, speeds, tops, self.accelerations, self.feed_before = stretch
         self.lengths = lengths
-        self.period, self.ramp, self.override = clock
+        self.period, self.ramp, self.override, _ = clock
         most = [lengths[0] / self.period, *(way / (LEAST_PERIODS * self.period) for way in lengths[1:])]
         self.caps = [min(pair) for pair in zip(most, tops, strict=True)]
         self.feeds = [min(pair) for pair in zip(speeds, tops, strict=True)]
@@ -126,10 +132,14 @@ class _Stretch:
         self.leaving = self._end_in_sight()
 
     def _enter(self) -> None:
-        """A block whose speed changes evenly in less than ``ramp`` is run so."""
+        """A block whose speed changes evenly in less than ``ramp`` is run so.
+
+        But not one that is begun before another one is known, as is the first one after a stand.
+        """
         left = self.lengths[self.block] - self.done
         both = self.speed + min(self.reachable[self.block], self._asked())
-        self.even = self.block < len(self.lengths) - 1 and 2.0 * left < self.ramp * both
+        knows_next = self.block < len(self.lengths) - 1 and (self.block > 0 or self.feed_before > 0.0)
+        self.even = knows_next and 2.0 * left < self.ramp * both
 
     def _asked(self) -> float:
         """The speed that is asked for where a block is begun."""

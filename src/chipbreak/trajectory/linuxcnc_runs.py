@@ -13,7 +13,7 @@ from chipbreak.kinematics.floats import Floats
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.linuxcnc_joints import Bools
 from chipbreak.trajectory.linuxcnc_many import Stretches, linuxcnc_many, passing_speeds, times_of_many
-from chipbreak.trajectory.linuxcnc_planner import Clock, Stretch, linuxcnc
+from chipbreak.trajectory.linuxcnc_planner import Clock, Stretch, begins_evenly, linuxcnc
 from chipbreak.trajectory.linuxcnc_strokes import places_of
 
 Counts = NDArray[np.intp]
@@ -75,11 +75,11 @@ class Columns(NamedTuple):
 def counted(before: Floats, lengths: Floats, clock: Clock) -> Floats:
     """The speed of the block before a stretch, as far as it counts for its first one.
 
-    With feed per revolution it is asked whether the first block is one even change of speed, and nothing
-    else; so one of two speeds stands for all.
+    It is asked whether the first block is one even change of speed, and nothing else; so one of two speeds
+    stands for all.
     """
     if clock.override < inf:
-        return np.zeros(len(before))
+        return np.where(before > 0.0, inf, 0.0)
     return np.where(2.0 * lengths < clock.ramp_s * before, inf, 0.0)
 
 
@@ -130,6 +130,12 @@ class _Table:
         counts = np.concatenate(self.counts)
         starts = np.cumsum(counts) - counts
         return Runs(times, counts[self.kind], starts[self.kind], np.concatenate(self.places))
+
+
+def first_is_even(columns: Columns, parts: Parts, clock: Clock) -> bool:
+    """True where the first block would be one even change of speed if the next one was known by then."""
+    blocks = parts.blocks_of(np.array([0]), int(parts.sizes[0]))
+    return begins_evenly(_stretch(columns.stretches(blocks, clock), 0), clock)
 
 
 def run_all(columns: Columns, parts: Parts, clock: Clock, before: float = 0.0) -> Runs:
@@ -193,6 +199,7 @@ def times_by_clock(stretches: Stretches, clocks: Sequence[Clock], until: int) ->
 
     Where the speeds that matter are those of the first clock, its times are.
     """
+    stretches = stretches.at_least(clocks[0].least_mm_s)
     first = _block_times(stretches, clocks[0], until)
     found = [first]
     passed = passing_speeds(stretches, clocks[0]) if len(clocks) > 1 else None

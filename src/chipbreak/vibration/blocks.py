@@ -55,7 +55,7 @@ class Expansion:
     a block of a loop counts in every pass.  ``loops`` are those of ``content``, None where none were asked.
     ``dwell_s`` is how long the tool dwells behind each block, which belongs to its time but at the end; empty
     where it never does.  ``printed`` are the moves as the blocks will say them, None where nobody asks any
-    more.
+    more.  ``from_stand``: the control must stand before it, with nothing left to do.
     """
 
     content: tuple[str | MoveTable, ...]
@@ -64,6 +64,7 @@ class Expansion:
     dwell_s: Floats
     loops: Sequence[Loop] | None = None
     printed: ReadBack | None = None
+    from_stand: bool = False
 
     def __repr__(self) -> str:
         return f"<Expansion: {len(self.distance_mm)} moves>"
@@ -79,15 +80,17 @@ def moves_of(cut: CutPlan, settings: Settings, names: LoopNames | None = None) -
     ends = _ends(cut, form, settings)
     dwell_s = _dwells(cut, ends.dwells, settings)
     columns = Columns(ends.words, dwell_s, form)
+    from_stand = False
     if not cut.expander.keeps_feed:
-        feeds = _feed_words(cut, ends, settings)
+        feeds, from_stand = _feed_words(cut, ends, settings)
         columns = replace(columns, feeds=feeds, feed_decimals=_feed_decimals(cut, settings))
     distance_mm = ends.distance_mm[1:].copy()
     distance_mm[-1] = cut.path.length_mm
     text = block_text(columns, cut.chain, settings, plain_end=_tail_is_programmed(cut, settings))
     _check_bytes(text, float(ends.time_s[-1] - ends.time_s[0]), settings)
     printed = _printed(cut, columns, settings)
-    return Expansion(text, distance_mm, ends.time_s[1:], dwell_s, form.told(ends.words.loops), printed)
+    loops = form.told(ends.words.loops)
+    return Expansion(text, distance_mm, ends.time_s[1:], dwell_s, loops, printed, from_stand)
 
 
 def _check_bytes(text: Sequence[str | MoveTable], time_s: float, settings: Settings) -> None:
@@ -304,8 +307,10 @@ def _distance_letters(
     return distances if len(distances) == len(axes) else ()
 
 
-def _feed_words(cut: CutPlan, ends: _Ends, settings: Settings) -> Floats:
+def _feed_words(cut: CutPlan, ends: _Ends, settings: Settings) -> tuple[Floats, bool]:
     """F of every block, (n - 1,), from the rounded points and the time that each block should really take.
+
+    And whether the control must stand before them.
 
     The plain revolutions at the end run at the programmed feed itself, not at one with rounding in it.
     """
@@ -324,7 +329,7 @@ def _feed_words(cut: CutPlan, ends: _Ends, settings: Settings) -> Floats:
         exact[plain_from:] = typed_feed(state.feed.value, is_inch=state.is_inch)
     feeds: Floats = np.maximum(exact, 10.0**-digits)
     _check_feed_digits(cut, spans, exact, feeds, digits)
-    return feeds
+    return feeds, law.must_stand_before(blocks, feeds_mm_s)
 
 
 def _typed_feeds(cut: CutPlan, feeds_mm_s: Floats, lengths_mm: Floats, settings: Settings) -> Floats:

@@ -87,7 +87,7 @@ def cut_edit(steps: Sequence[Step], interpreted: InterpretedProgram, overrides: 
     settings = interpreted.settings
     first = steps[0].plan.chain
     last = steps[-1].plan.chain
-    switched, given_back = _modes_around(first, settings)
+    switched, given_back = _modes_around(steps[0], settings)
     feed_mode, feed_back = _feed_modes(steps[-1].plan, interpreted)
     comments = [text for step in steps for text in _comments(step.plan.chain, interpreted)]
     head = [
@@ -166,14 +166,15 @@ def settling(settings: Settings) -> list[str]:
     return [dwell_block(settings.spindle.settle_s, settings.dialect)]
 
 
-def _modes_around(chain: Chain, settings: Settings) -> tuple[list[str], list[str]]:
+def _modes_around(step: Step, settings: Settings) -> tuple[list[str], list[str]]:
     """Path mode and smoothing for the cut, and what the program had, to be given back.
 
     A straight oscillation is collinear: a path mode that blends, or a smoothing, may round it away.  It would
     also round the corner from a cut before this one, unless the tool rests there.
     """
     planner = settings.planner
-    before = chain.before
+    before = step.plan.chain.before
+    from_stand = step.expansion.from_stand
     head = list[str]()
     tail = list[str]()
     if planner.smoothing_off and not _is_same_mode(before.smooth_words, planner.smoothing_off):
@@ -185,11 +186,12 @@ def _modes_around(chain: Chain, settings: Settings) -> tuple[list[str], list[str
     )
     own = path_mode_blocks(before, settings.dialect)
     if path_mode and not (len(own) == 1 and _is_same_mode(own[0], path_mode)):
-        if chain.requests[0].effect.before.modes.motion != "rapid":
-            head.append(f"G4 {settings.dialect.dwell_word}0")
-        head.append(path_mode)
+        from_stand |= step.plan.chain.requests[0].effect.before.modes.motion != "rapid"
         tail += own or [usual_path_mode]
-    return head, tail
+    else:
+        path_mode = ""
+    stand = f"G4 {settings.dialect.dwell_word}0" if from_stand else ""
+    return [*head, *filter(None, (stand, path_mode))], tail
 
 
 def _is_same_mode(one: str, other: str) -> bool:

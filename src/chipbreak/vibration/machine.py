@@ -34,7 +34,7 @@ def control_along(settings: Settings, path: Path, state: State, feed_mode: str =
     is that of the blocks where it is not the profile's.  Errors: VIB035
     when a law that speeds up and brakes needs an acceleration that the profile does not have.
     """
-    law = _with_numbers(law_of(settings), settings, feed_mode or settings.output.feed_mode)
+    law = _with_numbers(law_of(settings), settings, state, feed_mode or settings.output.feed_mode)
     law = _in_path_mode(law, settings, state)
     axes = [_limits(name, axis) for name, axis in settings.axes.items()]
     directions = directions_of(path)
@@ -54,7 +54,7 @@ def axes_follow_exactly(settings: Settings) -> bool:
     return all(_filter(axis) == NO_FILTER for axis in settings.axes.values())
 
 
-def _with_numbers(law: type[ControlLaw], settings: Settings, feed_mode: str) -> ControlLaw:
+def _with_numbers(law: type[ControlLaw], settings: Settings, state: State, feed_mode: str) -> ControlLaw:
     """The law with what the profile says; what means nothing to it is left out."""
     planner = settings.planner
     numbers: dict[str, Any] = {
@@ -72,12 +72,19 @@ def _with_numbers(law: type[ControlLaw], settings: Settings, feed_mode: str) -> 
         "look_ahead_blocks": planner.look_ahead_blocks,
         "least_steps_per_s": planner.least_steps_per_s,
         "segment_s": (planner.segment_ms or 0.0) / MS_PER_S,
-        "least_feed_mm_s": (planner.least_feed_mm_min or 0.0) / S_PER_MIN,
+        "least_feed_mm_s": _least_feed_mm_min(settings, state, feed_mode) / S_PER_MIN,
         "dwell_step_s": None if planner.dwell_step_ms is None else planner.dwell_step_ms / MS_PER_S,
     }
     own = {field.name for field in fields(law)}
     said = {name: number for name, number in numbers.items() if name in own and number is not None}
     return law(**said)
+
+
+def _least_feed_mm_min(settings: Settings, state: State, feed_mode: str) -> float:
+    own = settings.planner.least_feed_mm_min or 0.0
+    if feed_mode != "inverse":
+        return own
+    return max(own, settings.dialect.least_inverse_feed * state.mm_per_unit)
 
 
 def numbers_at(settings: Settings) -> str:

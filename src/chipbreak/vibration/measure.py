@@ -326,7 +326,13 @@ def _judged(
         waveform=plan.wave.waveform,
         alpha_share=plan.wave.alpha_share,
         vibration_s=plan.wave.period_s,
+        meant_s=(time_s, _planned_s(expansion)),
     )
+
+
+def _planned_s(expansion: Expansion) -> Floats:
+    """When the blocks begin and end by the plan."""
+    return np.concatenate(([0.0], expansion.time_s))
 
 
 def _margin_off(plan: CutPlan, expansion: Expansion, timed: _Timed, margin: float) -> float:
@@ -387,8 +393,7 @@ def _steady_s(plan: CutPlan, expansion: Expansion, time_s: Floats, motion: Motio
 
     Behind filters it begins when they no longer show what was before, in a short cut as late as they are.
     """
-    planned_s = np.concatenate(([0.0], expansion.time_s))
-    first, last = np.interp(full_window(plan.wave), planned_s, time_s).tolist()
+    first, last = np.interp(full_window(plan.wave), _planned_s(expansion), time_s).tolist()
     if last - first >= motion.settling_s + _SETTLED_VIBRATIONS * plan.wave.period_s:
         return first + motion.settling_s, last
     return first + motion.delay_s, last + motion.delay_s
