@@ -25,6 +25,8 @@ class Writer:
     lathe: bool
     lines: list[str] = field(default_factory=list)
     inch: bool = False
+    tolerance_inch: bool | None = None  # in inches, in mm, or none said
+    offset_inch: bool = False
     surface: bool = False
     incremental: bool = False
     diameter: bool = False
@@ -130,7 +132,10 @@ class Writer:
         texts = [offset, f"G10 L2 P{self.random.randint(0, 3)} {axis}{far}", f"G10 L20 P1 {axis}{far}"]
         texts += [f"G92 {axis}{far}", "G92.1", "G92.2", "G92.3"]
         texts += [] if self.lathe else [f"G43.1 Z{far}", "G49", "G43 H2"]
-        self.write(self.random.choice(texts))
+        text = self.random.choice(texts)
+        self.write(text)
+        if text.startswith(("G43", "G49")):
+            self.offset_inch = self.inch
         self.arrive()
 
     def distance(self) -> None:
@@ -162,6 +167,7 @@ class Writer:
         place = self.place()
         self.write(f"G0 {self.words({'X': place['X'], 'Y': place['Y']})}")
         self.write(f"G43 H{number} Z{self.length(30.0)}")
+        self.offset_inch = self.inch
         self.write(*(["G91"] if was else []))
         self.incremental = was
         self.at["Z"] = 30.0
@@ -213,10 +219,8 @@ class Writer:
         self.arrive()
 
     def kept(self) -> None:
-        """Modes that are kept and given back.
-
-        What M72 makes of an F from before a change of units is another number in inches: the program says it.
-        """
+        """Modes that are kept and given back; before them the program says what is from other units."""
+        self._say_tolerance_again()
         modes = [
             "G91",
             "G90",
@@ -232,6 +236,15 @@ class Writer:
         ]
         self.write(self.feed(), "M70", *self.random.sample(modes, k=2), "M72")
         self._said_again()
+
+    def _say_tolerance_again(self) -> None:
+        """``rs274`` has no machine that converts a tolerance, and M72 and cycles say its number again."""
+        if self.tolerance_inch is not None and self.tolerance_inch != self.inch:
+            self.path_mode(f"G64 P{self.length(0.02)}")
+
+    def path_mode(self, said: str) -> None:
+        self.tolerance_inch = self.inch if "P" in said else None
+        self.write(said)
 
     def inverse(self) -> None:
         """Inverse time: every cut says its own."""
@@ -250,9 +263,9 @@ class Writer:
     def home(self) -> None:
         """Places of the machine; behind them the program says where it goes.
 
-        In inches with a length offset G28 of LinuxCNC goes elsewhere: it takes the offset for inches.
+        With a length offset of other units ``rs274``, which has no machine to convert it, goes elsewhere.
         """
-        if self.inch:
+        if self.inch or self.offset_inch:
             return
         places = ["G28 Z5", "G30 Z5", "G28"] + ([] if self.incremental else ["G53 G0 Z0", "G53 G0 X0"])
         self.write(self.random.choice(places))
@@ -262,6 +275,7 @@ class Writer:
         """A canned cycle of a mill, at a place or two."""
         if self.lathe or self.incremental:
             return
+        self._say_tolerance_again()
         code = self.random.choice(
             ["G81", "G82 P0.1", "G83 Q" + self.length(1.0), "G85", "G73 Q" + self.length(1.0)]
         )
@@ -316,7 +330,11 @@ class Writer:
         branch = ["o100 if [1 gt 0]", f"G0 Z{self.length(9.0)}", "o100 endif", self.speed()]
         feed_modes = [f"G94 F{self.length(200.0)}", f"G95{feed}"]
         plain = self.random.choice(["G64 P0.01", "G61", "G64", "G55", "G54", "(so)", "G40 G80", "#1=5"])
-        self.write(*self.random.choice([[plain], branch, feed_modes, ["/G0 Z" + self.length(12.0)]]))
+        said = self.random.choice([[plain], branch, feed_modes, ["/G0 Z" + self.length(12.0)]])
+        if said == [plain] and plain.startswith("G6"):
+            self.path_mode(plain)
+        else:
+            self.write(*said)
 
 
 _ITEMS: tuple[Callable[[Writer], None], ...] = (

@@ -87,22 +87,23 @@ def test_what_m70_keeps_m72_gives_back() -> None:
 @pytest.mark.parametrize(
     ("between", "feed", "speed"),
     [
-        # What LinuxCNC 2.9 commands then; where it rounds, nothing is taken for granted.
+        # What LinuxCNC commands then; where it rounds, or its releases differ, nothing is taken for granted:
+        # before 2.9 M72 says no number that is the same.
         ("F100|M70|F3", 100.0, 2000.0),
         ("F0.1|M70|G94 F100", 0.1, 2000.0),
-        (
-            "F0.1|M70|G94 F0.1",
-            None,
-            2000.0,
-        ),  # the number is the same, so it is not said, and G95 has ended it
+        ("F0.1|M70|G94 F0.1", math.nan, 2000.0),  # where it is not said, G95 has ended it
         ("F0.1|M70|G94", 0.1, 2000.0),
         ("F0.05|M70|F3", math.nan, 2000.0),
-        ("F0.05|M70|G91", 0.05, 2000.0),
+        ("F0.05|M70|G91", math.nan, 2000.0),
         ("F0.1|G20|M70|F3", 2.54, 2000.0),
-        ("F0.1|G20|M70", 0.1, 2000.0),
-        ("F0.1|M70|G20|F0.1", 2.54, 2000.0),
+        ("F0.1|G20|M70", math.nan, 2000.0),
+        ("F0.1|M70|G20|F0.1", math.nan, 2000.0),
+        # G20 makes another number of a feed per minute, and none of one per revolution.
+        ("G94 F254|G20|M70|F3", 254.0, 2000.0),
+        ("G94 F100|G20|M70|F3", math.nan, 2000.0),
+        ("G94 F254|G20|M70", 254.0, 2000.0),
         ("S123.5|M70|S3", None, math.nan),
-        ("S123.5|M70|G91", None, 123.5),
+        ("S123.5|M70|G91", None, math.nan),
     ],
 )
 def test_m72_says_f_and_s_where_they_are_others(between: str, feed: float | None, speed: float) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 
 from chipbreak.insertion.subprograms import Subprograms
 from chipbreak.insertion.sure_effects import differing, set_by
@@ -15,7 +16,6 @@ from chipbreak.model.arrivals import runs_at_least_once
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.main_program import MainProgram
-from chipbreak.syntax.nodes import Control
 from chipbreak.text.named_tuple import NamedTuple
 
 _OPENERS = {
@@ -57,6 +57,7 @@ def nests_of(interpreted: InterpretedProgram) -> Iterator[Nest]:
     """Loops and branches; one that is never closed runs to the end."""
     opened: list[tuple[str, str, int, bool]] = []
     for effect in interpreted.effects:
+        has_condition = "WHILE" in _keywords(effect)
         for control in effect.block.controls:
             keyword = control.keyword
             label = control.label
@@ -67,14 +68,14 @@ def nests_of(interpreted: InterpretedProgram) -> Iterator[Nest]:
                 yield Nest(first, line, is_optional)
             elif keyword in _OPENERS:
                 closer = label if keyword == "O-DO" else ""
-                opened.append((_OPENERS[keyword], closer, line, _may_never_run(effect, control)))
+                may_never_run = has_condition or not runs_at_least_once(control)
+                opened.append((_OPENERS[keyword], closer, line, may_never_run))
     for _, _, line, is_optional in opened:
         yield Nest(line, interpreted.program.source.body.stop, is_optional)
 
 
-def _may_never_run(effect: BlockEffect, opener: Control) -> bool:
-    has_condition = any(control.keyword == "WHILE" for control in effect.block.controls)
-    return has_condition or not runs_at_least_once(opener)
+def _keywords(effect: BlockEffect) -> frozenset[str]:
+    return frozenset(control.keyword for control in effect.block.controls)
 
 
 def jumps_of(interpreted: InterpretedProgram) -> tuple[int, int] | None:
@@ -101,10 +102,11 @@ def optional_parts(
     """The parts that may be left out, by their last lines."""
     parts = []
     lines = [effect.block.line for effect in interpreted.effects]
+    keywords = [_keywords(effect) for effect in interpreted.effects] if nests else []
     for nest in nests:
-        inner = interpreted.effects[bisect_left(lines, nest.first) : bisect_right(lines, nest.last)]
-        ways = {control.keyword for effect in inner for control in effect.block.controls}
-        if ways & _EXITS:
+        where = slice(bisect_left(lines, nest.first), bisect_right(lines, nest.last))
+        inner = interpreted.effects[where]
+        if not _EXITS.isdisjoint(chain.from_iterable(keywords[where])):
             parts.append(Part(nest.first, nest.last, _all_set(inner, interpreted) - _SEEN))
         elif nest.is_optional:
             sets = differing(inner[0].before, inner[-1].after) - _SEEN

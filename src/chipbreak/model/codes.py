@@ -62,14 +62,14 @@ def read_codes(block: Block, state: State, dialect: Dialect) -> BlockCodes:
     non_modal: set[str] = set()
     unknown = False
     ends_cycle = False
-    taken = ""
+    said: dict[Code, None] = {}  # in their order, each once
     for word in block.words_of("G"):
         value = plain_value(word)
         code = None if math.isnan(value) else dialect.g_codes.get(round(value * 10))
         if code is None:
             unknown = True
             continue
-        taken += _taken_by(code, block, dialect)
+        said[code] = None
         if code.group == NON_MODAL:
             non_modal.add(code.value)
         elif code.group == CYCLE_END:
@@ -81,6 +81,7 @@ def read_codes(block: Block, state: State, dialect: Dialect) -> BlockCodes:
     _complete(changes, block)
     reads_all = not non_modal.isdisjoint(_READS_ALL)
     modes = state.modes.replace(changes)
+    taken = "".join([_taken_by(code, block, dialect) for code in said])
     return BlockCodes(changes, modes, frozenset(non_modal), unknown, reads_all, taken)
 
 

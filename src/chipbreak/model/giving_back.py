@@ -51,10 +51,7 @@ def speed_text(state: State) -> str:
 
 
 def path_mode_blocks(state: State, dialect: Dialect) -> list[str]:
-    """The path mode in force, in the program's own words and its own units; nothing where it said none.
-
-    The number of a tolerance is what it was, because LinuxCNC reads it again behind a cycle.
-    """
+    """The path mode in force, in the program's own words and its own units; nothing where it said none."""
     if not state.path_words:
         return []
     if not has_lengths(state.path_words) or state.path_units == state.modes.units:

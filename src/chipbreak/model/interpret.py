@@ -298,7 +298,8 @@ class Interpreter:
         read = _PLAIN_LETTERS | self.axis_letters
         if motion in _ARCS:
             read |= _ARC_LETTERS
-        return tuple(w for w in block.words if w.address not in read and w not in seen)
+        seen_at = {word.start for word in seen}
+        return tuple(w for w in block.words if w.address not in read and w.start not in seen_at)
 
 
 def _names_a_centre(codes: BlockCodes) -> bool:

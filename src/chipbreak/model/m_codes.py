@@ -7,7 +7,9 @@ from collections.abc import Callable, Mapping
 
 from chipbreak.dialects.base import MCode
 from chipbreak.dialects.modes import Group, Units
+from chipbreak.model.giving_back import is_same
 from chipbreak.model.modal import Setting, State
+from chipbreak.syntax.numbers import print_number
 from chipbreak.units import surface_speed_m_min, typed_feed, typed_surface_speed
 
 # Where these change, the numbers of a position mean another place.
@@ -46,8 +48,9 @@ def _modes(state: State, value: str) -> State:
 def _given_back(state: State, kept: State) -> State:
     """M72 gives back all but the motion mode, the position and the tool.
 
-    It says what is no longer so, in words: no number that is the same, and another one rounded, F to a tenth
-    and S to a whole number, to be read in the units that are given back.
+    It says that in words: F rounded to a tenth and S to a whole number, in the units that are given back.
+    Before LinuxCNC 2.9 it says no number that is the same, and since then every one; where that matters,
+    F and S are not known.
     """
     modes = kept.modes._replace(motion=state.modes.motion)
     after = state._replace(
@@ -57,8 +60,7 @@ def _given_back(state: State, kept: State) -> State:
         spindle=kept.spindle,
         coolant=kept.coolant,
         path_words=kept.path_words,
-        # Its number comes back as a number.
-        path_units=state.path_units if state.path_words == kept.path_words else kept.modes.units,
+        path_units=kept.path_units,
         # Where it says G96, then without the D of the program.
         speed_limit=state.speed_limit if state.modes.speed_mode == modes.speed_mode else None,
     )
@@ -68,33 +70,44 @@ def _given_back(state: State, kept: State) -> State:
 
 
 def _feed_given_back(state: State, kept: State) -> Setting | None:
+    scale = 1.0 if kept.modes.feed_mode == "inverse" else kept.mm_per_unit
+    said = kept.feed and _rounded(kept.feed, _feed_number(kept), 1, scale, kept.modes.units)
     if _feed_number(state) != _feed_number(kept):
-        feed = kept.feed
-        scale = 1.0 if kept.modes.feed_mode == "inverse" else kept.mm_per_unit
-        return feed and _rounded(feed, _feed_number(kept), 1, scale, kept.modes.units)
-    return state.feed if state.modes.feed_mode == kept.modes.feed_mode else None  # which G94 and G95 end
+        return said
+    stays = state.feed if state.modes.feed_mode == kept.modes.feed_mode else None  # which G94 and G95 end
+    return _in_all_releases(stays, said)
 
 
 def _speed_given_back(state: State, kept: State) -> Setting | None:
-    if _speed_number(state) == _speed_number(kept) and state.modes.speed_mode == kept.modes.speed_mode:
-        return state.speed
     is_surface = kept.modes.speed_mode == "surface"
     scale = surface_speed_m_min(1.0, is_inch=kept.is_inch) if is_surface else 1.0
-    return kept.speed and _rounded(kept.speed, _speed_number(kept), 0, scale, kept.modes.units)
+    said = kept.speed and _rounded(kept.speed, _speed_number(kept), 0, scale, kept.modes.units)
+    if _speed_number(state) != _speed_number(kept) or state.modes.speed_mode != kept.modes.speed_mode:
+        return said
+    return _in_all_releases(state.speed, said)
+
+
+def _in_all_releases(stays: Setting | None, said: Setting | None) -> Setting | None:
+    """What stays where nothing is said, if that is what is said as well; else one that is not known."""
+    one = stays or said
+    return one if one is None or is_same(stays, said) else one._replace(value=math.nan)
 
 
 def _rounded(kept: Setting, number: float, decimals: int, scale: float, units: Units) -> Setting:
     """A number as M72 says it: the kept one where rounding leaves it alone, else one that is not known."""
-    value = kept.value if units == kept.units else number * scale
-    return kept._replace(value=value if round(number, decimals) == number else math.nan, units=units)
+    if round(number, decimals) != number:
+        return kept._replace(value=math.nan, units=units)
+    if units == kept.units:
+        return kept
+    return kept._replace(value=number * scale, text=print_number(number, decimals), units=units)
 
 
 def _feed_number(state: State) -> float:
-    """F as it was typed; 0 without."""
+    """The number that the control has for F, 0 without: G20 and G21 make another one of a feed per minute."""
     if state.feed is None:
         return 0.0
-    is_inch = state.feed.units == "inch" and state.modes.feed_mode != "inverse"
-    return typed_feed(state.feed.value, is_inch=is_inch)
+    units = state.modes.units if state.modes.feed_mode == "minute" else state.feed.units
+    return typed_feed(state.feed.value, is_inch=units == "inch" and state.modes.feed_mode != "inverse")
 
 
 def _speed_number(state: State) -> float:

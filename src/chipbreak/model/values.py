@@ -81,13 +81,6 @@ def _path_words(after: State, said: Said) -> State:
     return after._replace(path_words=words, path_units=after.modes.units if has_lengths(words) else "mm")
 
 
-def _path_mode_behind_a_cycle(after: State, said: Said) -> State:
-    """LinuxCNC says the number of the tolerance again behind a cycle, in the units of by then."""
-    if after.modes.motion != "cycle" or not said.dialect.converts_feed or not has_lengths(after.path_words):
-        return after
-    return after._replace(path_units=after.modes.units) if said.block.has_any("XYZ") else after
-
-
 def _smooth_words(after: State, said: Said) -> State:
     """``G5.1 Q1 R3``."""
     if "look_ahead" not in said.codes.changes:
@@ -128,7 +121,6 @@ _RULES: tuple[_Rule, ...] = (
     _cycle_begins,
     _surface_limit,
     _path_words,
-    _path_mode_behind_a_cycle,
     _smooth_words,
     _coordinates,
     _length_offset,
@@ -138,12 +130,14 @@ _RULES: tuple[_Rule, ...] = (
 def _feed_and_speed(after: State, said: Said) -> State:
     """F, and S or the limit of S, where no code of the block takes them for itself."""
     line = said.block.line
+    is_limit = makes_a_limit(said.block, said.dialect)
+    vibration_at = {word.start for word in said.vibration}
     for word in said.block.words_of("FS"):
-        if word in said.vibration or word.address in said.codes.taken:
+        if word.start in vibration_at or word.address in said.codes.taken:
             continue
         if word.address == "F":
             after = after._replace(feed=feed_of(word, _read_in(after, said), said.number_rule, line))
-        elif makes_a_limit(said.block, said.dialect):
+        elif is_limit:
             after = after._replace(speed_limit=Setting(plain_value(word), word.value_text, line))
         else:
             after = after._replace(speed=speed_of(word, _read_in(after, said), line))

@@ -211,11 +211,9 @@ class RequestReader:
             self._asked_by_words(effect)
         elif self.wish.on:
             self._cut(effect)
-        if not effect.vibration:
-            for word in effect.block.words:
-                has_feed = effect.block.has_letter("F")
-                if word.letter == "f" and (has_feed or (effect.move and effect.move.is_cut)):
-                    self.stray.append((effect.block.line, (word.start, word.end)))
+        if not effect.vibration and (effect.block.has_letter("F") or (effect.move and effect.move.is_cut)):
+            stray = (word for word in effect.block.words if word.letter == "f")
+            self.stray += [(effect.block.line, (word.start, word.end)) for word in stray]
 
     def _wish_of_cycle(self, effect: BlockEffect) -> None:
         """N of a cycle asks for all its cuts; where the cycle stays, the word would reach the control."""
