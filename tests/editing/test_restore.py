@@ -272,6 +272,8 @@ def test_restored_lines_have_the_numbers_of_the_file_at_hand(program: bytes) -> 
             assert shown[place.column - 1 : place.end_column - 1] == text
         else:
             assert bytes.fromhex(shown[len("(CHIPBREAK HEX ") : -1]).startswith(text.encode())
+            # In bytes no word has a place of its own, so the whole comment is marked.
+            assert (place.column, place.end_column) == (1, len(shown) + 1)
 
 
 def test_regions_say_what_was_there() -> None:

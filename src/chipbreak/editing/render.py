@@ -105,6 +105,4 @@ def _cells(lead: str, values: Floats, decimals: int) -> NDArray[np.uint8]:
         cells[:, column] = np.where(whole > 0, digit, 0) if place > decimals else digit
         whole = rest
         column -= 1
-    if digits == decimals:
-        cells[:, column] = _POINT
     return cells
