@@ -15,6 +15,9 @@ import chipbreak
 from chipbreak import program_files, whole_files
 from chipbreak.cli import cli
 from chipbreak.editing.beside import parted, with_brackets
+from chipbreak.editing.diff import compare
+from chipbreak.editing.diff_items import items_of
+from chipbreak.editing.diff_output import as_json
 from editing.test_restore import CUT, PROGRAMS
 from linuxcnc import rs274
 from longer import every_second
@@ -129,6 +132,17 @@ def test_the_lines_of_messages_are_those_of_the_file() -> None:
     with pytest.raises(chipbreak.ProgramRejectedError) as caught:
         chipbreak.rewrite(filtered.data, settings, beside=filtered.beside)
     assert line in {one.place.line for one in caught.value.diagnostics if one.place}
+
+
+def test_a_comparison_says_the_lines_of_the_file() -> None:
+    """Behind a cut of hundreds of blocks a line is that in the file, which has no bracket lines."""
+    program = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5\nG0 X30.\nM30\n"
+    one, other = bare(program), bare(program.replace(b"X30.", b"X31."))
+    hunks = compare(*(items_of(result.data, "part.nc", beside=result.beside) for result in (one, other)))
+    (changed,) = as_json(hunks)
+    line = one.data[: one.data.index(b"G0 X30.")].count(b"\n") + 1
+    assert line > 100
+    assert changed == {"a": [{"line": line, "text": "G0 X30."}], "b": [{"line": line, "text": "G0 X31."}]}
 
 
 # --- what is not guessed ----------------------------------------------------------------------------------

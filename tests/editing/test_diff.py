@@ -169,6 +169,8 @@ def test_macro_statements_count_by_what_they_say(a: bytes, b: bytes) -> None:
         (b"G1 X[#1+2]\n", b"G1 X[#1+3]\n"),
         (b"#1=2 G1 X#1\n", b"G1 X#1 #1=2\n"),
         (b"IF[#1EQ0]THEN#2=1\n", b"IF[#1EQ0]THEN#2=3\n"),
+        (b"o100 call [1]\nN100 M30\n", b"o200 call [1]\nN200 M30\n"),
+        (b"WHILE[#1LT3]DO1\nEND1\nN1 M30\n", b"WHILE[#1LT3]DO2\nEND2\nN2 M30\n"),
     ],
 )
 def test_macro_statements_that_differ(a: bytes, b: bytes) -> None:

@@ -6,6 +6,7 @@ The planner runs in a process of its own and is no part of this project; see ins
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 import subprocess
@@ -18,6 +19,8 @@ import numpy as np
 import pytest
 
 import chipbreak
+from chipbreak.trajectory.junction import Junction
+from chipbreak.trajectory.law import AxisLimits
 
 HERE = Path(__file__).parent
 PLANNER = Path(os.environ.get("CHIPBREAK_KLIPPER") or HERE.parents[1] / ".venv" / "klipper")
@@ -126,11 +129,16 @@ def runs() -> dict[int, Run | str]:
         (cuts[number],) = result.cuts
         told = {"start": [10.0, 0.0, 2.0], "moves": list(moves(result.data.decode()))}
         asked.append(json.dumps(machine._asdict() | told))
+    for (number, cut), times_s in zip(cuts.items(), run_by_klipper(asked), strict=True):
+        found[number] = Run(cut, times_s)
+    return found
+
+
+def run_by_klipper(asked: list[str]) -> list[np.ndarray]:
+    """The times of the moves of each of these [s]."""
     command = [sys.executable, "-I", str(HERE / "planner.py"), str(PLANNER)]
     answer = subprocess.run(command, input="\n".join(asked), capture_output=True, text=True, check=True)
-    for (number, cut), line in zip(cuts.items(), answer.stdout.splitlines(), strict=True):
-        found[number] = Run(cut, np.array(json.loads(line)))
-    return found
+    return [np.array(json.loads(line)) for line in answer.stdout.splitlines()]
 
 
 def test_at_least_sixty_chains_are_run(runs: dict[int, Run | str]) -> None:
@@ -154,3 +162,31 @@ def test_time_and_count_are_as_promised(runs: dict[int, Run | str], number: int)
     count = (last - first) / (ends_s[last] - ends_s[first]) * 60.0 / cut.plan.solution.speed_rpm
     assert count == pytest.approx(cut.plan.solution.per_rev, rel=SHARE)
     assert count == pytest.approx(cut.verdict.per_rev, rel=SHARE)
+
+
+@pytest.mark.parametrize("count", [12, 2000])
+@pytest.mark.parametrize("number", range(len(MACHINES)))
+def test_moves_of_any_length_and_feed_take_as_long(number: int, count: int) -> None:
+    """Slow ones behind fast ones too, and as many as running sums lose digits in."""
+    machine = MACHINES[number]
+    draw = np.random.default_rng(number)
+    moved = draw.random((count, 3)) * draw.choice([0.05, 0.2, 1.0, 3.0, -1.0], (count, 3))
+    moved[:, 1] = 0.0
+    moved[:, 2] *= draw.choice([0.0, 0.02, 1.0, -1.0], count)
+    speeds = draw.choice([2.0, 10.0, 40.0, 200.0], count)
+    points = np.cumsum(moved, axis=0)
+    told = {"start": [0.0, 0.0, 0.0], "moves": np.column_stack([points, speeds]).tolist()}
+    (times_s,) = run_by_klipper([json.dumps(machine._asdict() | told)])
+    law = Junction(
+        corner_velocity_mm_s=machine.corner_velocity,
+        min_cruise_ratio=machine.min_cruise_ratio,
+        path_velocity_mm_s=machine.max_velocity,
+        path_acceleration_mm_s2=machine.max_accel,
+    )
+    free = AxisLimits("", math.inf, math.inf)
+    law = law.along(
+        (1.0, 0.0, 1.0), (free, free, AxisLimits("Z", machine.max_z_velocity, machine.max_z_accel))
+    )
+    ahead = np.sqrt((moved**2).sum(axis=1))
+    motion = law.motion(np.append(0.0, np.cumsum(ahead)), law.blocks(moved, ahead), speeds)
+    assert motion.spans_s == pytest.approx(times_s, rel=1e-4, abs=1e-6)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.trajectory.junction import Junction
+from chipbreak.trajectory.junction_plan import Moves, planned_smoothly
 from chipbreak.trajectory.law import AxisLimits
 from chipbreak.trajectory.motion import Motion
 
@@ -255,3 +256,97 @@ def test_a_corner_is_passed_at_the_speed_that_is_given_for_a_right_angle(
     took = (2.0 * 30.0 - passed) / 400.0 + (5.0 - (2.0 * 900.0 - passed**2) / 800.0) / 30.0
     assert motion.spans_s == pytest.approx([took, took], rel=1e-6)
     assert angle != 90.0 or passed == pytest.approx(corner_mm_s)
+
+
+# --- the plan with less acceleration, one move after the other --------------------------------------------
+
+
+def below(tops: list[float], gains: list[float], limits: list[float]) -> list[float]:
+    """The highest squared speeds at joints, from the last one to the first and back."""
+    joints = [0.0, *(min(limit, *pair) for limit, pair in zip(limits, pairwise(tops), strict=True)), 0.0]
+    for at in reversed(range(len(gains))):
+        joints[at] = min(joints[at], joints[at + 1] + gains[at])
+    for at, gain in enumerate(gains):
+        joints[at + 1] = min(joints[at + 1], joints[at] + gain)
+    return joints
+
+
+def smoothly(
+    tops: list[float], gains: list[float], slow_gains: list[float], limits: list[float]
+) -> list[float]:
+    """Squared peaks by the rule as it is said: no move is faster than the next peak of the slower plan.
+
+    One that only brakes there has none before it: it is no faster than it begins, or the one before it was.
+    """
+    joints = below(tops, gains, limits)
+    slow = below(tops, slow_gains, joints[1:-1])
+    brakes = [slow[at] == slow[at + 1] + gain for at, gain in enumerate(slow_gains)]
+    peaks: list[float] = []
+    for at, (start, end) in enumerate(pairwise(joints)):
+        if brakes[at] and peaks:
+            peaks.append(min(peaks[-1], start))
+            continue
+        top = at
+        while slow[top] + slow_gains[top] == slow[top + 1] and not brakes[top + 1]:
+            top += 1
+        peak = min(tops[top], (slow[top] + slow[top + 1] + slow_gains[top]) / 2.0)
+        peaks.append(min((start + end + gains[at]) / 2.0, tops[at], peak))
+    return peaks
+
+
+# Halves and quarters, so that no digit is lost and what is equal is equal.
+drawn_moves = st.lists(
+    st.tuples(
+        st.sampled_from([0.25, 0.5, 1.0, 4.0, 16.0]),  # mm
+        st.sampled_from([2.0, 8.0]),  # mm/s2
+        st.sampled_from([1.0, 2.0, 4.0, 8.0, 16.0]),  # mm/s
+        st.sampled_from([0.25, 1.0, 4.0, 64.0, 1024.0]),  # mm2/s2 at the joint behind it
+    ),
+    min_size=1,
+    max_size=12,
+)
+
+
+@pytest.mark.few(100)
+@settings(max_examples=500, deadline=None)
+@given(drawn_moves, st.sampled_from([1.0, 4.0]))
+def test_a_plan_with_less_acceleration_is_what_one_move_after_the_other_gives(
+    drawn: list[tuple[float, float, float, float]], smooth_mm_s2: float
+) -> None:
+    lengths, has, nominal, limits = map(list, zip(*drawn, strict=True))
+    moves = Moves(np.array(lengths), np.array(has), np.tile([1.0, 0.0, 0.0], (len(drawn), 1)))
+    gains = [2.0 * a * way for way, a in zip(lengths, has, strict=True)]
+    slow_gains = [min(2.0 * smooth_mm_s2 * way, gain) for way, gain in zip(lengths, gains, strict=True)]
+    wanted = smoothly([feed**2 for feed in nominal], gains, slow_gains, limits[:-1])
+    ends = np.array([0.0, *limits[:-1], 0.0])
+    speeds = planned_smoothly(moves, ends, np.array(nominal), smooth_mm_s2)
+    assert speeds.peaks.tolist() == pytest.approx(wanted, rel=1e-9)
+    joints = np.array(below([feed**2 for feed in nominal], gains, limits[:-1]))
+    assert speeds.starts.tolist() == pytest.approx(np.minimum(joints[:-1], wanted).tolist(), rel=1e-9)
+    assert speeds.ends.tolist() == pytest.approx(np.minimum(joints[1:], wanted).tolist(), rel=1e-9)
+
+
+def test_a_move_is_no_faster_than_the_feed_of_the_next_peak() -> None:
+    """From rest 0.5 mm at 200 mm/s, then 5 mm at 5 mm/s: the first one goes no faster than 5 mm/s either.
+
+    With 10 mm/s2 the slower plan speeds up all along the first and on in the second, which is its peak.
+    """
+    moves = Moves(np.array([0.5, 5.0]), np.full(2, 1000.0), np.tile([1.0, 0.0, 0.0], (2, 1)))
+    speeds = planned_smoothly(moves, np.array([0.0, 1000.0, 0.0]), np.array([200.0, 5.0]), 10.0)
+    assert speeds.peaks.tolist() == [25.0, 25.0]
+
+
+def test_no_digits_are_lost_on_the_way() -> None:
+    """What a move may do is the same wherever it is: here behind a kilometre at full speed."""
+    short = [0.25, 0.5, 0.0625, 0.25]
+    alone = peaks_behind([], short)
+    for far in (1e3, 1e6):
+        assert peaks_behind([far], short)[-4:] == pytest.approx(alone[-4:], rel=1e-6)
+
+
+def peaks_behind(before: list[float], short: list[float]) -> list[float]:
+    lengths = np.array([*before, 1.0, *short])
+    limits = np.full(len(lengths) + 1, 1e12)
+    limits[[0, -5, -1]] = 0.0
+    moves = Moves(lengths, np.full(len(lengths), 300.0), np.tile([1.0, 0.0, 0.0], (len(lengths), 1)))
+    return planned_smoothly(moves, limits, np.full(len(lengths), 40.0), 77.7).peaks.tolist()

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from chipbreak.trajectory.junctions import Blocks, blocks_of
 from chipbreak.trajectory.linuxcnc import LinuxCnc
-from chipbreak.trajectory.linuxcnc_feeds import Wanted, factors_for
+from chipbreak.trajectory.linuxcnc_feeds import Wanted, _one_factor, factors_for
 from chipbreak.trajectory.linuxcnc_joints import bends_of
 from chipbreak.trajectory.linuxcnc_many import Stretches, linuxcnc_many, times_of_many
 from chipbreak.trajectory.linuxcnc_planner import Clock, Stretch, linuxcnc
@@ -140,6 +141,30 @@ def test_where_nobody_knows_the_override_the_worst_counts() -> None:
     rates = wanted.stretches._replace(speeds=wanted.stretches.speeds * found.factors)
     late = np.array([times_of_many(rates, clock, 8).sum(axis=1) - wanted.time for clock in clocks])
     assert np.abs(late).max(axis=0) == pytest.approx(np.abs(found.late), abs=0.000501)
+
+
+def test_own_factors_of_blocks_are_never_worse_than_one_for_all() -> None:
+    """Of 200 stretches with a slow block between fast ones; and of many they are better."""
+    draw = np.random.default_rng(5)
+    ways = draw.uniform(0.02, 0.2, (200, 4))
+    ways[:, 2] *= draw.uniform(0.1, 0.5, 200)
+    kinds = Stretches(
+        ways, ways * 250.0, np.full(ways.shape, 160.0), np.full(ways.shape, 8000.0), np.zeros(200)
+    )
+    clock = Clock(0.001, 0.01, inf)
+    total_s = 0.016 + 0.001 * draw.integers(0, 4, 200)
+    spans_s = np.repeat(total_s[:, np.newaxis] / 4.0, 4, axis=1)
+    wanted = Wanted(kinds, spans_s, 4, total_s)
+
+    def uneven_s(factors: NDArray[np.float64]) -> NDArray[np.float64]:
+        times_s = times_of_many(kinds._replace(speeds=kinds.speeds * factors), clock, 4)
+        return np.abs(np.cumsum(times_s, axis=1) - np.cumsum(spans_s, axis=1)).max(axis=1)
+
+    one, _, never = _one_factor(wanted, [clock])
+    own_s = uneven_s(factors_for(wanted, [clock]).factors)[~never]
+    one_s = uneven_s(np.repeat(one[:, np.newaxis], 4, axis=1))[~never]
+    assert (own_s <= one_s + 1e-9).all()
+    assert np.count_nonzero(own_s < one_s - 1e-5) > 40
 
 
 def test_what_no_factor_does_is_never() -> None:

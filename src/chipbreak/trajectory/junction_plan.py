@@ -20,6 +20,7 @@ _SINGLE_TURNS_BACK = float(np.float32(_TURNS_BACK))
 _FROM_LAST = (2, 1, 0)  # the order in which they go through the axes
 _NO_LIMIT = 1e12  # mm²/s²; what is said of a joint that goes straight on
 _NOTHING = 1e-12
+_LOST_SHARE = 1e-14  # of all that the squared speed could gain: what running sums lose in digits
 _FIRST_STEPS = np.float32(1.25)  # that the first segment of a move has at least
 
 
@@ -225,9 +226,10 @@ def planned_smoothly(moves: Moves, limits: Floats, nominal_mm_s: Floats, smooth_
     joints = reachable(limits, gains)
     slow = reachable(joints, slow_gains)
     starts, ends = joints[:-1], joints[1:]
-    reach = slow[1:] + slow_gains
-    climbs = slow[:-1] < reach * (1.0 - _NOTHING)
-    peaks = _peaks_behind(climbs, slow, slow_gains)
+    lost = _LOST_SHARE * float(gains.sum())
+    climbs = slow[:-1] < slow[1:] + slow_gains - lost
+    falls = slow[1:] < slow[:-1] + slow_gains - lost
+    peaks = _peaks_behind(climbs, falls, np.minimum((slow[:-1] + slow[1:] + slow_gains) / 2.0, tops))
     fastest = np.minimum(np.minimum((starts + ends + gains) / 2.0, tops), peaks)
     fastest = _carried_down(fastest, climbs, starts)
     return Speeds(np.minimum(starts, fastest), fastest, np.minimum(ends, fastest))
@@ -239,15 +241,13 @@ def _within(limits: Floats, tops: Floats) -> Floats:
     return np.concatenate([limits[:1], inside, limits[-1:]])
 
 
-def _peaks_behind(climbs: NDArray[np.bool_], slow: Floats, slow_gains: Floats) -> Floats:
-    """The peak of the slow plan that each move is on the way to, (n,)."""
-    starts, ends = slow[:-1], slow[1:]
+def _peaks_behind(climbs: NDArray[np.bool_], falls: NDArray[np.bool_], peaks: Floats) -> Floats:
+    """The peak of the slow plan that each move is on the way to, (n,); ``peaks`` are those of all moves."""
     last_climb = np.append(~climbs[1:], False)
-    is_peak = climbs & ((starts + slow_gains > ends * (1.0 + _NOTHING)) | last_climb)
+    is_peak = climbs & (falls | last_climb)
     places = np.where(is_peak, np.arange(len(climbs)), len(climbs))
     nearest = np.minimum.accumulate(places[::-1])[::-1]
-    peaks = np.append((starts + ends + slow_gains) / 2.0, 0.0)
-    found: Floats = peaks[nearest]
+    found: Floats = np.append(peaks, 0.0)[nearest]
     return found
 
 
