@@ -8,7 +8,10 @@ import re
 import pytest
 
 import chipbreak
+from chipbreak import Settings
+from chipbreak.cycles import corner_runs as corner_run_module
 from chipbreak.cycles.corner_runs import corner_edit, corner_runs
+from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.from_source import interpret_source
 from chipbreak.settings import load
 from chipbreak.text.source import read
@@ -126,3 +129,18 @@ def test_no_cut_goes_back_to_where_an_axis_was_before_an_angle() -> None:
     assert b"\nZ-40.\n" in result.data, "left as it was"
     assert not re.search(rb"Z-10\.\d", result.data), "what vibrates names X alone"
     assert chipbreak.restore(result.data) == program
+
+
+def test_corners_without_a_move_behind_them_are_gone_through_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked_at: list[int] = []
+    says_corner = corner_run_module._says_corner
+
+    def counted(effect: BlockEffect, settings: Settings) -> bool:
+        looked_at.append(effect.block.line)
+        return says_corner(effect, settings)
+
+    monkeypatch.setattr(corner_run_module, "_says_corner", counted)
+    program = "G97 S3000 M3\n" + "G0 X30. Z2.R1.\n" * 100 + "M30\n"
+    interpreted = interpret_source(read(program.encode(), "corners.nc"), chipbreak.load("fanuc-lathe"))
+    assert not list(corner_runs(interpreted))
+    assert 100 <= len(looked_at) < 300

@@ -1,4 +1,4 @@
-"""A block of many words is read word by word: four times as many are not looked at sixteen times as often."""
+"""Many words of a block, and many blocks of a program, are read one by one, not held against each other."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FEW, MANY = 100, 400
 
 
 def calls(profile: str, words: str) -> int:
-    """How many functions are called, and how often generators go on, for a program with such a block."""
+    """How many functions are called, and how often generators go on, for a program with such words."""
     settings = chipbreak.load(profile)
     program = f"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-1. F.1 {words}\nM30\n".encode()
     count = 0
@@ -32,8 +32,15 @@ def calls(profile: str, words: str) -> int:
     return count
 
 
-@pytest.mark.parametrize(("profile", "word"), [("fanuc-lathe", "S2500 "), ("linuxcnc-lathe", "G4 X1. ")])
-def test_the_words_of_a_block_are_not_held_against_each_other(profile: str, word: str) -> None:
+@pytest.mark.parametrize(
+    ("profile", "word"),
+    [
+        ("fanuc-lathe", "S2500 "),
+        ("linuxcnc-lathe", "G4 X1. "),
+        ("haas-mill", "\nM98 P5"),
+    ],
+)
+def test_four_times_as_many_take_four_times_as_long(profile: str, word: str) -> None:
     calls(profile, word * FEW)  # what is built once
     none, few, many = (calls(profile, word * count) for count in (0, FEW, MANY))
     assert many - none < 1.5 * (few - none) * MANY / FEW

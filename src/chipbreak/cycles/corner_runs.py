@@ -59,10 +59,9 @@ def corner_runs(interpreted: InterpretedProgram) -> Iterator[CornerRun]:
         effect = interpreted.effect(line)
         if effect.in_contour or not _says_corner(effect, interpreted.settings):
             continue
-        last = _behind_run(interpreted, line)
-        if last is not None:
-            behind = last
-            yield CornerRun(line, last)
+        behind, is_run = _behind_run(interpreted, line)
+        if is_run:
+            yield CornerRun(line, behind)
 
 
 def _lines(interpreted: InterpretedProgram) -> list[int]:
@@ -82,14 +81,18 @@ def _says_corner(effect: BlockEffect, settings: Settings) -> bool:
     return bool(words) and not any(word.letter.upper() in _MAY_BE_AXES for word in words)
 
 
-def _behind_run(interpreted: InterpretedProgram, first: int) -> int | None:
-    """The line behind the first move that says no corner itself; None where something else comes before."""
-    for effect in interpreted.effects_of(first, interpreted.program.source.body.stop):
+def _behind_run(interpreted: InterpretedProgram, first: int) -> tuple[int, bool]:
+    """The line behind the first move that says no corner, True; or where something else comes before it.
+
+    From no line up to there another run begins.
+    """
+    stop = interpreted.program.source.body.stop
+    for effect in interpreted.effects_of(first, stop):
         if effect.non_modal or effect.after.ended or effect.block.has("T") or effect.in_contour:
-            return None
+            return effect.block.line + 1, False
         if effect.move is not None and not _says_corner(effect, interpreted.settings):
-            return effect.block.line + 1
-    return None
+            return effect.block.line + 1, True
+    return stop, False
 
 
 def corner_edit(interpreted: InterpretedProgram, run: CornerRun) -> Edit:

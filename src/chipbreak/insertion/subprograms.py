@@ -7,8 +7,10 @@ file, or that calls tools itself, nothing is known.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 from math import isnan
 
 from chipbreak.insertion.sure_effects import differing, set_by
@@ -54,13 +56,18 @@ class Subprograms:
 
     def call_tools(self, effect: BlockEffect) -> bool:
         """True when a subprogram in this file, called by a block, calls tools."""
-        dialect = self.interpreted.settings.dialect
         bodies = [self.body(key) for key in called_by(effect)]
         return any(
-            calls_tool(inner, dialect)
-            for inner in self.interpreted.effects
-            if any(body is not None and inner.block.line in body for body in bodies)
+            bisect_left(self._tool_lines, body.start) < bisect_left(self._tool_lines, body.stop)
+            for body in bodies
+            if body is not None
         )
+
+    @cached_property
+    def _tool_lines(self) -> list[int]:
+        """The lines that call tools."""
+        dialect = self.interpreted.settings.dialect
+        return [one.block.line for one in self.interpreted.effects if calls_tool(one, dialect)]
 
     def body(self, key: _Key) -> range | None:
         """The lines of a subprogram in this file, None for one that is not there."""

@@ -8,7 +8,7 @@ between two of them is skipped over: its end needs only the last word of each ax
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -337,6 +337,7 @@ def _interpreted(
     interpreted = InterpretedProgram(program, settings, flow, interpreter, [], [], [], {})
     state = initial_state(settings)
     line = program.source.body.start
+    begins = sorted(entries)
     around: State | None = None  # a subprogram's body: the program goes on behind it as if it was not there
     interpreted.lines.append(line)
     interpreted.states.append(state)
@@ -354,7 +355,7 @@ def _interpreted(
         line = event + 1
         if effect.after is not state or not effect.block.is_empty:
             _keep(interpreted, effect, state)
-            line, state = _behind_dwells(interpreted, effect)
+            line, state = _behind_dwells(interpreted, effect, begins)
     return interpreted
 
 
@@ -370,15 +371,19 @@ def _keep(interpreted: InterpretedProgram, effect: BlockEffect, state: State) ->
     interpreted.states.append(effect.after)
 
 
-def _behind_dwells(interpreted: InterpretedProgram, effect: BlockEffect) -> tuple[int, State]:
+def _behind_dwells(
+    interpreted: InterpretedProgram, effect: BlockEffect, begins: Sequence[int]
+) -> tuple[int, State]:
     """The line behind a dwell, or behind the last one where it comes again and again, and the state there.
 
-    What the others do is added to what is known of the program.
+    What the others do is added to what is known of the program.  ``begins`` are the lines, in order, in which
+    further programs begin.
     """
     program, flow = interpreted.program, interpreted.flow
     line = effect.block.line
     stop = flow.straight_until(line + 1, program.source.body.stop)
-    stop = min([stop, *(entry for entry in interpreted.interpreter.entries if entry > line)])
+    at = bisect_right(begins, line)
+    stop = min([stop, *begins[at : at + 1]])
     found = repeated_dwells(program, effect, stop, interpreted.settings)
     state = effect.after
     if found is None:
