@@ -162,3 +162,12 @@ def test_a_name_and_the_mark_of_a_path_do_nothing(line: str, does: bool) -> None
         load("fanuc-lathe", STAMPED),
     )
     assert lines(output.data)[0].startswith("(CHIPBREAK") is does
+
+
+@pytest.mark.parametrize("program", [b"(FOO", b"(FOO)", b"O1", b"%", b"(CHIPBREAK", b"%\n(FOO)\n"])
+def test_a_program_that_runs_nothing_has_no_messages_in_it(program: bytes, tmp_path: Path) -> None:
+    """There is no block for them to stand before, and perhaps no end of a line behind which they could."""
+    (tmp_path / "part.nc").write_bytes(program)
+    done = warm_text("filter", "-p", "fanuc-mill", "--operator-messages", "part.nc", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, program.decode())
+    assert "CHK001" in done.stderr

@@ -44,12 +44,16 @@ def stamp_of(data: bytes) -> Stamp | None:
 
 
 def messages_edit(program: Program, settings: Settings, diagnostics: Iterable[Diagnostic]) -> Edit | None:
-    """The warnings as comments, which LinuxCNC shows to the operator when it runs them; None without any."""
+    """The warnings as comments, which LinuxCNC shows to the operator when it runs them; None without any.
+
+    None either in a program in which nothing is run.
+    """
     said = [one for one in diagnostics if one.severity is Severity.WARNING]
-    if not said:
+    first, last = _place(program)
+    if not said or first == program.source.body.stop:
         return None
     lines = [_line(one, settings) for one in said]
-    return Edit(*_place(program), tuple(lines), "MESSAGES", "asked for", Promise(), _WHO)
+    return Edit(first, last, tuple(lines), "MESSAGES", "asked for", Promise(), _WHO)
 
 
 def _line(one: Diagnostic, settings: Settings) -> str:
