@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import re
+from math import inf
 
 import numpy as np
 import pytest
 
 import chipbreak
+from chipbreak.trajectory.linuxcnc import interpolated
+from chipbreak.trajectory.linuxcnc_planner import Clock, Stretch, linuxcnc
 
 from . import machine, rs274
 from .settled import SPEEDS
@@ -60,3 +63,43 @@ def test_a_first_short_block_runs_as_predicted_only_from_a_stand() -> None:
             break
     assert off[0].max() < NEAR_MM
     assert off[1].max() > 0.05
+
+
+# Blocks in a row: of a sine that begins, and of an even feed.
+RISING = ((0.0152, 0.0155, 0.0163, 0.017, 0.0178), (3.75, 3.824, 4.022, 4.194, 4.392))
+EVEN = ((0.05, 0.05, 0.05, 0.05, 0.05), (20.0, 20.0, 20.0, 20.0, 20.0))
+
+
+@pytest.mark.linuxcnc("machine")
+@pytest.mark.parametrize(
+    ("acceleration", "row", "firsts"),
+    [
+        (2000.0, RISING, ((inf, 0.0152), (inf, 0.0162), (1.0, 0.0152))),
+        (20000.0, EVEN, ((1.0, 0.035), (1.0, 0.045), (inf, 0.09), (inf, 0.13))),
+    ],
+)
+def test_a_first_block_runs_alone_until_the_next_one_is_handed_over(
+    acceleration: float,
+    row: tuple[tuple[float, ...], tuple[float, ...]],
+    firsts: tuple[tuple[float, float], ...],
+) -> None:
+    """One command a servo period, two with feed per revolution; a quarter of its way is too far by then."""
+    programs, predicted = [], []
+    for override, first in firsts:
+        ways, feeds = (first, *row[0][1:]), row[1]
+        words = [f"F{feed if override == inf else 60.0 * feed:.3f}" for feed in feeds]
+        ends = np.cumsum(ways)
+        blocks = "".join(f"G1 Z{-end:.4f} {word}\n" for end, word in zip(ends, words, strict=True))
+        mode = "G95" if override == inf else "G94"
+        programs.append(f"G21 G90 G97 S60 M3\n{mode} G61\nG4 P0.05\n{blocks}M2\n".encode())
+        stretch = Stretch(ways, feeds, (100.0,) * len(ways), (acceleration,) * len(ways))
+        _, places = linuxcnc(stretch, Clock(0.001, 0.01, override))
+        predicted.append(interpolated(np.concatenate([[0.0, 0.0], places, places[-1:]])))
+    off = np.inf
+    for speed_up in SPEEDS:  # where the reader of the program came late, again and slower
+        runs = machine.run(programs, lathe=True, speed_up=speed_up, acceleration_mm_s2=acceleration)
+        seen = [-one.moving()[1 : len(path) + 1, 3] for one, path in zip(runs, predicted, strict=True)]
+        off = max(np.abs(one - path[: len(one)]).max() for one, path in zip(seen, predicted, strict=True))
+        if off < NEAR_MM:
+            break
+    assert off < NEAR_MM

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from chipbreak.trajectory.junctions import Blocks, blocks_of
-from chipbreak.trajectory.linuxcnc import LinuxCnc
+from chipbreak.trajectory.linuxcnc import LinuxCnc, interpolated
 from chipbreak.trajectory.linuxcnc_feeds import Wanted, _one_factor, factors_for
 from chipbreak.trajectory.linuxcnc_joints import bends_of
 from chipbreak.trajectory.linuxcnc_many import Stretches, linuxcnc_many, times_of_many
-from chipbreak.trajectory.linuxcnc_planner import Clock, Stretch, linuxcnc
+from chipbreak.trajectory.linuxcnc_planner import NOTHING, Clock, Stretch, linuxcnc
 from chipbreak.trajectory.linuxcnc_runs import counted
 from chipbreak.trajectory.linuxcnc_strokes import middle_feeds, places_of
 
@@ -56,12 +56,12 @@ def test_many_stretches_run_like_one(drawn: Stretches, clock: Clock, before: flo
 
 @settings(deadline=None)
 @given(stretches(), clocks, st.one_of(st.just(0.0), speeds))
-def test_of_the_block_before_one_of_two_speeds_stands_for_all(
+def test_of_the_block_before_one_of_three_speeds_stands_for_all(
     drawn: Stretches, clock: Clock, before: float
 ) -> None:
     rows = len(drawn.before)
     stands_for = counted(np.full(rows, before), drawn.lengths[:, 0], clock)
-    assert set(stands_for) <= {0.0, inf}
+    assert set(stands_for) <= {0.0, NOTHING, inf}
     for row in range(rows):
         columns = [tuple(column[row].tolist()) for column in drawn[:4]]
         took = linuxcnc(Stretch(*columns, before), clock)[0]
@@ -120,7 +120,7 @@ def test_between_two_factors_that_do_may_be_some_that_do_not() -> None:
     """A larger factor may take a period more: 12 ms at 1.17 and 1.23, 11 ms at 1.2."""
     lengths = np.array([[0.0206, 0.0356, 0.0206]])
     columns = lengths / 0.004, np.full((1, 3), 160.0), np.full((1, 3), 8000.0)
-    drawn = Stretches(lengths, *columns, np.zeros(1))
+    drawn = Stretches(lengths, *columns, np.full(1, NOTHING))
     clock = Clock(0.001, 0.01, inf)
     took = [
         times_of_many(drawn._replace(speeds=drawn.speeds * factor), clock, 3).sum()
@@ -251,14 +251,47 @@ def test_a_first_block_from_a_stand_speeds_up_as_if_it_was_the_only_one() -> Non
     assert behind_another[0] == pytest.approx(20.0**2 / (2.0 * 0.06) * period**2 / 2.0)
 
 
-@pytest.mark.parametrize(("way", "stands"), [(0.06, True), (0.2, False)])
-def test_a_tool_must_stand_before_a_first_block_that_would_be_one_ramp(way: float, stands: bool) -> None:
+def test_a_first_block_that_has_come_far_before_the_next_one_is_known_ends_at_rest() -> None:
+    """Feed per revolution is handed over as a command of its own: the second block comes two periods later.
+
+    The blocks, feeds and places are those of a sine of 64 ms on the simulated machine, as sampled.
+    """
+    ways = (0.0152, 0.0155, 0.0163, 0.017)
+    feeds = (0.12001, 0.12238, 0.1287, 0.13422)
+    blocks = Stretch(ways, tuple(feed * 1875.0 / 60.0 for feed in feeds), (100.0,) * 4, (2000.0,) * 4)
+    clock = Clock(0.001, 0.01, inf)
+    _, places = linuxcnc(blocks, clock)
+    seen = [
+        0.000167,
+        0.001313,
+        0.004021,
+        0.007625,
+        0.011227,
+        0.013919,
+        0.015084,
+        0.015549,
+        0.016291,
+        0.017504,
+    ]
+    assert interpolated(np.append([0.0, 0.0], places))[:10] == pytest.approx(seen, abs=6e-7)
+    # A little longer, it has not come a quarter of its way after the two periods, and runs on.
+    _, longer = linuxcnc(blocks._replace(lengths=(0.0157, *ways[1:])), clock)
+    _, known = linuxcnc(blocks._replace(lengths=(0.0157, *ways[1:]), before=NOTHING), clock)
+    assert longer.tolist() == known.tolist()
+
+
+@pytest.mark.parametrize(
+    ("way", "per_revolution", "stands"),
+    [(0.06, False, True), (0.2, False, False), (0.06, True, True), (0.2, True, False)],
+)
+def test_a_tool_must_stand_where_a_first_block_would_run_otherwise_behind_a_rapid(
+    way: float, per_revolution: bool, stands: bool
+) -> None:
     ahead = np.array([way, 0.07, -0.06])
     blocks = blocks_of(np.column_stack([ahead, 0.0 * ahead, 0.0 * ahead]), ahead, [20000.0] * 3)
+    model = LinuxCnc(velocity_mm_s=50.0, acceleration_mm_s2=20000.0, per_revolution=per_revolution)
     feeds = np.full(3, 20.0)
-    model = LinuxCnc(velocity_mm_s=50.0, acceleration_mm_s2=20000.0)
     assert model.must_stand_before(blocks, feeds) == stands
-    assert not replace(model, per_revolution=True).must_stand_before(blocks, feeds)
     assert not replace(model, every_block_stops=True).must_stand_before(blocks, feeds)
 
 

@@ -217,3 +217,25 @@ def test_where_the_first_block_depends_on_what_was_read_the_tool_stands_before_i
     lines = chipbreak.rewrite(TICKS.encode(), settings).data.decode().split("\n")
     first = next(number for number, line in enumerate(lines) if line.startswith("G1 X"))
     assert ("G4 P0" in lines[:first]) == stands
+
+
+@pytest.mark.parametrize(
+    ("mode", "period_ms", "wish", "first_s"),
+    [
+        ("rev", 1.0, "E2", 0.008),
+        ("rev", 2.0, "E2", 0.016),
+        ("minute", 1.0, "E2", 0.004),
+        ("minute", 2.0, "E2", 0.008),
+        # As far as the first crest, which stays.
+        ("rev", 2.0, "E2 f62.5", 0.008),
+    ],
+)
+def test_a_wave_in_short_blocks_begins_with_one_that_need_not_rest(
+    mode: str, period_ms: float, wish: str, first_s: float
+) -> None:
+    sets = ["axes.Z.max_acceleration_mm_s2=20000", f"output.feed_mode={mode}", "vibration.waveform=sine"]
+    settings = chipbreak.load("linuxcnc-lathe", [*sets, f"planner.servo_period_ms={period_ms}"])
+    program = f"G21 G18 G90 G8 G97 G95 S1920 M3\nG0 X6.444 Z1\nG1 Z-3.1 F0.08 {wish}\nM2\n"
+    (cut,) = chipbreak.rewrite(program.encode(), settings, allow_unbroken=True).cuts
+    assert cut.expansion.time_s[0] == pytest.approx(first_s)
+    assert cut.expansion.time_s[1] == pytest.approx(first_s + 0.004)

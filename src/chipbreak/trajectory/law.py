@@ -151,6 +151,11 @@ class ControlLaw(ABC):
         """
         return False
 
+    @property
+    def least_first_s(self) -> float:
+        """The least time of the first block of a cut that is to run into the next one."""
+        return 0.0
+
     def late_behind_s(self, feed_mm_s: float) -> float:
         """How much longer than its block, at this feed, the tool goes on before a dwell."""
         return self.late_s + self.axes_late_s(feed_mm_s)

@@ -32,8 +32,8 @@ from chipbreak.trajectory.junctions import Blocks
 from chipbreak.trajectory.law import ControlLaw, turns_of
 from chipbreak.trajectory.linuxcnc_fit import Asked, fitted_feeds
 from chipbreak.trajectory.linuxcnc_joints import Bends, bends_of
-from chipbreak.trajectory.linuxcnc_planner import Clock
-from chipbreak.trajectory.linuxcnc_runs import Columns, Parts, Runs, first_is_even, parts_of, run_all
+from chipbreak.trajectory.linuxcnc_planner import STILL_BLENDS, Clock
+from chipbreak.trajectory.linuxcnc_runs import Columns, Parts, Runs, parts_of, run_all, starts_alike
 from chipbreak.trajectory.linuxcnc_strokes import middle_feeds
 from chipbreak.trajectory.motion import Motion
 
@@ -42,6 +42,7 @@ USUAL_OVERRIDES = (1.0, 1.2, 1.5, 2.0)
 _PERIODS_LATE = 2.0  # its joint interpolator
 _PERIODS_OF_REST = 3.0
 _STILL_EVEN_MM = 1e-9
+_FIRST_BLOCKS = 16  # show whether the first of all runs otherwise
 # There is a place for every period of a cut: worked out in pieces that stay in the processor's cache.
 _PERIODS_AT_ONCE = 1 << 16
 
@@ -135,14 +136,19 @@ class LinuxCnc(ControlLaw):
         time_s, knots_mm = self._knots(distance_mm, blocks.lengths_mm, parts, runs)
         return Motion(runs.times, time_s, knots_mm)
 
+    @property
+    def least_first_s(self) -> float:
+        """See :attr:`ControlLaw.least_first_s`: it has not come too far when the next one is known."""
+        return self._clock.periods_alone * self.servo_period_s / STILL_BLENDS
+
     def must_stand_before(self, blocks: Blocks, feeds_mm_s: Floats) -> bool:
         """See :meth:`ControlLaw.must_stand_before`: it hands over one block a period, and begins the first.
 
-        Behind another move all of them wait, and know each other.  With feed per revolution it is the same.
+        Behind another move all of them wait, and know each other.
         """
-        if self.per_revolution:
-            return False
-        return any(first_is_even(*law._columns(blocks, feeds_mm_s), law._clock) for law in self.variants())
+        first = blocks.part(slice(0, _FIRST_BLOCKS))
+        feeds = feeds_mm_s[:_FIRST_BLOCKS]
+        return not all(starts_alike(*law._columns(first, feeds), law._clock) for law in self.variants())
 
     def _columns(self, blocks: Blocks, feeds_mm_s: Floats) -> tuple[Columns, Parts]:
         """What runs, and from where to where without a rest."""

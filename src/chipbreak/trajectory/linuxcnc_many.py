@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from chipbreak.kinematics.floats import Floats
 from chipbreak.text.named_tuple import NamedTuple
-from chipbreak.trajectory.linuxcnc_planner import LEAST_PERIODS, NOTHING, STANDING, Clock
+from chipbreak.trajectory.linuxcnc_planner import LEAST_PERIODS, NOTHING, STANDING, STILL_BLENDS, Clock
 
 Bools = NDArray[np.bool_]
 Places = NDArray[np.intp]
@@ -86,7 +86,8 @@ def passing_speeds(stretches: Stretches, clock: Clock) -> Floats:
 class _Rows:
     """Where the stretches stand that have not ended; (k,) each, as in ``linuxcnc_planner._Stretch``.
 
-    ``leaves``: the block ends within the next period, after ``rest`` and at ``end_speed``.
+    ``leaves``: the block ends within the next period, after ``rest`` and at ``end_speed``.  ``alone``: how
+    many periods more the first block runs without the next one; ``stops``: it ends at rest.
     """
 
     row: Places
@@ -97,6 +98,8 @@ class _Rows:
     feed_before: Floats
     even: Bools
     leaves: Bools
+    stops: Bools
+    alone: Places
     rest: Floats
     end_speed: Floats
 
@@ -114,6 +117,7 @@ class _Blocks:
         lengths, speeds, tops, accelerations, _ = stretches
         self.count = lengths.shape[1]
         self.period, self.ramp, override, _ = clock
+        self.periods_alone = clock.periods_alone if self.count > 1 else 0
         self.per_revolution = override == inf
         caps = lengths / (LEAST_PERIODS * self.period)
         caps[:, 0] = lengths[:, 0] / self.period
@@ -146,7 +150,7 @@ class _Blocks:
         """As many periods as pass at an even speed far from the end of a block."""
         at = rows.row * self.count + rows.block
         speed = rows.speed
-        idle = (speed == self.tops[at]) & ~rows.even & ~rows.leaves
+        idle = (speed == self.tops[at]) & ~rows.even & ~rows.leaves & (rows.alone == 0)
         if not idle.any():
             return
         left = self.lengths[at] - rows.done
@@ -167,7 +171,8 @@ class _Blocks:
         rows.block = rows.block + new
         at = at + new
         top = self.tops[at]
-        end = self.ends[at]
+        rows.stops = rows.stops & ~new
+        end = np.where(rows.stops, 0.0, self.ends[at])
         if self.per_revolution:
             rows.feed_before = np.where(new, self.feeds[at - 1], rows.feed_before)
             top = np.where(new, np.minimum(rows.feed_before, self.caps[at]), top)
@@ -176,7 +181,17 @@ class _Blocks:
         self._step(rows, at, time, top, end)
         times[at] += time
         rows.even = np.where(new, self.is_even(rows, at), rows.even)
+        if rows.alone.any():
+            end = self._meet_next(rows, at, end)
         self._look_ahead(rows, at, end)
+
+    def _meet_next(self, rows: _Rows, at: Places, end: Floats) -> Floats:
+        """The block behind the first one is handed over; the end speeds now."""
+        meets = (rows.alone == 1) & rows.stops
+        rows.alone = np.maximum(rows.alone - 1, 0)
+        runs_on = meets & (rows.done < STILL_BLENDS * self.lengths[at])
+        rows.stops = rows.stops & ~runs_on
+        return np.where(runs_on, self.ends[at], end)
 
     def _step(self, rows: _Rows, at: Places, time: Floats, top: Floats, end: Floats) -> None:
         speed = rows.speed
@@ -221,7 +236,9 @@ def _start(blocks: _Blocks, before: Floats) -> _Rows:
     none = np.zeros(count)
     off = np.zeros(count, np.bool_)
     row = np.arange(count)
-    rows = _Rows(row, np.zeros(count, np.intp), none, none, none, before, off, off, none, none)
+    stands = before <= 0.0 if blocks.periods_alone else off
+    alone = np.where(stands, blocks.periods_alone, 0)
+    rows = _Rows(row, np.zeros(count, np.intp), none, none, none, before, off, off, stands, alone, none, none)
     rows.even = blocks.is_even(rows, row * blocks.count)
     return rows
 

@@ -18,6 +18,8 @@ from chipbreak.trajectory.planner import Numbers
 
 NOTHING = 1e-12  # mm and s that count as none
 STANDING = 1e-8  # mm/s
+# A block that has come further than this before the next one is known ends at rest.
+STILL_BLENDS = 0.25
 LEAST_PERIODS = 1.02  # a block that LinuxCNC runs into takes at least this many periods
 
 
@@ -35,12 +37,21 @@ class Clock(NamedTuple):
     override: float = 1.0
     least_mm_s: float = 0.0
 
+    @property
+    def periods_alone(self) -> int:
+        """For how many periods the first block behind a stand runs before the next one is known.
+
+        One command is handed over in each, and feed per revolution is a command of its own.
+        """
+        return 2 if self.override == inf else 1
+
 
 class Stretch(NamedTuple):
     """Blocks from rest to rest: ``tops`` are the speeds that the axes allow.
 
     ``before`` is the speed of the block before these, 0 where there was none: the tool stood with nothing to
-    do.  With other feeds than those per revolution it counts only whether there was one.
+    do, and the first block runs alone for a while.  With other feeds than those per revolution it counts only
+    whether there was one.
     """
 
     lengths: Numbers
@@ -60,9 +71,12 @@ def linuxcnc(stretch: Stretch, clock: Clock) -> tuple[Numbers, Floats]:
     return tuple(run.times), np.array(run.places)
 
 
-def begins_evenly(stretch: Stretch, clock: Clock) -> bool:
-    """True where the first block is one even change of speed if the next one is known when it is begun."""
-    return _Stretch(stretch._replace(before=inf), clock).even
+def runs_alike(stretch: Stretch, clock: Clock) -> bool:
+    """True where these blocks run the same behind a stand as behind a rapid, in which all of them wait."""
+    waiting = NOTHING if clock.override == inf else inf
+    _, alone = linuxcnc(stretch._replace(before=0.0), clock)
+    _, known = linuxcnc(stretch._replace(before=waiting), clock)
+    return len(alone) == len(known) and bool(np.abs(alone - known).max() <= NOTHING)
 
 
 class _Stretch:
@@ -85,6 +99,10 @@ class _Stretch:
         self.times = [0.0] * len(lengths)
         self.places = array("d")
         self.block = 0
+        self.alone = clock.periods_alone if self.feed_before <= 0.0 and len(lengths) > 1 else 0
+        self.own_end = self.ends[0]
+        if self.alone:
+            self.ends[0] = 0.0
         self.done = self.speed = self.before = 0.0
         self.leaving: tuple[float, float] | None = None  # time to the end of the block, and the speed there
         self.finished = False
@@ -114,6 +132,7 @@ class _Stretch:
         if self.leaving is None:
             self._cruise()
             self._step(self.period, even=self.even)
+            self._meet_next()
             self.leaving = self._end_in_sight()
         else:
             rest, self.speed = self.leaving
@@ -124,6 +143,13 @@ class _Stretch:
             self._begin(self.period - rest)
         self.places.append(self.before + self.done)
         self.finished = self.leaving is not None and self.block == len(self.lengths) - 1
+
+    def _meet_next(self) -> None:
+        """The block behind the first one is handed over; the first runs into it if it is not too far on."""
+        if self.alone and self.block == 0:
+            self.alone -= 1
+            if not self.alone and self.done < STILL_BLENDS * self.lengths[0]:
+                self.ends[0] = self.own_end
 
     def _begin(self, time: float) -> None:
         """What is left of a period when a block ends in it belongs to the next one."""
@@ -148,7 +174,7 @@ class _Stretch:
     def _cruise(self) -> None:
         speed = self.speed
         left = self.lengths[self.block] - self.done
-        if self.even or speed != self.speeds[self.block]:
+        if self.even or self.alone or speed != self.speeds[self.block]:
             return
         step = speed * self.period
         count = int((left - speed * speed / self.accelerations[self.block]) / step) - 2

@@ -13,7 +13,7 @@ from chipbreak.kinematics.floats import Floats
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.linuxcnc_joints import Bools
 from chipbreak.trajectory.linuxcnc_many import Stretches, linuxcnc_many, passing_speeds, times_of_many
-from chipbreak.trajectory.linuxcnc_planner import Clock, Stretch, begins_evenly, linuxcnc
+from chipbreak.trajectory.linuxcnc_planner import NOTHING, Clock, Stretch, linuxcnc, runs_alike
 from chipbreak.trajectory.linuxcnc_strokes import places_of
 
 Counts = NDArray[np.intp]
@@ -75,12 +75,11 @@ class Columns(NamedTuple):
 def counted(before: Floats, lengths: Floats, clock: Clock) -> Floats:
     """The speed of the block before a stretch, as far as it counts for its first one.
 
-    It is asked whether the first block is one even change of speed, and nothing else; so one of two speeds
-    stands for all.
+    It is asked whether there was one, and with feed per revolution whether the first block is one even change
+    of speed; so one of three speeds stands for all.
     """
-    if clock.override < inf:
-        return np.where(before > 0.0, inf, 0.0)
-    return np.where(2.0 * lengths < clock.ramp_s * before, inf, 0.0)
+    is_even = 2.0 * lengths < clock.ramp_s * before if clock.override == inf else before > 0.0
+    return np.where(is_even, inf, np.where(before > 0.0, NOTHING, 0.0))
 
 
 class Runs(NamedTuple):
@@ -132,10 +131,10 @@ class _Table:
         return Runs(times, counts[self.kind], starts[self.kind], np.concatenate(self.places))
 
 
-def first_is_even(columns: Columns, parts: Parts, clock: Clock) -> bool:
-    """True where the first block would be one even change of speed if the next one was known by then."""
+def starts_alike(columns: Columns, parts: Parts, clock: Clock) -> bool:
+    """True where the first part runs the same behind a stand as behind a rapid."""
     blocks = parts.blocks_of(np.array([0]), int(parts.sizes[0]))
-    return begins_evenly(_stretch(columns.stretches(blocks, clock), 0), clock)
+    return runs_alike(_stretch(columns.stretches(blocks, clock), 0), clock)
 
 
 def run_all(columns: Columns, parts: Parts, clock: Clock, before: float = 0.0) -> Runs:
