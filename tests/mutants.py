@@ -275,13 +275,16 @@ class Reach:
     def tests(self, mutant: Mutant) -> list[str]:
         """Those that come by the statement; for one that runs on import, by the function or the file.
 
-        Those of the room itself come first, each part quickest first.
+        Those of the room itself come first, each part quickest first.  By a function that keeps its results
+        only the tests came that asked first, so all of the room are among them.
         """
         by_line = self._by_line(mutant.file)
         room = _room_of(mutant)
+        is_kept = _is_kept(TREE / mutant.file, mutant.start[0])
+        every = {test for test in self.seconds if is_kept and test.startswith(room)}
         for lines in _lines_around(TREE / mutant.file, mutant.start[0]):
             contexts = {context.split("|")[0] for line in lines for context in by_line.get(line, ())}
-            if found := contexts & self.seconds.keys():
+            if found := (contexts & self.seconds.keys()) | every:
                 return sorted(found, key=lambda test: (not test.startswith(room), self.seconds[test], test))
         return []
 
@@ -329,6 +332,16 @@ def _lines_around(file: Path, line: int) -> Iterator[range]:
             yield range(_first(node), body[0].lineno)
         yield range(_first(node), _last(node) + 1)
     yield range(1, 1_000_000)
+
+
+def _is_kept(file: Path, line: int) -> bool:
+    """True in a function that works out its result once."""
+    return any(
+        isinstance(node, ast.FunctionDef)
+        and _first(node) <= line <= _last(node)
+        and any("cache" in ast.unparse(one) for one in node.decorator_list)
+        for node in ast.walk(ast.parse(file.read_text("utf-8")))
+    )
 
 
 def _first(node: ast.stmt) -> int:

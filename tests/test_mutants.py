@@ -18,6 +18,14 @@ def half(x: int | None = 4, *, by: float = 2.0) -> int | None:
     y: int | None = x
     return y / by
 """
+KEPT = """
+@functools.cache
+def third(x: float) -> float:
+    return x / 3.0
+@property
+def fourth(x: float) -> float:
+    return x / 4.0
+"""
 
 
 @pytest.fixture
@@ -44,3 +52,8 @@ def test_the_tests_of_a_statement_and_of_what_runs_on_import(file: Path) -> None
     assert next(mutants._lines_around(file, 5)) == range(5, 8), (
         "its head runs on import, its body with a test"
     )
+
+
+def test_a_function_that_keeps_its_results_is_known(file: Path) -> None:
+    file.write_text(KEPT)
+    assert [mutants._is_kept(file, line) for line in range(2, 8)] == [True, True, True, False, False, False]
