@@ -275,13 +275,13 @@ class Reach:
     def tests(self, mutant: Mutant) -> list[str]:
         """Those that come by the statement; for one that runs on import, by the function or the file.
 
-        Those of the room itself come first, each part quickest first.  By a function that keeps its results
-        only the tests came that asked first, so all of the room are among them.
+        Those of the room itself come first, each part quickest first.  By what is worked out once only the
+        test came that was there first, so all of the room are among them.
         """
         by_line = self._by_line(mutant.file)
         room = _room_of(mutant)
-        is_kept = _is_kept(TREE / mutant.file, mutant.start[0])
-        every = {test for test in self.seconds if is_kept and test.startswith(room)}
+        is_once = _is_once(TREE / mutant.file, mutant.start[0])
+        every = {test for test in self.seconds if is_once and test.startswith(room)}
         for lines in _lines_around(TREE / mutant.file, mutant.start[0]):
             contexts = {context.split("|")[0] for line in lines for context in by_line.get(line, ())}
             if found := (contexts & self.seconds.keys()) | every:
@@ -334,14 +334,16 @@ def _lines_around(file: Path, line: int) -> Iterator[range]:
     yield range(1, 1_000_000)
 
 
-def _is_kept(file: Path, line: int) -> bool:
-    """True in a function that works out its result once."""
-    return any(
-        isinstance(node, ast.FunctionDef)
-        and _first(node) <= line <= _last(node)
-        and any("cache" in ast.unparse(one) for one in node.decorator_list)
+def _is_once(file: Path, line: int) -> bool:
+    """True for what runs on import, and in a function that keeps its results."""
+    around = [
+        node
         for node in ast.walk(ast.parse(file.read_text("utf-8")))
-    )
+        if isinstance(node, ast.FunctionDef) and _first(node) <= line <= _last(node)
+    ]
+    is_on_import = not any(node.body[0].lineno <= line for node in around)
+    decorators = (ast.unparse(one) for node in around for one in node.decorator_list)
+    return is_on_import or any("cache" in one for one in decorators)
 
 
 def _first(node: ast.stmt) -> int:

@@ -18,7 +18,7 @@ def half(x: int | None = 4, *, by: float = 2.0) -> int | None:
     y: int | None = x
     return y / by
 """
-KEPT = """
+ONCE = """SHARE = 3.0
 @functools.cache
 def third(x: float) -> float:
     return x / 3.0
@@ -54,6 +54,7 @@ def test_the_tests_of_a_statement_and_of_what_runs_on_import(file: Path) -> None
     )
 
 
-def test_a_function_that_keeps_its_results_is_known(file: Path) -> None:
-    file.write_text(KEPT)
-    assert [mutants._is_kept(file, line) for line in range(2, 8)] == [True, True, True, False, False, False]
+def test_what_is_worked_out_once_is_known(file: Path) -> None:
+    """The head of a function runs on import, its body with every test, or with the first one."""
+    file.write_text(ONCE)
+    assert [mutants._is_once(file, line) for line in range(1, 8)] == [*(True,) * 6, False]

@@ -49,6 +49,19 @@ def test_linuxcnc_calls_o_words() -> None:
     }
 
 
+@pytest.mark.parametrize(
+    ("depth", "fanuc", "linuxcnc"), [(0, "D0.", "[-1]"), (1, "D1.", "[1]"), (2, "D2.", "[2]")]
+)
+def test_each_depth_has_its_number(depth: int, fanuc: str, linuxcnc: str) -> None:
+    """On LinuxCNC a number that is not given is 0, so the least depth there is -1."""
+    values = VALUES._replace(depth=depth)
+    blocks = [
+        calls_of(settings.load(profile)).text(CheckKind.CHIP_CHECK, values, is_inch=False)
+        for profile in ("fanuc-mill", "linuxcnc-mill")
+    ]
+    assert blocks == [(f"G65 P8903 T2. W0.02 {fanuc}",), (f"o<cb_chip_check> call [2] [0.02] {linuxcnc}",)]
+
+
 def test_lengths_are_in_the_units_of_the_program() -> None:
     shop = ('calls.a={chip_check="G65 P1 W{limit} A{limit_mm} Z{height} B{height_mm}"}', "checks.calls=a")
     found = texts("fanuc-mill", *shop, is_inch=True)

@@ -158,6 +158,8 @@ def test_a_maker_s_program_is_on_the_control_instead_of_ours_where_the_numbers_a
     assert numbers_told(program, "fanuc-mill") == []
     (found,) = numbers_told(program, "fanuc-mill", "macros.first_program=9810")
     assert f"this program calls {what}" in found.message
+    # Ours are 33 programs, P8900 to P8932 as they are delivered.
+    assert found.message.endswith("whose programs also take P9810 to P9842")
 
 
 def test_a_number_of_ours_is_named_before_one_beside_ours() -> None:

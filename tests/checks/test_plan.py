@@ -56,6 +56,32 @@ def test_the_sample_checks_between_two_operations_of_one_tool() -> None:
     assert last.reason.startswith("last use of T2; the next workpiece starts with ROUGH")
 
 
+@pytest.mark.parametrize(
+    "between",
+    [
+        visit(9, "PROBE"),
+        visit(9, "PROBE").replace("G1", "G0"),
+        visit(9, "DRILL").replace("G1", "G0"),
+        visit(9, "DRILL", "ROUGH"),
+        visit(8, "ROUGH") + visit(9, "DRILL", "ROUGH", "FACE"),
+    ],
+    ids=["a probe that touches", "a probe", "nothing is cut", "two operations", "two tools"],
+)
+def test_what_other_tools_do_between_changes_no_limit(between: str) -> None:
+    """T1 finishes next, whatever comes before that: tight, and then wide for the next workpiece."""
+    rough, finish = visit(1, "ROUGH"), visit(1, "FINISH")
+    assert limits(run(rough, finish)) == ["CHIP CHECK T1 W0.02", "CHIP CHECK T1 W0.05"]
+    found = [title for title in limits(run(rough, between, finish)) if "T1" in title]
+    assert found == ["CHIP CHECK T1 W0.02", "CHIP CHECK T1 W0.05"]
+
+
+def test_a_speed_in_turns_is_given_back_in_whatever_units_it_was_said() -> None:
+    """1000 rpm are as many in inches, so nothing is said of units."""
+    result = run(visit(1, "ROUGH", "FINISH", speed="G20\nS1000 M3\nG21\n"))
+    between = next(edit for edit in result.edits if edit.title == "CHIP CHECK T1 W0.02")
+    assert between.content == ("G91 G28 Z0.", "G90", "M5", "G65 P9813 T1 W0.02", "S1000 M3")
+
+
 def swapped(data: bytes) -> bytes:
     """The two operations of T2 change places; the tool call stays where it was."""
     rough = re.search(rb"N160 G0 X-11.*?N300 G0 Z15\.\r\n", data, re.DOTALL)

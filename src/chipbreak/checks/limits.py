@@ -71,6 +71,12 @@ class Uses:
         self.of_tool: dict[int | None, list[Operation]] = {}
         for operation in self.cutting:
             self.of_tool.setdefault(operation.tool, []).append(operation)
+        # Only the first operation behind a call says its line, and those after it are left out with it too.
+        self._calls: dict[int, int] = {}
+        call = -1
+        for operation in operations:
+            call = call if operation.call_line is None else operation.call_line
+            self._calls[operation.index] = call
 
     def limit_after(self, operation: Operation, settings: Settings) -> Limit | None:
         """W of the check after an operation, None where the profile wants none."""
@@ -118,7 +124,9 @@ class Uses:
     def _may_be_passed_by(self, last_cut: int, later: Operation) -> bool:
         """True when block delete or a jump after a cut may leave out an operation, or give it to another."""
         jumps = any(last_cut < line < (later.first_cut or 0) for line in self._jumps)
-        return jumps or self._may_be_left_out(later.first_cut) or self._may_be_left_out(later.call_line)
+        call = self._calls[later.index]
+        is_called = call > last_cut
+        return jumps or self._may_be_left_out(later.first_cut) or (is_called and self._may_be_left_out(call))
 
     def _limit_of_last_use(self, tool: int | None, settings: Settings) -> Limit | None:
         policy = settings.checks.last_use
