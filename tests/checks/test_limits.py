@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import product
+from itertools import islice, product
 from typing import NamedTuple
 
 import pytest
@@ -77,16 +77,22 @@ def ways(visits: list[Visit]) -> Iterator[list[tuple[int, int, str]]]:
         yield way
 
 
+def asked_next(way: list[tuple[int, int, str]]) -> Iterator[tuple[int, int, float]]:
+    """Number and tool of what is cut, and what the next cut of that tool asks of it."""
+    for at, (number, tool, _) in enumerate(way):
+        following = (W_MM[kind] for _, later, kind in way[at + 1 :] if later == tool)
+        yield from ((number, tool, w_mm) for w_mm in islice(following, 1))
+
+
 def tightest(visits: list[Visit]) -> list[float | None]:
     """What the next cut of the same tool asks, in the way that asks most."""
     cuts = [(visit.tool, cut.kind) for visit in visits for cut in visit.cuts]
-    asked: list[set[float]] = [set() for _ in cuts]
-    for way in ways(visits):
-        for at, (number, tool, _) in enumerate(way):
-            following = (W_MM[kind] for _, later, kind in way[at + 1 :] if later == tool)
-            if tool == cuts[number][0] and (w_mm := next(following, None)):
-                asked[number].add(w_mm)
-    return [min(one, default=None) for one, (_, kind) in zip(asked, cuts, strict=True) if kind in W_MM]
+    asked = {one for way in ways(visits) for one in asked_next(way)}
+    return [
+        min((w_mm for at, by, w_mm in asked if (at, by) == (number, tool)), default=None)
+        for number, (tool, kind) in enumerate(cuts)
+        if kind in W_MM
+    ]
 
 
 marks = st.sampled_from(["", "", "/"])

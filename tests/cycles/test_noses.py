@@ -143,6 +143,12 @@ def test_who_says_the_nose(comment: str, profile: tuple[str, ...]) -> None:
             NOSE,
             "does not get into all of this shape",
         ),
+        (
+            # A groove that is wider inside: its floor has room for the nose, the 1.5 mm of its mouth none.
+            ("Z-20.\n", "Z-20.\nX24. Z-18.\nZ-23.5\nX30. Z-21.5\n"),
+            NOSE,
+            "does not get into all of this shape",
+        ),
         (("X50.\n", "X#100\n"), NOSE, "worked out on the control"),
         (("G42 G0 X28. Z2.", "G42 G2 X28. Z2. R20."), NOSE, "begins with an arc"),
         (("G40 G0 X80. Z5.\n", ""), NOSE, "how the tool leaves it is not known"),

@@ -91,6 +91,9 @@ def test_a_deep_hole_with_the_block_that_ends_it() -> None:
         ("G80\n", ""),
         ("G80\n", "Z-60.\nG80\n"),
         ("G80\n", "G80 G0 Z50.\n"),
+        ("G80\n", "IF[#1EQ1]GOTO9\nG80\nN9\n"),
+        ("G80\n", "M30\nG80\n"),
+        ("G80\n", "/M9\nG80\n"),
     ],
 )
 def test_a_deep_hole_that_stays_is_an_error(old: str, new: str) -> None:

@@ -683,3 +683,22 @@ def test_a_depth_that_is_more_than_there_is_to_take_is_said() -> None:
         assert bool(said) is is_said
         assert not said or (said[0].place is not None and said[0].place.line == 6)
         assert not said or "17.8 mm that there is" in said[0].message
+
+
+@pytest.mark.parametrize(("spindle", "left"), [(b"M4", "spindle"), (b"M5", "spindle"), (b"M8", "coolant")])
+def test_what_a_contour_leaves_in_force_stays_with_its_cycle(spindle: bytes, left: str) -> None:
+    """Whether it holds behind the cycle is not known of a control."""
+    program = CYCLE.replace(b"N20 X52.", b"N20 X52. " + spindle)
+    result = chipbreak.rewrite(program, load("fanuc-lathe", ALWAYS))
+    assert b"\nG70 P10 Q20\n" in result.data
+    assert any(f"leaves another {left} in force" in one.message for one in result.diagnostics)
+    assert chipbreak.restore(result.data) == program
+
+
+@pytest.mark.parametrize(("begins", "is_refused"), [(b"Z2.", False), (b"Z1.", False), (b"Z2.5", True)])
+def test_a_contour_begins_behind_the_start_of_its_cycle(begins: bytes, is_refused: bool) -> None:
+    program = CYCLE.replace(b"N10 G0 X16.", b"N10 G0 X16. " + begins)
+    result = chipbreak.rewrite(program, load("fanuc-lathe", ALWAYS))
+    said = [one.code for one in result.diagnostics if "begins before the start point" in one.message]
+    assert said == (["CYC006"] if is_refused else [])
+    assert (b"UNROLLED G71" in result.data) != is_refused
