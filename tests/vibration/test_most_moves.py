@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import chipbreak
-from chipbreak.vibration import plan
+from chipbreak.vibration import cuts, plan
 
 HEAD = "G21 G18 G99 G97 S600 M3\nG0 X20. Z2.\n"
 LINE = "G1 Z-20. F0.05\n"
@@ -67,6 +67,17 @@ def test_several_cuts_with_a_rapid_between_are_looked_at_one_by_one(monkeypatch:
     halves = "G1 Z-9. F0.05\nG0 X21.\nX20.\n" + LINE
     monkeypatch.setitem(CASES, "halves", (DWELL, halves, FOLLOWED, "", ""))
     assert said("halves") == []
+
+
+def test_the_cuts_of_a_program_have_so_many_blocks_in_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A thousand cuts with a feed in another unit would take all memory; then no further cut is planned."""
+    monkeypatch.setattr(cuts, "MOST_MOVES_IN_ALL", 100)
+    three = "G0 X21. Z2.\n" + LINE
+    monkeypatch.setitem(CASES, "three", ("N1.5", LINE + three + three, RESTING, "", ""))
+    refused = said("three")
+    assert [(one.code, one.place and one.place.line) for one in refused] == [("VIB021", 6), ("VIB021", 8)]
+    assert "; 100 in all are the most" in refused[0].message
+    assert "several programs" in refused[0].help
 
 
 def test_the_longest_cut_that_was_ever_asked_for_is_none_too_many() -> None:

@@ -37,6 +37,9 @@ def _digits(default: int) -> Any:
     return field(default=default, metadata={"at_least": 0, "below": 10})
 
 
+_LONGEST_MS = 60_000.0  # of a filter: no control has a tenth of that
+
+
 class Shown(NamedTuple):
     """What a program shows of its control where the profile leaves that to it; empty where it does not.
 
@@ -159,11 +162,11 @@ class Axis(ValueRecord):
     sign: int = field(default=1, metadata={"values": (1, -1)})
     max_velocity_mm_min: float | None = _above(None)
     max_acceleration_mm_s2: float | None = _above(None)
-    position_gain_1_s: float | None = _above(None)
+    position_gain_1_s: float | None = _at_least(None, 0.1)
     feed_forward: float = field(default=0.0, metadata={"at_least": 0.0, "at_most": 1.0})
     acc_dec: str = _one_of("linear", "exponential", "bell")
-    acc_dec_ms: float | None = _at_least(None)
-    bell_ms: float | None = _above(None)
+    acc_dec_ms: float | None = field(default=None, metadata={"at_least": 0.0, "at_most": _LONGEST_MS})
+    bell_ms: float | None = field(default=None, metadata={"above": 0.0, "at_most": _LONGEST_MS})
     # A coarser axis cuts nothing that anybody measures, and no stroke is left on it.
     increment_mm: float | None = field(default=None, metadata={"above": 0.0, "at_most": 0.1})
     steps_per_mm: float | None = _at_least(None, 10.0)

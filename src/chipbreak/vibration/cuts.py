@@ -34,7 +34,7 @@ from chipbreak.vibration.large_changes import refuse_beyond_any_machine
 from chipbreak.vibration.left_cut import LeftCut
 from chipbreak.vibration.look_ahead_feed import without_look_ahead
 from chipbreak.vibration.loop_names import LoopNames, free_names
-from chipbreak.vibration.plan import CutPlan, plan_cut
+from chipbreak.vibration.plan import MOST_MOVES_IN_ALL, TOO_MANY, CutPlan, plan_cut
 from chipbreak.vibration.request import Request
 from chipbreak.vibration.shared_spindle import shared_spindle
 from chipbreak.vibration.speeds import SpeedChange, UnknownSpeedError, speed_changes
@@ -193,8 +193,13 @@ def _made(maker: _Maker, chains: Sequence[Chain], names: LoopNames | None, aroun
     made = _Made()
     key = maker.interpreted.settings.vibration.refused
     waiting = list(reversed(chains))
+    moves = 0
     while waiting:
         chain = waiting.pop()
+        if moves > MOST_MOVES_IN_ALL:
+            said = _at_chain(maker.interpreted, chain, _too_many(moves))
+            made.give_up(chain, said, key, may_warn=around.allow_unbroken)
+            continue
         advise = len(made.refused) + len(made.left) < maker.advised
         try:
             cuts = maker.cuts(chain, names, advise=advise)
@@ -206,8 +211,16 @@ def _made(maker: _Maker, chains: Sequence[Chain], names: LoopNames | None, aroun
                 made.give_up(chain, said, key, may_warn=around.allow_unbroken)
             continue
         made.cuts.extend(cuts)
+        moves += sum(len(expansion.distance_mm) for _, expansion in cuts)
         names = _behind(names, cuts)
     return made
+
+
+def _too_many(moves: int) -> RefusalError:
+    message = f"the cuts before this one have {moves} blocks; {MOST_MOVES_IN_ALL} in all are the most"
+    return RefusalError(
+        TOO_MANY, message, "make it several programs, or let fewer of its cuts vibrate; is each feed right?"
+    )
 
 
 def _by_block(chain: Chain) -> list[Chain]:

@@ -36,6 +36,7 @@ from chipbreak.vibration.machine import axes_follow_exactly, control_along, dire
 from chipbreak.vibration.request import OUT_OF_RANGE, solver_inputs
 from chipbreak.vibration.surface_speed import active_speed, limit_rpm
 
+TOO_MANY = "VIB021"
 # Of one cut, so that it is followed in about two seconds and half a gigabyte.
 MOST_MOVES = 500_000
 MOST_PLANNED_MOVES = 300_000  # planned as a whole, or by several laws because the profile leaves one open
@@ -43,6 +44,7 @@ MOST_DWELLS = 50_000
 MOST_UNLIKE_MOVES = 100_000  # of strokes of several blocks round bends, each run in its own way
 MOST_STROKES_ROUND_BENDS = 200_000  # each axis behind its own filter
 MOST_PERIODS = 20_000_000  # hours; each takes 8 to 16 bytes where a law is followed period by period
+MOST_MOVES_IN_ALL = 5_000_000  # of all cuts of a program, as half a gigabyte holds
 _FEWER = "take a lower N or a higher feed, or make it several cuts with a rapid between"
 _MOST_GAPS = 40_000  # between a knot of a vibration and the passes before it, for every such pass
 
@@ -270,7 +272,7 @@ def _check_size(
     for bound in _bounds(wave, expander, path, control_along(settings, path, state)):
         if bound.found > bound.most:
             message = f"this cut would become {bound.found} {bound.of}; {bound.most} of them are the most"
-            raise RefusalError("VIB021", *with_feed_per_minute(message, bound.help, state, wave.feed_mm_rev))
+            raise RefusalError(TOO_MANY, *with_feed_per_minute(message, bound.help, state, wave.feed_mm_rev))
 
 
 def _bounds(wave: WaveformParameters, expander: Expander, path: Path, law: ControlLaw) -> Iterator[_Bound]:
