@@ -49,11 +49,13 @@ def test_an_even_triangle_is_tried_with_half_a_vibration_beyond_each_whole_numbe
     assert one.chip_rev == pytest.approx(edges / n, rel=1e-5)
 
 
-@pytest.mark.parametrize(("whole", "share"), [(0, 0.7), (1, 0.7), (2, 0.3)])
-def test_a_given_share_is_tried_with_its_own_best_count(whole: int, share: float) -> None:
+@pytest.mark.parametrize(
+    ("whole", "share", "ticks"), [(0, 0.7, 10), (1, 0.7, 10), (2, 0.3, 10), (0, 0.25, 4), (0, 0.75, 4)]
+)
+def test_a_given_share_is_tried_with_its_own_best_count(whole: int, share: float, ticks: int) -> None:
     """Forward for 7 of 10 ticks: a pass that is 3 of 10 late lies ahead by the whole stroke."""
-    best_rpm = 60.0 / (10 * TICK_S * (whole + 1.0 - share))
-    one = has(found(wanted(1.1 * best_rpm, alpha=share), 10), best_rpm, share)
+    best_rpm = 60.0 / (ticks * TICK_S * (whole + 1.0 - share))
+    one = has(found(wanted(1.1 * best_rpm, alpha=share), ticks), best_rpm, share)
     assert one.stroke_mm == pytest.approx(0.12, rel=1e-4)
 
 
