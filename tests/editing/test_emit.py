@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import chipbreak
 from beam import BEAM
 from chipbreak.editing.edits import Edit, MoveTable, OverlapError
-from chipbreak.editing.promise import KEPT
+from chipbreak.editing.promise import KEPT, Promise
 from chipbreak.editing.render import _ROWS_AT_ONCE, print_moves, render
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
 from chipbreak.self_check import verify
@@ -362,3 +362,26 @@ def test_a_check_that_does_not_give_spindle_or_coolant_back_is_caught(word: byte
 def test_what_stands_behind_the_end_is_another_program(profile: str, program: bytes) -> None:
     """It starts from the power-on state, and the proof of a change before it ends there."""
     assert chipbreak.rewrite(program, chipbreak.load(profile, BEAM)).edits
+
+
+@pytest.mark.parametrize(
+    ("promise", "content", "is_caught"),
+    [
+        (KEPT, "G0 X20.", False),
+        (KEPT, "G1 X20.", True),
+        (Promise(leaves_motion=True), "G1 X20.", False),
+        (KEPT, "M5", True),
+        (KEPT, "M9", True),
+        (KEPT, "F0.2", True),
+        (KEPT, "S900", True),
+    ],
+)
+def test_an_edit_that_promises_nothing_leaves_all_in_force(
+    promise: Promise, content: str, is_caught: bool
+) -> None:
+    """The next block says its own G0, so another code may be left where that is promised."""
+    program = b"G99 G97 S1000 M3 F0.1\nM8\nG0 X20. Z2.\nG0 X30.\nM30\n"
+    interpreted = interpret(parse(read(program), SETTINGS.dialect), SETTINGS)
+    edit = Edit(3, 3, (content,), "TEST", "a reason", promise, "test")
+    output = b"".join(render(interpreted.program, [edit], SETTINGS))
+    assert caught(interpreted, [edit], output) == is_caught
