@@ -147,7 +147,7 @@ def _ends(cut: CutPlan, form: OutputForm, settings: Settings) -> _Ends:
     # to the one behind it, which may be the plain end with a feed of its own.
     keep = np.append(np.any(np.diff(words.absolute, axis=0) != 0.0, axis=1), True)
     keep[-2:-1] &= not _is_at_end(cut, words, settings)
-    keep[1 : 1 + _left_out_first(cut, time_s, distance_mm, words, settings)] = False
+    keep[1 : 1 + _left_out_first(cut, time_s, distance_mm, settings)] = False
     times = time_s[keep]
     counts = dwells[keep].astype(np.intp)
     if dwells.any():
@@ -169,14 +169,12 @@ def _ends(cut: CutPlan, form: OutputForm, settings: Settings) -> _Ends:
     return _Ends(times, distance_mm[keep], _ending_exactly(kept, cut, settings), counts)
 
 
-def _left_out_first(
-    cut: CutPlan, time_s: Floats, distance_mm: Floats, words: Words, settings: Settings
-) -> int:
+def _left_out_first(cut: CutPlan, time_s: Floats, distance_mm: Floats, settings: Settings) -> int:
     """How many knots of a line before the first crest go to the first block: a control would rest behind a
-    shorter one.
+    shorter one.  No loop reaches there.
     """
     wave = cut.wave
-    if words.loops or wave.form != "tick" or cut.expander.keeps_feed or cut.path.arcs[0] is not None:
+    if wave.form != "tick" or cut.expander.keeps_feed or cut.path.arcs[0] is not None:
         return 0
     law = control_along(settings, cut.path, cut.chain.before)
     soon_s = min(law.least_first_s, wave.alpha_share * wave.period_s) - _SAME_S
