@@ -16,6 +16,11 @@ import chipbreak
 from chipbreak.editing.diff import compare, differs, items_of
 from chipbreak.editing.diff_items import Item
 from chipbreak.editing.diff_output import as_json, page, side_by_side, unified
+from chipbreak.editing.edits import Edit
+from chipbreak.editing.promise import KEPT
+from chipbreak.editing.render import render
+from chipbreak.syntax.parse import parse
+from chipbreak.text.source import read
 
 CUT = b"G97 S3000 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5\nG1 X30.\nM30\n"
 
@@ -357,3 +362,23 @@ def test_side_by_side_shows_three_blocks_around_a_change_and_none_far_from_one()
     rows = list(side_by_side(compare(*sides), "a", "b", 80))
     shown = [number for number in range(40) if any(f"X{number}." in row for row in rows)]
     assert shown == [*range(9, 16), *range(22, 29)]
+
+
+def with_change(data: bytes, line: int, *content: str) -> bytes:
+    """The program with blocks between brackets before a line (from 0)."""
+    edit = Edit(line, line, content, "TEST", "a reason", KEPT, "test")
+    settings = chipbreak.load("generic-lathe")
+    program = parse(read(data), settings.dialect)
+    return b"".join(render(program, [edit], settings))
+
+
+def test_a_jump_into_a_change_is_no_jump_behind_it() -> None:
+    a = with_change(b"GOTO50\nG0 X1.\nN60 G0 X5.\nM30\n", 2, "G1 X2. F0.1", "N50 X3.")
+    assert same(a, a)
+    assert not same(a, a.replace(b"GOTO50", b"GOTO60"))
+
+
+@pytest.mark.parametrize(("content", "shown"), [(["S900"], "1 block"), (["S900", "S800"], "2 blocks")])
+def test_a_change_is_shown_by_its_title_and_how_many_blocks_it_has(content: list[str], shown: str) -> None:
+    (item,) = items_of(with_change(b"", 0, *content), "x")
+    assert item.text == f"[TEST: {shown}]"
