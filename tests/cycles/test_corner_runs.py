@@ -60,6 +60,13 @@ def test_a_corner_is_drawn(blocks: str, wanted: list[str]) -> None:
     assert drawn(blocks) == [wanted]
 
 
+def test_a_corner_is_drawn_behind_thousands_of_plain_blocks() -> None:
+    """They say none of the letters of a corner, so they are not among those that are looked at."""
+    before = "G1 Z1. F0.2\n" + "Z1.5\nZ1.\n" * 1100
+    (found,) = drawn(before + "G1 Z-20. R2.\nG1 X30.\n")
+    assert found == ["G1 Z-18.", "G2 X24. Z-20. I2. K0.", "G1 X30."]
+
+
 @pytest.mark.parametrize("angle", [20.0, 45.0, 77.0, 110.0, 150.0])
 @pytest.mark.parametrize("radius", [0.5, 1.3])
 def test_a_radius_touches_both_lines(angle: float, radius: float) -> None:

@@ -152,6 +152,8 @@ def test_who_says_the_nose(comment: str, profile: tuple[str, ...]) -> None:
         (("X50.\n", "X#100\n"), NOSE, "worked out on the control"),
         (("G42 G0 X28. Z2.", "G42 G2 X28. Z2. R20."), NOSE, "begins with an arc"),
         (("G40 G0 X80. Z5.\n", ""), NOSE, "how the tool leaves it is not known"),
+        (("G40 G0 X80.", "G40 G2 R40. X80."), NOSE, "how the tool leaves it is not known"),
+        (("G40 G0 X80.", "G40 G0 X#5"), NOSE, "how the tool leaves it is not known"),
     ],
 )
 def test_what_stays_and_why(change: tuple[str, str], options: tuple[str, ...], why: str) -> None:
@@ -179,6 +181,22 @@ def test_what_stays_and_why(change: tuple[str, str], options: tuple[str, ...], w
 def test_ways_out(change: tuple[str, str], lead_out: list[str]) -> None:
     """The move behind G40 says each axis along which the tool is beside its programmed place."""
     assert kept(PLAIN.replace(*change), *NOSE)[9:-1] == ["G1 X60.4", *lead_out]
+
+
+@pytest.mark.parametrize(
+    "way", ["G40 G1 X80. Z5.", "G40 G2 X80. Z5. R40.", "G40\nG1 X80. Z5.", "G40\nM9\nG1 X80."]
+)
+def test_the_way_out_is_no_cut_of_its_own(way: str) -> None:
+    """It begins a nose radius beside X62. Z-50., so it vibrates with its run or not at all."""
+    program = PLAIN.replace("G40 G0 X80. Z5.", way)
+    assert not chipbreak.rewrite(program.encode(), load("fanuc-lathe", ASKED)).changed
+    asked = program.replace("\nM30", " N1.5\nM30").encode()
+    with pytest.raises(ProgramRejectedError) as caught:
+        chipbreak.rewrite(asked, load("fanuc-lathe"))
+    (said,) = caught.value.diagnostics
+    assert (said.code, "ends in this cut" in said.message) == ("VIB040", True)
+    behind = program.replace("\nM30", "\nX90. F0.2 N1.5\nM30").encode()
+    assert len(chipbreak.rewrite(behind, load("fanuc-lathe", MACHINE)).cuts) == 1
 
 
 def test_where_the_tool_comes_from_does_not_matter_on_a_control_that_leads_in_square_to_the_shape() -> None:

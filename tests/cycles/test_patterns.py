@@ -75,3 +75,10 @@ def test_what_is_no_pattern_stays(old: str, new: str, code: str) -> None:
     result = chipbreak.rewrite(program, load("fanuc-lathe", [ALWAYS]))
     assert result.data == program
     assert [d.code for d in result.diagnostics if d.code.startswith("CYC")] == [code]
+
+
+def test_a_way_back_over_the_contour_crosses_none_of_it() -> None:
+    """It leads over X52 from Z-30 to Z2; the cone would come up there behind its end, at Z-16."""
+    shape = "N10 G0 X16.\nG1 X40. Z-10.\nZ-30.\nN20 X52.\n"
+    blocks = blocks_of(HEAD + TWO + shape + TAIL)
+    assert blocks[-5:] == ["G1 X40.4 Z-9.9", "G1 Z-29.9", "G1 X52.4", "G0 Z2.", "G0 X52."]

@@ -35,6 +35,14 @@ def test_a_groove_in_steps() -> None:
     ]
 
 
+def test_a_groove_the_other_way() -> None:
+    groove = GROOVE.replace("Z-10.", "Z@").replace("Z-18.", "Z-10.").replace("Z@", "Z-18.")
+    assert moves_of(f"{HEAD}(VIB N1.5 PECK OFF)\n{groove}{TAIL}") == [
+        *("G1 X20. F0.1", "G0 X42.", "G0 Z-15.", "G1 X20.", "G0 X42.", "G0 Z-12.", "G1 X20.", "G0 X42."),
+        *("G0 Z-10.", "G1 X20.", "G0 X42.", "G0 Z-18."),
+    ]
+
+
 @pytest.mark.parametrize("wish", ["(VIB N1.5 PECK OFF)", "(VIB PECK OFF N1.5)", "(VIB N1.5, PECK=OFF)"])
 def test_a_hole(wish: str) -> None:
     assert moves_of(f"{HEAD}{wish}\n{DRILL}{TAIL}") == ["G1 Z-40. F0.12", "G0 Z3."]

@@ -13,7 +13,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from chipbreak.cycles.contour import Point, Segment
-from chipbreak.cycles.offset import _circles_meet, _line_meets_circle, check_distance, heading
+from chipbreak.cycles.offset import _circles_meet, _is_on, _line_meets_circle, check_distance, heading
 from chipbreak.cycles.pattern import _crosses, _way_back
 from chipbreak.text.diagnostics import RefusalError
 
@@ -89,6 +89,15 @@ def test_a_line_meets_a_circle_on_both(start: Point, end: Point, arc: Segment) -
         (end.t - start.t) * (arc.centre.h - start.h) - (end.h - start.h) * (arc.centre.t - start.t)
     ) / math.dist(start, end)
     assert bool(found) == (off_centre < arc.radius_mm) or abs(off_centre - arc.radius_mm) < 0.01
+    if off_centre < arc.radius_mm - 0.01:
+        assert len(found) == 2 and math.dist(*found) > 1e-3
+
+
+@given(places, places, st.floats(-1.0, 2.0))
+def test_a_place_is_on_a_line_between_its_ends(start: Point, end: Point, share: float) -> None:
+    assume(math.dist(start, end) > 0.1 and min(abs(share), abs(share - 1.0)) > 0.01)
+    line = Segment(start, end)
+    assert _is_on(line, line.point(share)) == (0.0 <= share <= 1.0)
 
 
 @given(places, places, st.sampled_from([-1.0, 1.0]))

@@ -443,7 +443,13 @@ def test_a_steady_part_shorter_than_a_revolution_is_still_judged() -> None:
 
 @pytest.mark.parametrize(
     ("time_s", "distance_mm"),
-    [([0.0], [0.0]), ([0.0, 0.0], [0.0, 1.0]), ([0.0, 1.0], [0.0, math.nan]), ([0.0, 1.0, 2.0], [0.0, 1.0])],
+    [
+        ([0.0], [0.0]),
+        ([0.0, 0.0], [0.0, 1.0]),
+        ([0.0, 1.0], [0.0, math.nan]),
+        ([0.0, 1.0, 2.0], [0.0, 1.0]),
+        ([0.0, 1.0, math.inf], [0.0, 1.0, 2.0]),
+    ],
 )
 def test_motions_that_cannot_be(time_s: list[float], distance_mm: list[float]) -> None:
     with pytest.raises(RefusalError) as caught:

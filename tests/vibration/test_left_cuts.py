@@ -54,8 +54,8 @@ def test_a_directive_is_refused_and_words_are_always() -> None:
 def test_a_left_cut_between_vibrated_ones_runs_as_programmed() -> None:
     """Of the same chain, of another feed mode, under G96, with an S of its own."""
     program = (
-        f"{HEAD}G1 Z-30. F0.05\nG41\nG1 X24. F0.07\nG40\nG1 Z-60. F0.05\nG0 X30. Z2.\n"
-        "G96 S120\nG0 X20.\nG1 Z-30. F0.05\nG41 S150\nG1 X24. F0.07\nG40\nG1 Z-60. F0.05\nM30\n"
+        f"{HEAD}G1 Z-30. F0.05\nG41\nG1 X24. F0.07\nG40\nG1 X25.\nG1 Z-60. F0.05\nG0 X30. Z2.\n"
+        "G96 S120\nG0 X20.\nG1 Z-30. F0.05\nG41 S150\nG1 X24. F0.07\nG40\nG1 X25.\nG1 Z-60. F0.05\nM30\n"
     )
     out = filtered(program, "generic-lathe", *PROFILE)
     run = run_program(out)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from chipbreak.cycles.nose_runs import compensated_runs
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.modes import Group
 from chipbreak.insertion.sure_effects import words_for
@@ -144,8 +145,9 @@ def chains_of(
     left: list[LeftCut] = []
     groups: list[list[Request]] = []
     called = Called(interpreted)
+    ways_out = _ways_out(interpreted)
     for request in requests:
-        refusal = refusal_of(request, interpreted) or _call_refusal(request, called)
+        refusal = refusal_of(request, interpreted) or _refusal_by_what_came(request, called, ways_out)
         if refusal is not None:
             error, at = refusal
             error = compensated.get(request.effect.block.line, error) if error.code == COMPENSATED else error
@@ -320,6 +322,27 @@ def _path_mode_refusal(interpreted: InterpretedProgram, state: State) -> tuple[R
             message = f"{words} takes its number from a variable, so it cannot be given back behind the cut"
             return RefusalError("VIB050", message, "write the number itself"), None
     return None
+
+
+def _ways_out(interpreted: InterpretedProgram) -> frozenset[int]:
+    """The lines of the moves by which G41 and G42 end."""
+    return frozenset(run.last - 1 for run in compensated_runs(interpreted))
+
+
+def _refusal_by_what_came(
+    request: Request, called: Called, ways_out: frozenset[int]
+) -> tuple[RefusalError, None] | None:
+    """Why a cut must not vibrate that could by what is in force."""
+    return _way_out_refusal(request, ways_out) or _call_refusal(request, called)
+
+
+def _way_out_refusal(request: Request, ways_out: frozenset[int]) -> tuple[RefusalError, None] | None:
+    """The move by which G41 or G42 ends begins where the control has the tool, not as programmed."""
+    if request.effect.block.line not in ways_out:
+        return None
+    message = "tool nose or cutter compensation (G41, G42) ends in this cut: where it begins is not known"
+    help_text = f"lead out before the cut (G40 and a move), or {_without(request)}"
+    return RefusalError(COMPENSATED, message, help_text), None
 
 
 def _call_refusal(request: Request, called: Called) -> tuple[RefusalError, None] | None:
