@@ -6,6 +6,7 @@ import difflib
 import re
 from collections import Counter
 from collections.abc import Sequence
+from difflib import SequenceMatcher
 from itertools import pairwise
 
 import pytest
@@ -13,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import chipbreak
+from chipbreak.editing import diff
 from chipbreak.editing.diff import compare, differs, items_of
 from chipbreak.editing.diff_items import Item
 from chipbreak.editing.diff_output import as_json, page, side_by_side, unified
@@ -353,6 +355,39 @@ def test_hunks_are_those_of_difflib(count: int, changes: list[tuple[int, str]]) 
     ]
     assert [line for line in ours if line[:2] == "@@"] == [line for line in wanted if line[:2] == "@@"]
     assert Counter(ours) == Counter(wanted)
+
+
+@given(st.lists(st.sampled_from("AB"), max_size=60), st.lists(st.sampled_from("AB"), max_size=60))
+def test_programs_that_say_the_same_again_and_again_are_compared_window_by_window(
+    a: list[str], b: list[str]
+) -> None:
+    """What is called equal is, nothing is left out or taken twice, and the ends are met."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(diff, "_MOST_PAIRS", 20)
+        patch.setattr(diff, "_WINDOW", 7)
+        found = list(diff._aligned(a, b))
+    starts = [(i1, j1) for _, i1, _, j1, _ in found] + [(len(a), len(b))]
+    ends = [(0, 0)] + [(i2, j2) for _, _, i2, _, j2 in found]
+    assert starts == ends
+    for tag, i1, i2, j1, j2 in found:
+        assert (i2 > i1 or j2 > j1) and (tag != "equal" or a[i1:i2] == b[j1:j2])
+
+
+def test_hundreds_of_same_blocks_with_others_between_are_aligned(monkeypatch: pytest.MonkeyPatch) -> None:
+    """difflib would go through all of them for each of them, for every difference."""
+    sizes: list[int] = []
+
+    def counted(
+        junk: None, a: Sequence[object], b: Sequence[object], autojunk: bool
+    ) -> SequenceMatcher[object]:
+        sizes.append(max(len(a), len(b)))
+        return SequenceMatcher(junk, a, b, autojunk)
+
+    monkeypatch.setattr(diff, "SequenceMatcher", counted)
+    sides = [items_of(f"M3\nG1 X{x}.\n".encode() * 500, "x") for x in (1, 2)]
+    hunks = compare(*sides)
+    assert Counter(one.tag for one in hunks) == {"equal": 500, "change": 500}
+    assert max(sizes) <= 200
 
 
 def test_side_by_side_shows_three_blocks_around_a_change_and_none_far_from_one() -> None:

@@ -18,6 +18,8 @@ from chipbreak.editing.diff_items import LENGTHS, Item, items_of
 __all__ = ["Hunk", "Item", "compare", "differs", "items_of"]
 Tag = Literal["equal", "change"]
 _Stretch = tuple[Tag, int, int, int, int]
+_MOST_PAIRS = 200_000  # of equal items that difflib goes through, for each stretch that it finds
+_WINDOW = 200
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ def _compare(a: Sequence[Item], b: Sequence[Item], tolerance: float) -> list[Hun
     if tolerance > 0.0:
         stretches = [near for one in stretches for near in _within(a, b, one, tolerance)]
     places = _places(stretches)
-    hunks: list[Hunk] = []
+    hunks: list[_Growing] = []
     for tag, i1, i2, j1, j2 in stretches:
         if tag == "change":
             _add(hunks, tag, a[i1:i2], b[j1:j2])
@@ -56,19 +58,20 @@ def _compare(a: Sequence[Item], b: Sequence[Item], tolerance: float) -> list[Hun
                 _add(hunks, "equal", a[i : i + 1], b[j : j + 1])
             else:
                 _add(hunks, "change", [a[i].with_note(a)], [b[j].with_note(b)])
-    return hunks
+    return [Hunk(tag, tuple(a_items), tuple(b_items)) for tag, a_items, b_items in hunks]
 
 
-def _add(hunks: list[Hunk], tag: Tag, a: Sequence[Item], b: Sequence[Item]) -> None:
+def _add(hunks: list[_Growing], tag: Tag, a: Sequence[Item], b: Sequence[Item]) -> None:
     if not a and not b:
         return
-    if hunks and hunks[-1].tag == tag:
-        last = hunks.pop()
-        hunks.append(Hunk(tag, last.a_items + tuple(a), last.b_items + tuple(b)))
-    else:
-        hunks.append(Hunk(tag, tuple(a), tuple(b)))
+    if not hunks or hunks[-1][0] != tag:
+        hunks.append((tag, [], []))
+    hunks[-1][1].extend(a)
+    hunks[-1][2].extend(b)
 
 
+# A hunk while its items are gathered.
+_Growing = tuple[Tag, list[Item], list[Item]]
 # Where an item of the first or the second program stands: which stretch, how far from its start and its end.
 _Place = tuple[int, int, int]
 
@@ -105,7 +108,7 @@ def _within(a: Sequence[Item], b: Sequence[Item], stretch: _Stretch, tolerance: 
         return
     shapes_a = [_shape(item.key) for item in a[i1:i2]]
     shapes_b = [_shape(item.key) for item in b[j1:j2]]
-    for kind, i, i_stop, j, j_stop in SequenceMatcher(None, shapes_a, shapes_b, autojunk=False).get_opcodes():
+    for kind, i, i_stop, j, j_stop in _aligned(shapes_a, shapes_b):
         if kind != "equal":
             yield "change", i1 + i, i1 + i_stop, j1 + j, j1 + j_stop
             continue
@@ -150,9 +153,38 @@ def _gap(
     if not keys_a or not keys_b:
         yield "change", *i, *j
         return
-    for tag, i1, i2, j1, j2 in SequenceMatcher(None, keys_a, keys_b, autojunk=False).get_opcodes():
-        kind: Tag = "equal" if tag == "equal" else "change"
-        yield kind, i[0] + i1, i[0] + i2, j[0] + j1, j[0] + j2
+    for tag, i1, i2, j1, j2 in _aligned(keys_a, keys_b):
+        yield tag, i[0] + i1, i[0] + i2, j[0] + j1, j[0] + j2
+
+
+def _aligned(a: Sequence[Hashable], b: Sequence[Hashable]) -> Iterator[_Stretch]:
+    """What of two sequences is equal, and what stands between.
+
+    Where the same items come again and again, so that difflib would take hours, it sees a window of both at
+    a time: the next one begins behind the last equal items of this one.
+    """
+    count_b = Counter(b)
+    if sum(count_b[key] for key in a) <= _MOST_PAIRS:
+        yield from _by_difflib(a, b)
+        return
+    i = j = 0
+    while i < len(a) and j < len(b):
+        found = list(_by_difflib(a[i : i + _WINDOW], b[j : j + _WINDOW]))
+        is_last = i + _WINDOW >= len(a) and j + _WINDOW >= len(b)
+        while not is_last and len(found) > 1 and found[-1][0] != "equal":
+            found.pop()
+        for tag, i1, i2, j1, j2 in found:
+            yield tag, i + i1, i + i2, j + j1, j + j2
+        *_, i_seen, _, j_seen = found[-1]
+        i += i_seen
+        j += j_seen
+    if i < len(a) or j < len(b):
+        yield "change", i, len(a), j, len(b)
+
+
+def _by_difflib(a: Sequence[Hashable], b: Sequence[Hashable]) -> Iterator[_Stretch]:
+    for tag, i1, i2, j1, j2 in SequenceMatcher(None, a, b, autojunk=False).get_opcodes():
+        yield ("equal" if tag == "equal" else "change"), i1, i2, j1, j2
 
 
 def _anchors(a: Sequence[Item], b: Sequence[Item]) -> list[tuple[int, int]]:
