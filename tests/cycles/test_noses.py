@@ -149,6 +149,15 @@ def test_who_says_the_nose(comment: str, profile: tuple[str, ...]) -> None:
             NOSE,
             "does not get into all of this shape",
         ),
+        (
+            # The rapid begins at X36., and the cut that it leads to stands at X44. there.
+            (
+                "X40. Z-30.\nG1 X50.\nZ-50.\n",
+                "G0 X36. Z-30.\nG0 X30. Z-22.\nG1 X26. Z-24.\nX56. Z-34.\n",
+            ),
+            NOSE,
+            "does not get into all of this shape",
+        ),
         (("X50.\n", "X#100\n"), NOSE, "worked out on the control"),
         (("G42 G0 X28. Z2.", "G42 G2 X28. Z2. R20."), NOSE, "begins with an arc"),
         (("G40 G0 X80. Z5.\n", ""), NOSE, "how the tool leaves it is not known"),
