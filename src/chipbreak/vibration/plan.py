@@ -38,11 +38,11 @@ from chipbreak.vibration.surface_speed import active_speed, limit_rpm
 
 TOO_MANY = "VIB021"
 # Of one cut, so that it is followed in about two seconds and half a gigabyte.
-MOST_MOVES = 500_000
-MOST_PLANNED_MOVES = 300_000  # planned as a whole, or by several laws because the profile leaves one open
+MOST_MOVES = 450_000
+MOST_PLANNED_MOVES = 250_000  # planned as a whole, or by several laws because the profile leaves one open
 MOST_DWELLS = 50_000
 MOST_UNLIKE_MOVES = 100_000  # of strokes of several blocks round bends, each run in its own way
-MOST_STROKES_ROUND_BENDS = 200_000  # each axis behind its own filter
+MOST_STROKES_ROUND_BENDS = 170_000  # each axis behind its own filter
 MOST_PERIODS = 20_000_000  # hours; each takes 8 to 16 bytes where a law is followed period by period
 MOST_MOVES_IN_ALL = 5_000_000  # of all cuts of a program, as half a gigabyte holds
 _FEWER = "take a lower N or a higher feed, or make it several cuts with a rapid between"
