@@ -105,3 +105,13 @@ def test_a_path_mode_by_a_variable_cannot_be_given_back(word: str) -> None:
     with pytest.raises(chipbreak.ProgramRejectedError) as caught:
         filtered(*MILL, "#1=0.01", f"G64 {word}", "#1=5", *MILLED, "M2", profile="linuxcnc-mill")
     assert [one.code for one in caught.value.diagnostics if one.severity.value == "error"] == ["VIB050"]
+
+
+def test_a_feed_that_m72_rounds_is_refused_by_that_name() -> None:
+    lines = ("G17 G21 G90 G95", "M3 S1000", "G0 X0 Y0 Z2", "F0.15", "M70", "G91", "M72")
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        filtered(*lines, "(VIB N0.5)", "G1 Z-5", "(VIB OFF)", "M2", profile="linuxcnc-mill")
+    (refused,) = [one for one in caught.value.diagnostics if one.severity.value == "error"]
+    assert refused.code == "VIB050"
+    assert refused.message.startswith("the feed is not known: F0.15 (line 4) is rounded to a tenth by M72")
+    assert filtered(*lines, "(VIB N0.5)", "G1 Z-5 F0.15", "(VIB OFF)", "M2", profile="linuxcnc-mill")

@@ -14,7 +14,7 @@ from chipbreak.kinematics.toolpath import Leg
 from chipbreak.model.block_effect import BlockEffect, Move
 from chipbreak.model.findings import COMPENSATED
 from chipbreak.model.interpreted_program import InterpretedProgram
-from chipbreak.model.modal import NOWHERE, State
+from chipbreak.model.modal import NOWHERE, Setting, State
 from chipbreak.model.paths import UNNAMED
 from chipbreak.model.points import WRITE_THE_POINT, moved_without_point
 from chipbreak.model.words import JUMPED, length_mm
@@ -301,16 +301,25 @@ def _feed_refusal(interpreted: InterpretedProgram, state: State) -> tuple[Refusa
     if state.feed is None:
         message = "the feed is missing: no F since the feed mode was set"
         return RefusalError("VIB050", message, "give F on this block or before it"), None
-    if not state.feed.value > 0.0:
-        why = "is zero or negative" if state.feed.value <= 0.0 else "has no decimal point or is a variable"
-        said = interpreted.program.source.place(state.feed.line).line
-        if not interpreted.program.block(state.feed.line).has("F"):
-            why = f"of the shape of the finishing cycle in line {said} may hold behind it or not"
-            message = f"the feed is not known: F{state.feed.text} {why}"
-            return RefusalError("VIB050", message, "give F on this block or before it"), None
-        message = f"the feed F{state.feed.text} (line {said}) {why}"
-        return RefusalError("VIB050", message, "give F with a decimal point, above zero"), None
-    return None
+    return None if state.feed.value > 0.0 else (_feed_that_cannot_be(interpreted, state, state.feed), None)
+
+
+def _feed_that_cannot_be(interpreted: InterpretedProgram, state: State, feed: Setting) -> RefusalError:
+    """Why a feed is not above zero, or not known."""
+    program = interpreted.program
+    line = program.source.place(feed.line).line
+    word = program.block(feed.line).word("F")
+    why = ""
+    if word is None:
+        why = f"of the shape of the finishing cycle in line {line} may hold behind it or not"
+    elif state.kept is not None and word.number is not None and math.isnan(feed.value):
+        why = f"(line {line}) is rounded to a tenth by M72, at least in LinuxCNC since 2.9"
+    if why:
+        message = f"the feed is not known: F{feed.text} {why}"
+        return RefusalError("VIB050", message, "give F on this block or before it")
+    why = "is zero or negative" if feed.value <= 0.0 else "has no decimal point or is a variable"
+    message = f"the feed F{feed.text} (line {line}) {why}"
+    return RefusalError("VIB050", message, "give F with a decimal point, above zero")
 
 
 def _path_mode_refusal(interpreted: InterpretedProgram, state: State) -> tuple[RefusalError, None] | None:
