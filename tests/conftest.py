@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from chipbreak.kinematics.remembered import forget
 from longer import short_where
 
 # What is collected stays to the end: to look through it for garbage takes a third of the collection, and time
@@ -54,7 +55,11 @@ def corpus_programs() -> list[Path]:
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Say to a drawn search how many examples it tries, where its place in hypothesis says it, too."""
+    """Forget what another test has worked out; say to a drawn search how many examples it tries.
+
+    Its place in hypothesis must say it, too.
+    """
+    forget()
     parameters = getattr(getattr(item, "callspec", None), "params", {})
     if _EXAMPLES in parameters:
         asked = _asked.setdefault(item.obj, item.obj._hypothesis_internal_use_settings)

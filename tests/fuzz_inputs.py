@@ -29,6 +29,7 @@ from pathlib import Path
 from unittest.mock import patch
 
 import click.testing
+import matplotlib.backends.backend_svg  # noqa: F401 (before the search, so that no case pays for it)
 
 import chipbreak
 from chipbreak.batch.work import Finished, Task, filtered

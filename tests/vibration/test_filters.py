@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 import chipbreak
+from chipbreak.kinematics.remembered import forget
 from chipbreak.kinematics.waveform import WaveformParameters, sample
 from chipbreak.trajectory.filters import AxisFilter, axis_filter, filtered, times_to_look_at
 from chipbreak.trajectory.look_ahead import LookAhead
@@ -286,6 +287,7 @@ def test_a_cut_so_long_that_its_motion_is_looked_at_less_often_says_so(
     assert looks >= 60.0
     assert "looked at" not in text
     monkeypatch.setattr("chipbreak.trajectory.real_motion._MOST_TIMES", 10_000)
+    forget()
     looks, text = told()
     assert looks is not None
     assert looks < 60.0

@@ -18,9 +18,11 @@ import numpy.typing as npt
 
 from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.piecewise import Gaps, Motion, Rests, mean_step_s, rests_of
+from chipbreak.kinematics.remembered import remembered
 from chipbreak.kinematics.waveform import speed_band_rpm
 from chipbreak.kinematics.waves import wave_named
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.units import S_PER_MIN
 
 _TOUCH = 1e-9  # a gap below this share of the feed is a touch, and a touch ends the chip
@@ -104,6 +106,40 @@ def judge(
     Errors: VIB020.
     """
     _check(time_s, distance_mm, speed_rpm, feed_mm_rev, edges)
+    turning = _Turning(speed_rpm, feed_mm_rev, edges)
+    wave = _Wave(waveform, alpha_share, vibration_s, steady_s, meant_s)
+    verdict = _judged(time_s, distance_mm, turning, wave)
+    around_mm = None if diameter_mm is None else math.pi * diameter_mm
+    return replace(
+        verdict,
+        longest_chip_mm=around_mm and around_mm * verdict.longest_chip_rev,
+        first_chip_mm=around_mm and around_mm * verdict.first_chip_rev,
+    )
+
+
+class _Turning(NamedTuple):
+    """How fast the work turns, and what is fed in a revolution of so many edges."""
+
+    speed_rpm: float
+    feed_mm_rev: float
+    edges: int
+
+
+class _Wave(NamedTuple):
+    """What is known of the vibration, see :func:`judge`."""
+
+    waveform: str | None
+    alpha_share: float
+    vibration_s: float | None
+    steady_s: tuple[float, float] | None
+    meant_s: tuple[Floats, Floats] | None
+
+
+@remembered
+def _judged(time_s: Floats, distance_mm: Floats, turning: _Turning, wave: _Wave) -> Verdict:
+    """See :func:`judge`; without a diameter."""
+    speed_rpm, feed_mm_rev, edges = turning
+    waveform, alpha_share, vibration_s, steady_s, meant_s = wave
     rev_s = S_PER_MIN / speed_rpm
     feed_mm = feed_mm_rev / edges
     motion = Motion(time_s, distance_mm, rev_s / edges, _TOUCH * feed_mm)
@@ -125,7 +161,6 @@ def judge(
     chips_per_s, cut_share, longest_s, peak_mm = _chips(motion, _sampled_part(motion, steady, passes), passes)
     longest_rev = (longest_s if breaks else float(time_s[-1] - time_s[0])) / rev_s
     first_rev = _first_chip(motion) / rev_s
-    around_mm = None if diameter_mm is None else math.pi * diameter_mm
     per_rev = rev_s / steady.period_s
     ratio = stroke_mm / (steady.speed_mm_s * rev_s)
     band = None
@@ -138,9 +173,9 @@ def judge(
         stroke_mm=stroke_mm,
         chips_per_rev=chips_per_s * rev_s,
         longest_chip_rev=longest_rev,
-        longest_chip_mm=around_mm and around_mm * longest_rev,
+        longest_chip_mm=None,
         first_chip_rev=first_rev,
-        first_chip_mm=around_mm and around_mm * first_rev,
+        first_chip_mm=None,
         cut_share=cut_share,
         peak_thickness=peak_mm / feed_mm,
         ramp_peak_thickness=_ramp_peak_mm(motion, steady, passes) / feed_mm,

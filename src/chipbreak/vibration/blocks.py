@@ -15,11 +15,14 @@ from numpy.typing import NDArray
 from chipbreak.editing.edits import MoveTable
 from chipbreak.editing.render import print_moves
 from chipbreak.kinematics.floats import Floats
+from chipbreak.kinematics.remembered import remembered
 from chipbreak.kinematics.toolpath import split_at
 from chipbreak.settings.axis_words import AXES
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
+from chipbreak.trajectory.junctions import Blocks
+from chipbreak.trajectory.law import ControlLaw
 from chipbreak.units import S_PER_MIN, typed_feed
 from chipbreak.vibration.axis_steps import (
     axis_steps_mm,
@@ -334,7 +337,7 @@ def _feed_words(cut: CutPlan, ends: _Ends, settings: Settings) -> tuple[Floats, 
     plain_from = int(np.searchsorted(ends.time_s[:-1], cut.time_s[-2] - _SAME_S))
     law = control_along(settings, cut.path, cut.chain.before)
     blocks = law.blocks(moved, np.diff(ends.distance_mm))
-    feeds_mm_s = law.feeds_for_spans(blocks, spans, plain_from)
+    feeds_mm_s = _feeds_for_spans(law, blocks, spans, plain_from).copy()
     same_feeds(feeds_mm_s, ends.words.loops, blocks, law, cut.wave.period_s)
     state = cut.chain.before
     digits = _feed_decimals(cut, settings)
@@ -345,6 +348,11 @@ def _feed_words(cut: CutPlan, ends: _Ends, settings: Settings) -> tuple[Floats, 
     feeds: Floats = np.maximum(exact, 10.0**-digits)
     _check_feed_digits(cut, spans, exact, feeds, digits)
     return feeds, law.must_stand_before(blocks, feeds_mm_s)
+
+
+@remembered
+def _feeds_for_spans(law: ControlLaw, blocks: Blocks, spans_s: Floats, plain_from: int) -> Floats:
+    return law.feeds_for_spans(blocks, spans_s, plain_from)
 
 
 def _typed_feeds(cut: CutPlan, feeds_mm_s: Floats, lengths_mm: Floats, settings: Settings) -> Floats:

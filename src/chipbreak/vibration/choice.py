@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from itertools import islice
+from operator import sub
 
 from chipbreak.kinematics.conditions import (
     LEAST_PER_REV,
@@ -22,7 +23,7 @@ from chipbreak.kinematics.conditions import (
 )
 from chipbreak.kinematics.sourced_value import SourcedValue, shown
 from chipbreak.kinematics.speed_solver import TOO_FEW, CommandGroup, Period, SolverRules
-from chipbreak.kinematics.toolpath import path_of
+from chipbreak.kinematics.toolpath import Leg, path_of
 from chipbreak.kinematics.waveform import TOO_SHORT
 from chipbreak.settings.sections import Settings
 from chipbreak.text.diagnostics import RefusalError, SelfCheckError
@@ -83,7 +84,7 @@ def is_open(chain: Chain) -> bool:
 
 
 class Chooser:
-    """Chooses for the cuts of one run; what worked for a straight cut is taken for others like it."""
+    """Chooses for the cuts of one run; what worked for a cut is taken for others like it."""
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
@@ -111,8 +112,7 @@ class Chooser:
                 ways = self._ways_out(cut, make) or error.help
                 raise RefusalError(error.code, error.message, ways) from None
             raise
-        if kind:
-            self.worked.setdefault(kind, found.conditions)
+        self.worked.setdefault(kind, found.conditions)
         return found.made
 
     def _again(self, cut: _Cut, known: Conditions, make: MakeCut) -> tuple[CutPlan, Expansion] | None:
@@ -293,12 +293,15 @@ def _standing(cut: _Cut, group: CommandGroup) -> Iterator[Conditions]:
 
 
 def _kind(cut: _Cut) -> tuple[object, ...]:
-    """What cuts have in common that run alike; empty for a path that bends."""
-    requests = cut.chain.requests
-    move = requests[0].effect.move
-    if len(requests) > 1 or move is None or move.kind != "line":
+    """What cuts have in common that run alike: straight ones of any length, others of the same shape."""
+    return (cut.wanted, cut.rules, cut.law, cut.chain.axes, _shape(legs_of(cut.chain)))
+
+
+def _shape(legs: Sequence[Leg]) -> tuple[object, ...]:
+    """The legs of a path wherever it lies; empty for a straight one."""
+    if len(legs) == 1 and not legs[0].turn:
         return ()
-    return (cut.wanted, cut.rules, cut.law, cut.chain.axes)
+    return tuple((*map(sub, leg.end, leg.start), *leg[2:]) for leg in legs)
 
 
 def _fits(conditions: Conditions, cut: _Cut, settings: Settings) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 from chipbreak.dialects.path_mode import path_mode_in
@@ -50,6 +50,12 @@ def overrides_of(interpreted: InterpretedProgram) -> Overrides:
     return Overrides() if is_own else Overrides(planner.override_off, planner.override_on)
 
 
+def feed_codes_of(interpreted: InterpretedProgram) -> frozenset[int]:
+    """The codes with which a program switches its feed mode."""
+    dialect = interpreted.settings.dialect
+    return frozenset(n for e in interpreted.effects for n in codes_of(e.block, "feed_mode", dialect))
+
+
 class VibratedCut(Promise, kw_only=True):
     """The blocks of the edit run these plans: along their paths, in their times, at their spindle speeds.
 
@@ -82,13 +88,21 @@ class VibratedCut(Promise, kw_only=True):
             yield cut, whole._replace(body=whole.body + first, last=whole.body + last)
 
 
-def cut_edit(steps: Sequence[Step], interpreted: InterpretedProgram, overrides: Overrides) -> Edit:
-    """The edit of one cut, or of the steps in which it vibrates; ``overrides`` stand around it."""
+def cut_edit(
+    steps: Sequence[Step],
+    interpreted: InterpretedProgram,
+    overrides: Overrides,
+    feed_codes: Collection[int],
+) -> Edit:
+    """The edit of one cut, or of the steps in which it vibrates; ``overrides`` stand around it.
+
+    ``feed_codes`` are those of the program, whose like is written.
+    """
     settings = interpreted.settings
     first = steps[0].plan.chain
     last = steps[-1].plan.chain
     switched, given_back = _modes_around(steps[0], settings)
-    feed_mode, feed_back = _feed_modes(steps[-1].plan, interpreted)
+    feed_mode, feed_back = _feed_modes(steps[-1].plan, settings, feed_codes)
     comments = [text for step in steps for text in _comments(step.plan.chain, interpreted)]
     head = [
         *dict.fromkeys(comments),
@@ -132,15 +146,14 @@ def _comments(chain: Chain, interpreted: InterpretedProgram) -> list[str]:
     return [block.text for block in blocks if block.is_empty and block.comments]
 
 
-def _feed_modes(plan: CutPlan, interpreted: InterpretedProgram) -> tuple[str, list[str]]:
+def _feed_modes(plan: CutPlan, settings: Settings, like: Collection[int]) -> tuple[str, list[str]]:
     """The feed mode of the moves where it is another, and the blocks that give the programmed feed back."""
     chain = plan.chain
-    dialect = interpreted.settings.dialect
+    dialect = settings.dialect
     was = chain.before.modes.feed_mode
-    mode = plan.expander.feed_mode(was, interpreted.settings.output.feed_mode)
+    mode = plan.expander.feed_mode(was, settings.output.feed_mode)
     feed = feed_blocks(chain.after, dialect)
     if mode != was:
-        like = {n for e in interpreted.effects for n in codes_of(e.block, "feed_mode", dialect)}
         back = dialect.code("feed_mode", was, like)
         return dialect.code("feed_mode", mode, like), [" ".join([back, *feed[:1]]), *feed[1:]]
     if len(feed) < 2 and plan.expander.ends_at_programmed_feed(plan.wave):

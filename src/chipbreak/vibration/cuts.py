@@ -26,7 +26,7 @@ from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.called import in_called_programs, not_followed
 from chipbreak.vibration.chain import Chain, chains_of, legs_of
 from chipbreak.vibration.choice import NOTHING_FITS, Chooser, is_open
-from chipbreak.vibration.cut_edit import Step, cut_edit, overrides_of, settling
+from chipbreak.vibration.cut_edit import Step, cut_edit, feed_codes_of, overrides_of, settling
 from chipbreak.vibration.diameter_steps import diameter_steps
 from chipbreak.vibration.findings import first_error
 from chipbreak.vibration.judged import Judged
@@ -40,6 +40,8 @@ from chipbreak.vibration.shared_spindle import shared_spindle
 from chipbreak.vibration.speeds import SpeedChange, UnknownSpeedError, speed_changes
 from chipbreak.vibration.spindle_encoder import needs_encoder
 
+NOT_TRIED = "VIB098"
+_MOST_BEHIND = 200  # cuts are tried behind a refused one: to mend them is enough for one go
 _MOST_ADVISED = 3  # what works is tried for the first refused cuts; the others fail alike
 SMOOTHED = "VIB063"
 _OFF = re.compile(r"[PQ]\s*0\b")
@@ -108,7 +110,7 @@ def _tried(
         return _without_loops(interpreted, chains, left, refused, error)
     advised = _MOST_ADVISED - len(refused)
     maker = _Maker(interpreted, Chooser(interpreted.settings), given_up, advised, around.allow_unbroken)
-    made = _made(maker, chains, names, around)
+    made = _made(maker, chains, names, around, is_refused=bool(refused))
     refused += made.refused
     left += made.left
     if refused:
@@ -149,7 +151,8 @@ def _edits(
         else:
             steps.append([step])
     overrides = overrides_of(interpreted)
-    edits = [cut_edit(group, interpreted, overrides) for group in steps]
+    feed_codes = feed_codes_of(interpreted)
+    edits = [cut_edit(group, interpreted, overrides, feed_codes) for group in steps]
     return edits + [_speed_back(change, interpreted) for change in changes if change.for_cut is None]
 
 
@@ -188,14 +191,21 @@ class _Made:
             self.refused.append(found)
 
 
-def _made(maker: _Maker, chains: Sequence[Chain], names: LoopNames | None, around: _Around) -> _Made:
-    """Plan every chain and make its blocks."""
+def _made(
+    maker: _Maker, chains: Sequence[Chain], names: LoopNames | None, around: _Around, *, is_refused: bool
+) -> _Made:
+    """Plan every chain and make its blocks; where one ``is_refused``, only some of those behind it."""
     made = _Made()
     key = maker.interpreted.settings.vibration.refused
     waiting = list(reversed(chains))
     moves = 0
+    behind = 0
     while waiting:
         chain = waiting.pop()
+        behind += is_refused or bool(made.refused)
+        if behind > _MOST_BEHIND:
+            made.refused.append(_not_tried(maker.interpreted, chain))
+            break
         if moves > MOST_MOVES_IN_ALL:
             said = _at_chain(maker.interpreted, chain, _too_many(moves))
             made.give_up(chain, said, key, may_warn=around.allow_unbroken)
@@ -214,6 +224,15 @@ def _made(maker: _Maker, chains: Sequence[Chain], names: LoopNames | None, aroun
         moves += sum(len(expansion.distance_mm) for _, expansion in cuts)
         names = _behind(names, cuts)
     return made
+
+
+def _not_tried(interpreted: InterpretedProgram, chain: Chain) -> Diagnostic:
+    message = (
+        f"the cuts from here on were not tried: {_MOST_BEHIND} behind a refused one are enough for one go"
+    )
+    way_out = "mend what is refused before, and run it again"
+    line = chain.first
+    return interpreted.program.diagnose(line, NOT_TRIED, message, way_out, severity=Severity.WARNING)
 
 
 def _too_many(moves: int) -> RefusalError:

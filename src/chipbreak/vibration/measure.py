@@ -12,6 +12,7 @@ from chipbreak.editing.restore import Region
 from chipbreak.kinematics.chip_model import Verdict, judge
 from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.machine_demand import flank_clearance_deg, least_acceleration_mm_s2
+from chipbreak.kinematics.remembered import remembered
 from chipbreak.kinematics.waveform import WaveformParameters, feed_override_band, full_window
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.settings.sections import Settings
@@ -223,7 +224,7 @@ def _in_time(moves: ReadBack, settings: Settings, plan: CutPlan, expansion: Expa
     variants = law.variants()
     known = set[bytes]()
     for one in variants:
-        motion = one.motion(distance_mm, blocks, moves.feed_mm_s, moves.dwell_s)
+        motion = _motion(one, distance_mm, blocks, moves.feed_mm_s, moves.dwell_s)
         if not np.all(motion.spans_s > 0.0):
             raise SelfCheckError("a move takes no time")
         # What the profile leaves open often makes no difference.
@@ -232,6 +233,13 @@ def _in_time(moves: ReadBack, settings: Settings, plan: CutPlan, expansion: Expa
             known.add(fingerprint)
             yield _Timed(moves, one, blocks, motion, distance_mm, settings.planner.uncertainty)
         del motion  # before the next one is made
+
+
+@remembered
+def _motion(
+    law: ControlLaw, distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats, dwell_s: Floats
+) -> Motion:
+    return law.motion(distance_mm, blocks, feeds_mm_s, dwell_s)
 
 
 def measure_cut(result: InterpretedProgram, region: Region, plan: CutPlan, expansion: Expansion) -> CutReport:

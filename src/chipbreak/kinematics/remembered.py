@@ -1,0 +1,80 @@
+"""Functions of small arrays that remember what they gave: the cuts of a program are often alike.
+
+The passes of a roughing operation differ in their diameter; their strokes, times and feeds are the same to
+the last bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterator
+from dataclasses import is_dataclass
+from functools import wraps
+from typing import Any, Final, ParamSpec, TypeVar
+
+import numpy as np
+
+_MOST_NUMBERS = 1 << 13  # in one array: a longer cut is worked out anew
+_MOST_KEPT = 16
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+_every: Final[list[dict[Hashable, Any]]] = []
+
+
+def remembered(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """The function, which gives the same object again for arguments that are the same to the last bit.
+
+    Arguments are arrays, tuples and dataclasses of them, and what can be hashed.  Nobody may change what it
+    gives, and it gives no None.
+    """
+    known: dict[Hashable, _R] = {}
+    _every.append(known)
+
+    @wraps(function)
+    def work(*args: _P.args, **kwargs: _P.kwargs) -> _R:
+        asked = (args, tuple(kwargs.items()))
+        if any(array.size > _MOST_NUMBERS for array in _arrays_in(asked)):
+            return function(*args, **kwargs)
+        key = _key_of(asked)
+        found = known.get(key)
+        if found is None:
+            found = function(*args, **kwargs)
+            if len(known) >= _MOST_KEPT:
+                known.clear()
+            known[key] = found
+        return found
+
+    return work
+
+
+def forget() -> None:
+    """Forget all that any function has given, for who changes how they work, or measures how long."""
+    for known in _every:
+        known.clear()
+
+
+def _parts_of(value: object) -> tuple[object, ...] | None:
+    """What a tuple, or a dataclass that does not compare its parts, is made of; None of anything else."""
+    if isinstance(value, tuple):
+        return value
+    if type(value).__hash__ is object.__hash__ and is_dataclass(value):
+        return tuple(vars(value).values())
+    return None
+
+
+def _arrays_in(value: object) -> Iterator[np.ndarray[Any, Any]]:
+    if isinstance(value, np.ndarray):
+        yield value
+    for part in _parts_of(value) or ():
+        yield from _arrays_in(part)
+
+
+def _key_of(value: object) -> Hashable:
+    """What is equal for equal bits."""
+    if isinstance(value, np.ndarray):
+        return value.shape, value.dtype.char, value.tobytes()
+    parts = _parts_of(value)
+    if parts is not None:
+        return type(value), tuple(map(_key_of, parts))
+    assert isinstance(value, Hashable)
+    return value

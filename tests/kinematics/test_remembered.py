@@ -1,0 +1,105 @@
+"""What is remembered is what would be worked out: for the same bits, and for no others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from chipbreak.kinematics.floats import Floats
+from chipbreak.kinematics.remembered import _MOST_KEPT, _MOST_NUMBERS, remembered
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Two arrays that are told apart by what they are made of."""
+
+    one: Floats
+    other: Floats
+
+
+class Counted:
+    """A function that says what it was asked."""
+
+    def __init__(self) -> None:
+        self.asked: list[object] = []
+
+        @remembered
+        def work(*values: object) -> list[object]:
+            self.asked.append(values)
+            return list(values)
+
+        self.work = work
+
+
+def floats(*values: float) -> Floats:
+    """An array."""
+    return np.array(values)
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (floats(1.0, 2.0), floats(1.0, 2.0 + 2.0**-51)),
+        (floats(0.0), floats(-0.0)),
+        (floats(1.0, 2.0, 3.0, 4.0), floats(1.0, 2.0, 3.0, 4.0).reshape(2, 2)),
+        (np.array([1]), np.array([1]).view(np.float64)),
+        ((floats(1.0), floats(2.0, 3.0)), (floats(1.0, 2.0), floats(3.0))),
+        (Pair(floats(1.0), floats(2.0)), Pair(floats(2.0), floats(1.0))),
+        (Pair(floats(1.0), floats(2.0)), (floats(1.0), floats(2.0))),
+        (1.5, 2.5),
+        (None, "none"),
+    ],
+)
+def test_what_differs_is_worked_out(one: object, other: object) -> None:
+    """Other bits, other shapes, another kind."""
+    counted = Counted()
+    for value in (one, other, one, other):
+        assert counted.work(value)[0] is (one if value is one else other)
+    assert len(counted.asked) == 2
+
+
+@pytest.mark.parametrize(
+    "make", [lambda: floats(1.0, 2.0), lambda: Pair(floats(1.0), floats(np.nan)), lambda: 3]
+)
+def test_what_is_the_same_is_not(make: object) -> None:
+    """Another array with the same bits."""
+    assert callable(make)
+    counted = Counted()
+    first = counted.work(make(), 1.0)
+    assert counted.work(make(), 1.0) is first
+    assert counted.work(make(), 2.0) is not first
+    assert len(counted.asked) == 2
+
+
+def test_long_arrays_are_not_kept() -> None:
+    """A long cut is worked out anew, so that memory stays small."""
+    counted = Counted()
+    most, more = np.zeros(_MOST_NUMBERS), np.zeros(_MOST_NUMBERS + 1)
+    for value in (most, most, more, more):
+        counted.work(value)
+    assert [len(value) for (value,) in counted.asked] == [_MOST_NUMBERS, _MOST_NUMBERS + 1, _MOST_NUMBERS + 1]  # type: ignore[misc, has-type]
+
+
+def test_only_so_many_are_kept() -> None:
+    """The oldest are forgotten all at once."""
+    counted = Counted()
+    for number in (*range(_MOST_KEPT), 0, _MOST_KEPT, 0):
+        counted.work(number)
+    assert counted.asked == [(number,) for number in (*range(_MOST_KEPT), _MOST_KEPT, 0)]
+
+
+def test_an_error_is_said_again() -> None:
+    """Nothing is kept of what was refused."""
+    tries: list[int] = []
+
+    @remembered
+    def refuse(number: int) -> int:
+        tries.append(number)
+        raise ValueError
+
+    for _ in range(2):
+        with pytest.raises(ValueError):
+            refuse(1)
+    assert tries == [1, 1]

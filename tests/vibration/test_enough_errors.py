@@ -1,0 +1,40 @@
+"""Behind a refused cut some more are tried, so that one run says more than one thing, and not all."""
+
+from __future__ import annotations
+
+import pytest
+
+import chipbreak
+
+# Too short for a vibration, which planning says.
+REFUSED, FINE = "G1 Z1.98 F0.05 N1.5", "G1 Z-3. F0.05 N1.5"
+
+
+def said(*cuts: str) -> list[tuple[str, int]]:
+    """What a program with these cuts is told: code and line."""
+    passes = "".join(f"G0 X20. Z2.\n{cut}\nG0 X30.\n" for cut in cuts)
+    data = f"G97 S1200 M3\n{passes}M30\n".encode()
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        chipbreak.rewrite(data, chipbreak.load("generic-lathe"))
+    return [(one.code, one.place.line if one.place else 0) for one in caught.value.diagnostics]
+
+
+def test_the_last_that_is_tried() -> None:
+    """Two hundred behind the refused one are, and the next is the first that is not."""
+    assert len(said(REFUSED, *[FINE] * 199, REFUSED)) == 2
+    codes = dict(said(REFUSED, *[FINE] * 199, REFUSED, REFUSED))
+    assert len(codes) == 2
+    assert codes["VIB098"] == 3 + 3 * 201
+
+
+def test_what_is_before_the_refused_one_does_not_count() -> None:
+    """However many cuts are fine, those behind the first error are tried."""
+    found = said(*[FINE] * 30, REFUSED, *[FINE] * 30, REFUSED)
+    assert [line for _, line in found] == [3 + 3 * 30, 3 + 3 * 61]
+
+
+def test_all_is_tried_where_none_is_refused() -> None:
+    """A long program is not an error."""
+    passes = f"G0 X20. Z2.\n{FINE}\nG0 X30.\n" * 203
+    result = chipbreak.rewrite(f"G97 S1200 M3\n{passes}M30\n".encode(), chipbreak.load("generic-lathe"))
+    assert len(result.cuts) == 203
