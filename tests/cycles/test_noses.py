@@ -346,3 +346,9 @@ def test_a_run_ends_behind_the_move_that_leads_out_or_behind_g40(behind: str, la
     program = f"T0101\nG0 X20. Z2.\nG42 G1 X16. F0.2\nG1 Z-20.\nG40\n{behind}"
     (run,) = compensated_runs(interpret(parse(read(program.encode()), settings.dialect), settings))
     assert (run.first, run.last) == (2, last)
+
+
+def test_a_shoulder_as_high_as_the_nose_radius() -> None:
+    """The inner corner at its foot leaves nothing of it; the tip goes along the shape, which is square."""
+    program = f"{HEAD}G42 G0 X28. Z2.\nG1 X30. Z0. F0.2\nZ-20.\nX31.6\nZ-50.\nX62.\nG40 G0 X80. Z5.\nM30\n"
+    assert offset(program, Nose(0.8, 3))[2:6] == ["G1 Z-20.", "G1 X31.6", "G1 Z-50.", "G1 X60.4"]

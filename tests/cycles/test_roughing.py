@@ -51,7 +51,7 @@ def contours(draw: st.DrawFn, *, pockets: bool) -> tuple[Segment, ...]:
         for (a, b), bulge in zip(pairwise(points), bulges, strict=True)
     ]
     straight = [Segment(one.start, one.end) for one in made]
-    fits = turns_back_along_t(made) is None and (pockets or drop_mm(made) <= 1e-6)
+    fits = not turns_back_along_t(made) and (pockets or drop_mm(made) <= 1e-6)
     return tuple(made if fits else straight)
 
 

@@ -72,14 +72,14 @@ class Segment(NamedTuple):
         if self.centre is None:
             return [self]
         first = _angle(self.centre, self.start)
-        shares = [0.0, *sorted(self._turning_shares(first)), 1.0]
-        points = [self.start, *(self.point(share) for share in shares[1:-1]), self.end]
+        between = map(self.point, sorted(self._turning_shares(first)))
+        points = [self.start, *between, self.end]
         return [Segment(a, b, self.centre, self.turn) for a, b in pairwise(points)]
 
     def _turning_shares(self, first: float) -> Iterator[float]:
-        """Where an arc passes a quarter of its circle."""
+        """Where an arc passes a quarter of its circle; it begins between -pi and pi and turns once."""
         quarter = math.pi / 2.0
-        for number in range(-8, 9):
+        for number in range(-5, 6):
             share = (number * quarter - first) / self.sweep
             if _NOTHING_MM < share < 1.0 - _NOTHING_MM:
                 yield share
@@ -89,33 +89,18 @@ class Segment(NamedTuple):
         if self.centre is None:
             share = (level_mm - self.start.h) / (self.end.h - self.start.h)
             return self.start.t + share * (self.end.t - self.start.t)
-        rise = min(max(level_mm - self.centre.h, -self.radius_mm), self.radius_mm)
-        run = math.sqrt(max(self.radius_mm**2 - rise**2, 0.0))
-        middle = self.point(0.5).t
-        return self.centre.t + math.copysign(run, middle - self.centre.t)
-
-    def h_at(self, t_mm: float) -> float:
-        """The height of a part that does not turn back at a place within it; the higher end of a wall."""
-        if abs(self.end.t - self.start.t) <= _NOTHING_MM:
-            return max(self.start.h, self.end.h)
-        if self.centre is None:
-            share = (t_mm - self.start.t) / (self.end.t - self.start.t)
-            return self.start.h + share * (self.end.h - self.start.h)
-        run = min(max(t_mm - self.centre.t, -self.radius_mm), self.radius_mm)
-        rise = math.sqrt(max(self.radius_mm**2 - run**2, 0.0))
-        return self.centre.h + math.copysign(rise, self.point(0.5).h - self.centre.h)
-
-    def area_mm2(self) -> float:
-        """The area between it and h = 0, with the sign of its way along t."""
-        area = (self.end.t - self.start.t) * (self.start.h + self.end.h) / 2.0
-        if self.centre is not None:
-            bulge = self.radius_mm**2 / 2.0 * (abs(self.sweep) - math.sin(abs(self.sweep)))
-            area -= math.copysign(bulge, self.sweep)
-        return area
+        run = math.sqrt(max(self.radius_mm**2 - (level_mm - self.centre.h) ** 2, 0.0))
+        return self.centre.t + math.copysign(run, self.point(0.5).t - self.centre.t)
 
 
 def _angle(centre: Point, point: Point) -> float:
     return math.atan2(point.h - centre.h, point.t - centre.t)
+
+
+def direction(line: Segment) -> tuple[float, float]:
+    """The direction of a line, of length 1."""
+    way_mm = line.length_mm
+    return (line.end.t - line.start.t) / way_mm, (line.end.h - line.start.h) / way_mm
 
 
 def parts_of(contour: Sequence[Segment]) -> list[Segment]:
@@ -123,12 +108,9 @@ def parts_of(contour: Sequence[Segment]) -> list[Segment]:
     return [part for one in contour for part in one.split() if part.length_mm > _NOTHING_MM]
 
 
-def turns_back_along_t(contour: Sequence[Segment]) -> int | None:
-    """The first segment that goes against the direction of cutting, an undercut; None where there is none."""
-    for index, one in enumerate(contour):
-        if any(part.end.t < part.start.t - 1e-6 for part in one.split()):
-            return index
-    return None
+def turns_back_along_t(contour: Sequence[Segment]) -> bool:
+    """True where a segment goes against the direction of cutting: an undercut."""
+    return any(part.end.t < part.start.t - 1e-6 for one in contour for part in one.split())
 
 
 def drop_mm(contour: Sequence[Segment]) -> float:
@@ -206,5 +188,4 @@ class Frame(NamedTuple):
     @property
     def mirrors(self) -> bool:
         """True when a turn towards +h is the other way round in the plane Z, radius."""
-        flips = self.t_sign * self.h_sign * (1 if self.along == "Z" else -1)
-        return flips < 0
+        return self.t_sign * self.h_sign != (1 if self.along == "Z" else -1)

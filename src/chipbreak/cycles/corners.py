@@ -15,7 +15,7 @@ from collections.abc import Sequence
 
 from chipbreak.cycles import alarms
 from chipbreak.cycles.alarms import with_alarm
-from chipbreak.cycles.contour import Point, Segment
+from chipbreak.cycles.contour import Point, Segment, direction
 from chipbreak.model.block_effect import BlockEffect, Move
 from chipbreak.model.points import WRITE_THE_POINT
 from chipbreak.model.words import length_mm, plain_value
@@ -202,8 +202,8 @@ def _taken_off(before: Segment, after: Segment, corner: Corner) -> tuple[list[Se
     """Two lines with the corner between them."""
     if min(before.length_mm, after.length_mm) <= _NOTHING_MM:
         raise _bad("a corner stands beside a move without length")
-    in_t, in_h = _direction(before)
-    out_t, out_h = _direction(after)
+    in_t, in_h = direction(before)
+    out_t, out_h = direction(after)
     cross = in_t * out_h - in_h * out_t
     cut_mm = corner.size_mm
     if corner.touches:
@@ -219,8 +219,3 @@ def _taken_off(before: Segment, after: Segment, corner: Corner) -> tuple[list[Se
         centre = Point(first.t - turn * corner.size_mm * in_h, first.h + turn * corner.size_mm * in_t)
         new = Segment(first, last, centre, turn)
     return [before._replace(end=first), new], [after._replace(start=last)]
-
-
-def _direction(line: Segment) -> tuple[float, float]:
-    long_mm = line.length_mm
-    return (line.end.t - line.start.t) / long_mm, (line.end.h - line.start.h) / long_mm

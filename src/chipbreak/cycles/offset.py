@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
-from chipbreak.cycles.contour import Point, Segment
+from chipbreak.cycles.contour import Point, Segment, direction
 from chipbreak.cycles.corners import BAD_CONTOUR
 from chipbreak.kinematics.floats import Floats
 from chipbreak.text.diagnostics import RefusalError
@@ -26,8 +27,8 @@ class Turned(NamedTuple):
     after: Segment
 
 
-Corner = Callable[[Segment, Segment, Point, float], Turned]
-"""How an outer corner is taken: from the segments beside it, the corner itself, and the distance [mm]."""
+Corner = Callable[[float, Segment, Segment, Point], Turned]
+"""How an outer corner is taken: from the distance [mm], the segments beside it, and the corner itself."""
 
 
 def at_distance(contour: Sequence[Segment], distance_mm: float) -> tuple[Segment, ...]:
@@ -47,21 +48,20 @@ def pieces_at_distance(contour: Sequence[Segment], distance_mm: float, corner: C
 
     Errors: CYC002 where something of the contour is smaller than that.
     """
-    made: list[list[Segment]] = []
-    for index, one in enumerate(contour):
-        moved = _moved(one, distance_mm)
-        made.append(
-            _joined(made[-1], moved, contour[index - 1].end, distance_mm, corner) if made else [moved]
-        )
+    moved = [_moved(one, distance_mm) for one in contour]
+    made = [moved[:1]]
+    turn = partial(corner, distance_mm)
+    for before, after, at in zip(moved, moved[1:], contour, strict=False):
+        made.append(_joined(made[-1], before, after, at.end, turn))
     return [[one for one in pieces if one.length_mm > _NOTHING_MM] for pieces in made]
 
 
-def round_corner(before: Segment, after: Segment, corner: Point, _distance_mm: float) -> Turned:
+def round_corner(_distance_mm: float, before: Segment, after: Segment, corner: Point) -> Turned:
     """An arc about the corner."""
     return Turned(before, [Segment(before.end, after.start, corner, -1)], after)
 
 
-def sharp_corner(before: Segment, after: Segment, _corner: Point, distance_mm: float) -> Turned:
+def sharp_corner(distance_mm: float, before: Segment, after: Segment, _corner: Point) -> Turned:
     """On along the last direction and into the next one; beyond a right angle a third line cuts it short."""
     out_t, out_h = heading(before, at_end=True)
     in_t, in_h = heading(after, at_end=False)
@@ -75,7 +75,7 @@ def sharp_corner(before: Segment, after: Segment, _corner: Point, distance_mm: f
     if before.centre is None:
         before = before._replace(end=beyond)
     else:
-        between.insert(0, Segment(before.end, beyond))
+        between = [Segment(before.end, beyond), *between]
     if after.centre is None:
         return Turned(before, between, after._replace(start=ahead))
     return Turned(before, [*between, Segment(ahead, after.start)], after)
@@ -88,9 +88,8 @@ def _too_far() -> RefusalError:
 
 def _moved(one: Segment, distance_mm: float) -> Segment:
     if one.centre is None:
-        t_mm = -(one.end.h - one.start.h) / one.length_mm * distance_mm
-        h_mm = (one.end.t - one.start.t) / one.length_mm * distance_mm
-        return one.shifted(t_mm, h_mm)
+        t, h = direction(one)
+        return one.shifted(-h * distance_mm, t * distance_mm)
     radius_mm = one.radius_mm - one.turn * distance_mm
     if radius_mm <= _NOTHING_MM:
         raise _too_far()
@@ -103,30 +102,38 @@ def _moved(one: Segment, distance_mm: float) -> Segment:
 
 
 def _joined(
-    made: list[Segment], after: Segment, at_corner: Point, distance_mm: float, corner: Corner
+    made: list[Segment],
+    before: Segment,
+    after: Segment,
+    at_corner: Point,
+    turn: Callable[[Segment, Segment, Point], Turned],
 ) -> list[Segment]:
-    """What follows the last one of ``made``, which is shortened where both meet before their corner."""
-    before = made[-1]
+    """What follows the last one of ``made``, which is shortened where both meet before their corner.
+
+    That one is ``before`` as far as the corner at its other end has left of it, which may be nothing.
+    """
     out_t, out_h = heading(before, at_end=True)
     in_t, in_h = heading(after, at_end=False)
     turns = out_t * in_h - out_h * in_t
     if math.dist(before.end, after.start) <= _NEAR_MM:
         return [after._replace(start=before.end) if after.centre is None else after]
-    if turns < 0.0 or (turns == 0.0 and out_t * in_t + out_h * in_h < 0.0):
-        made[-1], between, after = corner(before, after, at_corner, distance_mm)
-        return [*between, after]
-    meeting = [p for p in _meetings(before, after) if _is_on(before, p) and _is_on(after, p)]
+    is_straight_back = turns <= _NOTHING_MM and out_t * in_t + out_h * in_h < 0.0
+    if turns < 0.0 or is_straight_back:
+        turned = turn(before, after, at_corner)
+        made[-1] = made[-1]._replace(end=turned.before.end)
+        return [*turned.between, turned.after]
+    meeting = [p for p in _meetings(before, after) if _is_on(made[-1], p) and _is_on(after, p)]
     if not meeting:
         raise _too_far()
     at = min(meeting, key=lambda p: math.dist(p, at_corner))
-    made[-1] = before._replace(end=at)
+    made[-1] = made[-1]._replace(end=at)
     return [after._replace(start=at)]
 
 
 def heading(one: Segment, *, at_end: bool) -> tuple[float, float]:
     """The direction of travel at an end, of length 1."""
     if one.centre is None:
-        return (one.end.t - one.start.t) / one.length_mm, (one.end.h - one.start.h) / one.length_mm
+        return direction(one)
     at = one.end if at_end else one.start
     return (
         -one.turn * (at.h - one.centre.h) / one.radius_mm,
@@ -136,17 +143,17 @@ def heading(one: Segment, *, at_end: bool) -> tuple[float, float]:
 
 def _is_on(one: Segment, point: Point) -> bool:
     """True for a point between the ends of a segment, of one that lies on its line or circle."""
+    if min(math.dist(point, one.start), math.dist(point, one.end)) <= _NEAR_MM:
+        return True
     if one.centre is None:
         t_mm, h_mm = one.end.t - one.start.t, one.end.h - one.start.h
         along = (point.t - one.start.t) * t_mm + (point.h - one.start.h) * h_mm
-        return -_NEAR_MM <= along / one.length_mm <= one.length_mm + _NEAR_MM
-    part = one._replace(end=point)
-    near = min(math.dist(point, one.start), math.dist(point, one.end)) <= _NEAR_MM
-    return near or abs(part.sweep) <= abs(one.sweep)
+        return 0.0 < along < one.length_mm**2
+    return abs(one._replace(end=point).sweep) < abs(one.sweep)
 
 
 def _meetings(one: Segment, other: Segment) -> Iterator[Point]:
-    """Where the lines or circles of two segments meet."""
+    """Where the lines or circles of two segments meet; two lines are never along each other."""
     if one.centre is None and other.centre is None:
         yield from _lines_meet(one, other)
     elif one.centre is None:
@@ -158,17 +165,16 @@ def _meetings(one: Segment, other: Segment) -> Iterator[Point]:
 
 
 def _lines_meet(one: Segment, other: Segment) -> Iterator[Point]:
-    a_t, a_h = heading(one, at_end=True)
-    b_t, b_h = heading(other, at_end=True)
-    cross = a_t * b_h - a_h * b_t
-    if abs(cross) > _NOTHING_MM:
-        along = ((other.start.t - one.start.t) * b_h - (other.start.h - one.start.h) * b_t) / cross
-        yield Point(one.start.t + along * a_t, one.start.h + along * a_h)
+    a_t, a_h = direction(one)
+    b_t, b_h = direction(other)
+    way_t, way_h = other.start.t - one.start.t, other.start.h - one.start.h
+    along = (way_t * b_h - way_h * b_t) / (a_t * b_h - a_h * b_t)
+    yield Point(one.start.t + along * a_t, one.start.h + along * a_h)
 
 
 def _line_meets_circle(line: Segment, arc: Segment) -> Iterator[Point]:
     assert arc.centre is not None
-    t, h = heading(line, at_end=True)
+    t, h = direction(line)
     along = (arc.centre.t - line.start.t) * t + (arc.centre.h - line.start.h) * h
     foot = Point(line.start.t + along * t, line.start.h + along * h)
     half = arc.radius_mm**2 - math.dist(foot, arc.centre) ** 2

@@ -250,7 +250,7 @@ def _check_shape(segments: tuple[Segment, ...], start: Point, along: str) -> Non
     if segments[0].start.t < start.t - _SAME_MM:
         message = "the contour begins before the start point of the cycle, seen along the passes"
         raise RefusalError(BEYOND_START, message, "start the cycle before the contour")
-    if turns_back_along_t(segments) is not None:
+    if turns_back_along_t(segments):
         message = "the contour turns back along the passes: an undercut"
         help_text = "take the undercut out of the contour, or cut it by itself"
         raise RefusalError(TURNS_BACK, message, with_alarm(help_text, alarms.TURNS_BACK[along]))

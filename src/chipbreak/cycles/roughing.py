@@ -12,7 +12,6 @@ from chipbreak.cycles.stock import Stock
 from chipbreak.text.named_tuple import NamedTuple
 
 _NOTHING_MM = 1e-6
-_MOST_PASSES = 10_000
 
 
 class Motion(NamedTuple):
@@ -124,8 +123,7 @@ class _Cutter:
         self.parts = parts_of(cycle.level_contour)
         self.top_mm = cycle.start.h
         self.first_mm = cycle.departure.t
-        self.last_mm = self.parts[-1].end.t + cycle.t_first_mm
-        self.stock = Stock(self.first_mm, max(self.last_mm, self.first_mm + _NOTHING_MM), self.top_mm)
+        self.stock = Stock(self.first_mm, math.inf, self.top_mm)
         self.at = cycle.start
         self.moves: list[Motion] = []
         self.made: list[Pass] = []
@@ -155,8 +153,6 @@ class _Cutter:
         """All levels of a stretch, from the ``number``th down; the pockets that a level opens one by one."""
         level_mm = self.top_mm - number * self.cycle.depth_mm
         lowest_mm = self._lowest(within)
-        if number > _MOST_PASSES:
-            raise ValueError("a cycle of more passes than any program has")
         if lowest_mm >= self.top_mm - (number - 1) * self.cycle.depth_mm - _NOTHING_MM:
             return
         if level_mm <= lowest_mm + _NOTHING_MM:
@@ -226,8 +222,7 @@ class _Cutter:
         self._over(Point(self.first_mm, self.top_mm))
         first = contour[0].start
         self._approach(Point(self.first_mm, first.h))
-        if first.t > self.first_mm + _NOTHING_MM:
-            self._feed(first)
+        self._feed(first)
         for segment in contour:
             self._add(Motion(True, segment.end, segment.centre, segment.turn))
         self._end_pass("along the contour")

@@ -48,8 +48,7 @@ class Stock:
         low, high = min(first_mm, last_mm) + _SAME_MM, max(first_mm, last_mm) - _SAME_MM
         begin = max(bisect_right(self.breaks, low) - 1, 0)
         end = min(bisect_left(self.breaks, high), len(self.heights))
-        touched = range(begin, end) if self.breaks[0] < high and low < self.breaks[-1] else range(0)
-        return max((self.heights[index] for index in touched), default=-math.inf)
+        return max(self.heights[begin:end], default=-math.inf)
 
     def check_rapid(self, start: Point, end: Point) -> None:
         """Raises SelfCheckError when a straight rapid would go through the stock."""
@@ -66,16 +65,9 @@ class Stock:
 
     def _beside(self, t_mm: float) -> float:
         """The height at a place; at a wall the lower side, where the tool is."""
-        left = self.highest(t_mm - 3.0 * _SAME_MM, t_mm + 0.5 * _SAME_MM)
-        right = self.highest(t_mm - 0.5 * _SAME_MM, t_mm + 3.0 * _SAME_MM)
-        return min(left, right)
-
-    def area_mm2(self, floor_mm: float) -> float:
-        """The area above a floor."""
-        return sum(
-            (last - first) * (height - floor_mm)
-            for first, last, height in zip(self.breaks[:-1], self.breaks[1:], self.heights, strict=True)
-        )
+        left = bisect_left(self.breaks, t_mm - _SAME_MM) - 1
+        right = bisect_right(self.breaks, t_mm + _SAME_MM) - 1
+        return min(self.heights[at] if 0 <= at < len(self.heights) else -math.inf for at in (left, right))
 
 
 def _height(start: Point, end: Point, t_mm: float) -> float:

@@ -255,7 +255,7 @@ def _contour(steps: list[Step], frame: Frame, distance_mm: float) -> tuple[Segme
     if not segments:
         raise RefusalError(BAD_CONTOUR, "the contour of this cycle has no length", "give it its shape")
     contour = at_distance(segments, distance_mm)
-    if turns_back_along_t(contour) is not None:
+    if turns_back_along_t(contour):
         message = "the contour turns back along the passes: an undercut"
         raise RefusalError(TURNS_BACK, message, "take the undercut out of the contour, or cut it by itself")
     return contour
@@ -290,7 +290,7 @@ def _frame_of_finish(steps: list[Step]) -> tuple[Frame, tuple[Segment, ...]]:
     moves = [step.move for step in steps]
     frame = frame_of(moves, "Z")
     plain = segments_of(steps[1:], frame)
-    if plain and turns_back_along_t(plain) is not None:
+    if plain and turns_back_along_t(plain):
         frame = frame_of(moves, "X")
         plain = segments_of(steps[1:], frame)
     if not plain:
