@@ -168,18 +168,15 @@ def _aligned(a: Sequence[Hashable], b: Sequence[Hashable]) -> Iterator[_Stretch]
         yield from _by_difflib(a, b)
         return
     i = j = 0
-    while i < len(a) and j < len(b):
+    while i < len(a) or j < len(b):
         found = list(_by_difflib(a[i : i + _WINDOW], b[j : j + _WINDOW]))
-        is_last = i + _WINDOW >= len(a) and j + _WINDOW >= len(b)
-        while not is_last and len(found) > 1 and found[-1][0] != "equal":
+        if len(found) > 1 and found[-1][0] != "equal":
             found.pop()
         for tag, i1, i2, j1, j2 in found:
             yield tag, i + i1, i + i2, j + j1, j + j2
         *_, i_seen, _, j_seen = found[-1]
         i += i_seen
         j += j_seen
-    if i < len(a) or j < len(b):
-        yield "change", i, len(a), j, len(b)
 
 
 def _by_difflib(a: Sequence[Hashable], b: Sequence[Hashable]) -> Iterator[_Stretch]:

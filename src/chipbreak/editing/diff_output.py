@@ -105,7 +105,7 @@ def _equal_rows(hunk: Hunk, *, is_first: bool, is_last: bool) -> Iterator[_Row]:
     yield from (("=", *pair) for pair in pairs[len(pairs) - tail :])
 
 
-def side_by_side(hunks: Sequence[Hunk], name_a: str, name_b: str, width: int = 130) -> Iterator[str]:
+def side_by_side(hunks: Sequence[Hunk], name_a: str, name_b: str, width: int) -> Iterator[str]:
     """Both programs beside each other in ``width`` characters; empty when nothing is changed."""
     if not differs(hunks):
         return
