@@ -261,10 +261,9 @@ class _Reader:
         number = block.sequence.number if self.in_data and block.sequence else None
         if _begins_data(block):
             self.in_data = True
-        comments = tuple(
-            c.text.strip() for c in block.comments if not self.ignore_comments or _ACTS.match(c.text)
-        )
-        return (block.skip, number, said, comments) if said or any(comments) else ()
+        texts = (c.text.strip() for c in block.comments if not self.ignore_comments or _ACTS.match(c.text))
+        comments = tuple(filter(None, texts))
+        return (block.skip, number, said, comments) if said or comments else ()
 
 
 def _said(part: Word | Assignment | Control, named: set[str], worth: Callable[[Word], Hashable]) -> Hashable:
