@@ -183,6 +183,13 @@ def test_as_json() -> None:
     ]
 
 
+def said_in(row: list[str]) -> int | str:
+    """The number of an equal row; else what it is."""
+    if row == ["..."]:
+        return row[0]
+    return "change" if "|" in row else int(float(row[1][1:]))
+
+
 @pytest.mark.parametrize(
     ("before", "between", "behind", "shown"),
     [
@@ -195,16 +202,17 @@ def test_as_json() -> None:
 def test_how_many_equal_blocks_are_shown(
     before: int, between: int, behind: int, shown: list[int | str]
 ) -> None:
+    equal = [
+        [f"{letter}{x}." for x in range(n)]
+        for letter, n in zip("XYZ", (before, between, behind), strict=True)
+    ]
+
     def program(*changed: str) -> bytes:
-        stretches = [[f"{letter}{x}." for x in range(n)] for letter, n in (("X", before), ("Y", between))]
-        last = [f"Z{x}." for x in range(behind)]
-        lines = [*stretches[0], changed[0], *stretches[1], changed[1], *last]
-        return "\n".join([*lines, ""]).encode()
+        return "\n".join([*equal[0], changed[0], *equal[1], changed[1], *equal[2], ""]).encode()
 
     hunks = compare(*sides(program("M3", "M4"), program("M13", "M14")))
     rows = [row.split() for row in side_by_side(hunks, "a", "b", 80)][1:]
-    said = ["..." if row == ["..."] else "change" if "|" in row else int(float(row[1][1:])) for row in rows]
-    assert said == shown
+    assert list(map(said_in, rows)) == shown
     # In a patch between changes: six together, of seven the three at each end.
     heads = [line for line in unified(hunks, "a", "b") if line.startswith("@@")]
     assert len(heads) == (1 if between <= 6 else 2)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -39,30 +40,47 @@ def kept_lines(text: str, folder: Path, around: int, piece_bytes: int) -> list[i
 def by_rule(text: str, around: int) -> list[int]:
     """Run by run: up to the first cut and some more, the last of each kind, from some before the last cut."""
     lines = text.splitlines()
-    plain = [PLAIN.fullmatch(line) for line in lines]
-    kept = {at for at, one in enumerate(plain) if one is None}
+    kept: set[int] = set()
     mode: int | None = None
     at = 0
-    while at < len(lines):
-        if plain[at] is None:
-            codes = re.findall(r"G0*(\d{1,3})", re.sub(r"\([^)]*\)|;.*", "", lines[at]))
-            for code in map(int, codes):
-                mode = code if code < 4 else None if code in (33, 38) or 73 <= code < 90 else mode
-            at += 1
-            continue
-        stop = at
-        cuts = []
-        while stop < len(lines) and (match := plain[stop]) is not None:
-            mode = int(match[1]) if match[1] else mode
-            if mode != 0 and re.search("[XYZ]", match[2]):
-                cuts.append(stop)
-            stop += 1
-        first, last = (cuts[0] + around + 1, cuts[-1] - around) if cuts else (stop, stop)
-        middle = range(first, last)
-        kept |= {line for line in range(at, stop) if line not in middle}
-        kept |= set({kind_of(lines[line]): line for line in middle}.values())
-        at = stop
+    for is_plain, some in groupby(lines, lambda line: PLAIN.fullmatch(line) is not None):
+        run = list(some)
+        if is_plain:
+            found, mode = kept_of_run(run, mode, around)
+            kept |= {at + line for line in found}
+        else:
+            kept |= {*range(at, at + len(run))}
+            mode = mode_behind(run, mode)
+        at += len(run)
     return sorted(kept)
+
+
+def kept_of_run(run: list[str], mode: int | None, around: int) -> tuple[set[int], int | None]:
+    """What is kept of lines of plain motion, and the motion that they leave in force."""
+    cuts = []
+    for at, line in enumerate(run):
+        match = PLAIN.fullmatch(line)
+        assert match is not None
+        mode = int(match[1]) if match[1] else mode
+        if mode != 0 and re.search("[XYZ]", match[2]):
+            cuts.append(at)
+    every = set(range(len(run)))
+    if not cuts:
+        return every, mode
+    middle = range(cuts[0] + around + 1, cuts[-1] - around)
+    lasts = {kind_of(run[at]): at for at in middle}
+    return every.difference(middle) | {*lasts.values()}, mode
+
+
+def mode_behind(lines: list[str], mode: int | None) -> int | None:
+    """The motion in force behind lines that are more than plain motion; None where nobody says."""
+    for line in lines:
+        for code in map(int, re.findall(r"G0*(\d{1,3})", re.sub(r"\([^)]*\)|;.*", "", line))):
+            if code in (0, 1, 2, 3):
+                mode = code
+            elif code in (33, 38, *range(73, 90)):
+                mode = None
+    return mode
 
 
 def kind_of(line: str) -> tuple[object, ...]:
