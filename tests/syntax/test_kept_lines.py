@@ -96,7 +96,7 @@ def kind_of(line: str) -> tuple[object, ...]:
 
 
 LINES = [
-    *["X1. Y2.", "X1. Y2.", "Y3.", "X5", "G1 X1. F100.", "F50.", "N7 X2.", "G2 X1. Y1."],
+    *["X1. Y2.", "X1. Y2.", "Y3.", "X5", "G1 X1. F100.", "F50.", "N7 X2.", "G2 X1. Y1.", "G1 X1."],
     *["G0 X1.", "M8", "G81 Z-1.", "(G1 NOTE)", "G4 P0.1 ; G0", "G90", "G33 Z-1. F1.", "G04 P1. G00", "N5"],
 ]  # fmt: skip
 
@@ -105,7 +105,7 @@ def drawn(seed: int) -> str:
     random = np.random.default_rng(seed)
     lines: list[str] = []
     while len(lines) < 120:
-        some = random.choice(LINES[:8] if random.random() < 0.7 else LINES, random.integers(1, 4)).tolist()
+        some = random.choice(LINES[:9] if random.random() < 0.7 else LINES, random.integers(1, 4)).tolist()
         lines += random.choice(some, random.integers(1, 40)).tolist()
     return "".join(f"{line}\n" for line in lines)
 

@@ -401,11 +401,17 @@ def _check_breaks(per_rev: float, rules: SolverRules, origin: str, period: Perio
         what = f"N {shown(per_rev)} ({origin})" + (f" / {rules.edges} edges" if rules.edges > 1 else "")
         way_out = f"N {' or '.join(good)} breaks best"
         if period is not None:
-            speeds = [shown(math.floor(_ratio(period, count))) for count in counts]
-            way_out += f": give S {' or '.join(speeds)}"
+            way_out += _speeds_for(counts, period, rules.edges)
         instead = tuple(f"N{count}" for count in good) if period is None else ()
         message = f"{what} is a whole number, so no chip ever breaks"
         raise RefusalError(NEVER_BREAKS, message, way_out, instead)
+
+
+def _speeds_for(counts: Sequence[float], period: Period, edges: int) -> str:
+    """The whole S that make about these N, behind a way out; but for those that make a whole number again."""
+    speeds = [rpm for rpm in (math.floor(_ratio(period, count)) for count in counts) if rpm > 0]
+    good = [shown(rpm) for rpm in speeds if not never_breaks(_ratio(period, rpm), edges)]
+    return f": give S {' or '.join(good)}" if good else ", which needs another S or f"
 
 
 def _check_speed(speed_rpm: float, wanted: float, group: CommandGroup, rules: SolverRules) -> None:
