@@ -228,5 +228,5 @@ def _why(text: str, column: int, *, ended: bool) -> str:
     shown = _FOREIGN_RUN.match(text, column)
     if shown:
         return f"'{shown[0]}' is not expected here{behind}"
-    one = text[column] if text[column].isprintable() else f"byte 0x{ord(text[column]):02X}"
-    return f"{one!r} is not expected here{behind}"
+    one = repr(text[column]) if text[column].isprintable() else f"byte 0x{ord(text[column]):02X}"
+    return f"{one} is not expected here{behind}"
