@@ -54,4 +54,5 @@ def _pattern(loop: Loop, line_end: bytes) -> re.Pattern[bytes]:
         if others:
             text = f"{first}(?P<{name}>[0-9]+)" + f"(?P={name})".join(others)
     ends = re.escape(line_end.decode("ascii"))
-    return re.compile(("(?<=[\r\n])" + text.replace("\n", ends)).encode("ascii"), re.DOTALL)
+    # At the start of a line, which may be the first one of a change.
+    return re.compile(("(?<![^\r\n])" + text.replace("\n", ends)).encode("ascii"), re.DOTALL)
