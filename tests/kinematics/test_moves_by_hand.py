@@ -126,7 +126,16 @@ def test_a_rapid_takes_as_long_as_its_slowest_axis(way: tuple[float, float, floa
 
 @pytest.mark.parametrize(
     ("start", "end"),
-    [(30.0, 10.0), (10.0, 30.0), (20.0, 20.0), (4.0, 3.0), (2.0, 30.0), (-5.0, 30.0), (7.0, 7.9577)],
+    [
+        (30.0, 10.0),
+        (10.0, 30.0),
+        (20.0, 20.0),
+        (4.0, 3.0),
+        (2.0, 30.0),
+        (-5.0, 30.0),
+        (7.0, 7.9577),
+        (9.0, 9.8),
+    ],
 )
 def test_the_mean_turn_under_constant_surface_speed(start: float, end: float) -> None:
     """The mean of 2 pi r / v over the radii, of the limit where r is smaller: by very many radii."""

@@ -189,8 +189,6 @@ def _choices(wanted: Wanted, periods: Sequence[Period], rules: SolverRules) -> _
     for forward, speed_rpm in _suits(wanted, ticks, period_s):
         speeds = np.floor(speed_rpm / rules.resolution_rpm + 0.5) * rules.resolution_rpm
         tables.append((at, ticks, np.clip(forward, 1.0, ticks - 1.0), period_s, speeds))
-    if not tables:
-        return _Table(*(np.empty(0) for _ in range(5)))
     table = _Table(*map(np.concatenate, zip(*tables, strict=True)))
     return table.only(_allowed(table, wanted, rules))
 
