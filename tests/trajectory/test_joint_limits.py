@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from chipbreak.kinematics.floats import Floats
+from chipbreak.text.diagnostics import RefusalError
 from chipbreak.trajectory import junction_plan
 from chipbreak.trajectory.junction import Junction
 from chipbreak.trajectory.junction_plan import (
@@ -375,3 +376,30 @@ def test_four_digits_of_what_lies_at_an_edge(value: float, wanted: float) -> Non
 def test_the_bounds_of_a_turn_are_those_of_the_control() -> None:
     """In single precision 0.999999 is a little less."""
     assert junction_plan._SINGLE_TURNS_BACK == float(np.float32(0.999999)) != 0.999999
+
+
+def test_what_is_said_of_a_stroke_of_several_blocks_that_no_feed_makes() -> None:
+    """In exact stop 0.3 mm in three blocks take three times what 0.1 mm take, 20 ms; of two strokes the later."""
+    law = Junction(every_block_stops=True).along((0.0, 0.0, 1.0), AXES)
+    lengths = np.array([0.1, 0.1, -0.05, -0.05, 0.1, 0.1, 0.1, -0.1])
+    moved = np.zeros((8, 3))
+    moved[:, 2] = lengths
+    spans = np.array([0.03, 0.03, 0.03, 0.03, 0.05 / 3.0, 0.05 / 3.0, 0.05 / 3.0, 0.03])
+    with pytest.raises(RefusalError) as caught:
+        law.feeds_for_spans(law.blocks(moved, lengths), spans, 8)
+    said = caught.value
+    assert (said.code, said.message) == (
+        "VIB030",
+        "a stroke of 0.3 mm in 3 blocks takes 60 ms at any feed, 50 ms are wanted",
+    )
+    assert said.help == "take one block per stroke (WAVE TRIANGLE), or a lower frequency"
+    # Of one block, what it lacks: 0.3 mm in 30 ms.
+    with pytest.raises(RefusalError, match=r"^a stroke of 0.3 mm in 30 ms needs 1.33 m/s2, Z has 1 m/s2$"):
+        law.feeds_for_spans(law.blocks(moved, lengths), np.where(np.arange(8) < 4, spans, 0.01), 7)
+    feeds = law.feeds_for_spans(law.blocks(moved, lengths), np.full(8, 0.03), 8)
+    took = law.motion_between_dwells(
+        np.append(0.0, np.cumsum(lengths)), law.blocks(moved, lengths), feeds
+    ).spans_s
+    assert [took[:2].sum(), took[2:4].sum(), took[4:7].sum(), took[7]] == pytest.approx(
+        [0.06, 0.06, 0.09, 0.03], rel=1e-3
+    )
