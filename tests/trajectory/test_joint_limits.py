@@ -379,7 +379,7 @@ def test_the_bounds_of_a_turn_are_those_of_the_control() -> None:
 
 
 def test_what_is_said_of_a_stroke_of_several_blocks_that_no_feed_makes() -> None:
-    """In exact stop 0.3 mm in three blocks take three times what 0.1 mm take, 20 ms; of two strokes the later."""
+    """In exact stop 0.3 mm in three blocks take three times what 0.1 mm take; of two strokes the later."""
     law = Junction(every_block_stops=True).along((0.0, 0.0, 1.0), AXES)
     lengths = np.array([0.1, 0.1, -0.05, -0.05, 0.1, 0.1, 0.1, -0.1])
     moved = np.zeros((8, 3))
