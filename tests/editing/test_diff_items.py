@@ -80,7 +80,7 @@ def test_items_of_a_change() -> None:
         (11, "M30", (), [], False),
     ]
     # A change at the end is not in front of the first block.
-    last = Edit(6, 6, ("S900",), "TEST", "a reason", KEPT, "test")
+    last = Edit(7, 7, ("S900",), "TEST", "a reason", KEPT, "test")
     out = b"".join(
         render(parse(read(b"N1\n" + data.replace(b"51", b"1")), settings.dialect), [last], settings)
     )

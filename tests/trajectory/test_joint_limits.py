@@ -200,6 +200,7 @@ def test_on_the_way_to_which_peak_moves_are(shape: str, wanted: list[float]) -> 
         # In front of the first climb they are as they are.
         ("ddu", [5.0, 9.0, 7.0], [1.0, 2.0, 3.0], [5.0, 9.0, 7.0]),
         ("uddudd", [3.0, 9.0, 9.0, 8.0, 9.0, 9.0], [9.0] * 6, [3.0, 3.0, 3.0, 8.0, 8.0, 8.0]),
+        ("dud", [5.0, 4.0, 9.0], [1.0, 9.0, 9.0], [5.0, 4.0, 4.0]),
         ("u", [5.0], [0.0], [5.0]),
     ],
 )

@@ -11,7 +11,7 @@ import pytest
 
 from chipbreak.kinematics.floats import Floats
 from chipbreak.text.diagnostics import RefusalError
-from chipbreak.trajectory import linuxcnc_feeds, linuxcnc_fit
+from chipbreak.trajectory import linuxcnc, linuxcnc_feeds, linuxcnc_fit
 from chipbreak.trajectory.junctions import Blocks, blocks_of
 from chipbreak.trajectory.law import AxisLimits
 from chipbreak.trajectory.linuxcnc import LinuxCnc, _bent_knots, interpolated
@@ -37,7 +37,8 @@ from chipbreak.trajectory.linuxcnc_fit import (
 )
 from chipbreak.trajectory.linuxcnc_joints import Bends, Joints, bends_of
 from chipbreak.trajectory.linuxcnc_many import Stretches, passing_speeds, times_of_many
-from chipbreak.trajectory.linuxcnc_planner import NOTHING, Clock, Stretch, linuxcnc, runs_alike
+from chipbreak.trajectory.linuxcnc_planner import NOTHING, Clock, Stretch, runs_alike
+from chipbreak.trajectory.linuxcnc_planner import linuxcnc as walk
 from chipbreak.trajectory.linuxcnc_runs import (
     Columns,
     Parts,
@@ -218,7 +219,7 @@ def test_every_part_runs_as_it_does_alone(override: float, before: float) -> Non
     runs = run_all(columns, parts, clock, before)
     for at, (first, stop) in enumerate(zip(parts.starts.tolist(), parts.stops.tolist(), strict=True)):
         own = tuple(tuple(column[first:stop].tolist()) for column in columns)
-        times, places = linuxcnc(Stretch(*own, before=float(speeds[first - 1]) if first else before), clock)
+        times, places = walk(Stretch(*own, before=float(speeds[first - 1]) if first else before), clock)
         assert runs.times[first:stop].tolist() == pytest.approx(list(times), abs=1e-9)
         assert runs.places(at, at + 1).tolist() == pytest.approx(places.tolist(), abs=1e-9)
         assert runs.counts[at] == len(places)
@@ -293,7 +294,7 @@ def test_a_single_block_period_by_period(length: float, feed: float, wanted: tup
     counts, places = places_of(np.array([length]), np.array([feed]), np.array([1000.0]), 0.001)
     assert counts.tolist() == profile.periods.tolist() == [len(places)]
     assert places[-1] == length and (np.diff(places, prepend=0.0) >= 0.0).all()
-    took, walked = linuxcnc(Stretch((length,), (feed,), (inf,), (1000.0,)), CLOCK)
+    took, walked = walk(Stretch((length,), (feed,), (inf,), (1000.0,)), CLOCK)
     assert walked.tolist() == pytest.approx(places.tolist(), abs=1e-9) and sum(took) == pytest.approx(
         counts[0] * 0.001
     )
@@ -626,6 +627,26 @@ def test_where_nobody_knows_the_override_the_least_and_the_highest_both_count() 
         )
         took = law.block_times(lengths, feeds).reshape(-1, 4).sum(axis=1)
         assert np.abs(took - 0.022).max() <= 0.0016
+
+
+@pytest.mark.parametrize(
+    ("more", "overrides"),
+    [({}, [1.0, 2.0]), ({"max_feed_override": 1.2}, [1.2]), ({"per_revolution": True}, [inf])],
+)
+def test_which_overrides_a_search_for_feeds_goes_by(
+    monkeypatch: pytest.MonkeyPatch, more: dict[str, Any], overrides: list[float]
+) -> None:
+    seen: list[list[float]] = []
+    original = linuxcnc.fitted_feeds
+
+    def looking(asked: Asked, clocks: list[Clock], refuse: Any) -> Floats:
+        seen.append([clock.override for clock in clocks])
+        return original(asked, clocks, refuse)
+
+    monkeypatch.setattr(linuxcnc, "fitted_feeds", looking)
+    law = on_z(**more)
+    law.feeds_for_spans(blocks_on_z(law, np.array([0.1, -0.05])), np.full(2, 0.03), 2)
+    assert seen == [overrides]
 
 
 def test_joined_points_of_one_feed_are_one_block() -> None:
