@@ -154,3 +154,15 @@ def test_a_program_is_explained_as_the_result_of_its_run() -> None:
     settings = chipbreak.load("generic-lathe")
     result = chipbreak.rewrite(PROGRAM, settings, "part.nc")
     assert str(chipbreak.explain(PROGRAM, settings, "part.nc")) == str(chipbreak.explain(result, settings))
+
+
+def test_motions_may_be_changed() -> None:
+    """Who changes what he was given changes nothing for who asks next."""
+    settings = chipbreak.load("generic-lathe")
+    result = chipbreak.rewrite(b"G97 S1200 M3\nG0 X20. Z2.\nG1 Z-3. F0.05 N1.5\nM30\n", settings)
+    (first,) = chipbreak.motions(result, settings)
+    end_s, end_mm = float(first.time_s[-1]), float(first.distance_mm[-1])
+    first.time_s[:] *= 1000.0
+    first.distance_mm[:] = 0.0
+    (again,) = chipbreak.motions(result, settings)
+    assert (float(again.time_s[-1]), float(again.distance_mm[-1])) == (end_s, end_mm)

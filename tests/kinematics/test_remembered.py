@@ -90,6 +90,19 @@ def test_only_so_many_are_kept() -> None:
     assert counted.asked == [(number,) for number in (*range(_MOST_KEPT), _MOST_KEPT, 0)]
 
 
+def test_what_is_kept_cannot_be_written() -> None:
+    """Arrays, and those in tuples and dataclasses."""
+
+    @remembered
+    def work(value: object) -> tuple[Floats, Pair]:
+        return floats(1.0), Pair(floats(2.0), floats(3.0))
+
+    alone, pair = work(1)
+    for array in (alone, pair.one, pair.other):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 4.0
+
+
 def test_an_error_is_said_again() -> None:
     """Nothing is kept of what was refused."""
     tries: list[int] = []

@@ -25,7 +25,7 @@ def remembered(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """The function, which gives the same object again for arguments that are the same to the last bit.
 
     Arguments are arrays, tuples and dataclasses of them, and what can be hashed.  Nobody may change what it
-    gives, and it gives no None.
+    gives: its arrays cannot be written.  It gives no None.
     """
     known: dict[Hashable, _R] = {}
     _every.append(known)
@@ -39,6 +39,8 @@ def remembered(function: Callable[_P, _R]) -> Callable[_P, _R]:
         found = known.get(key)
         if found is None:
             found = function(*args, **kwargs)
+            for array in _arrays_in(found):
+                array.flags.writeable = False
             if len(known) >= _MOST_KEPT:
                 known.clear()
             known[key] = found

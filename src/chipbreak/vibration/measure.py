@@ -198,7 +198,8 @@ def measured_motion(
         if (rank := _rank(_report(plan, expansion, other))) < found:
             worst = other
             found = rank
-    return CutMotion(worst.motion.time_s, worst.motion.distance_mm)
+    # Who gets it may do with it what he likes.
+    return CutMotion(worst.motion.time_s.copy(), worst.motion.distance_mm.copy())
 
 
 def _timed(
