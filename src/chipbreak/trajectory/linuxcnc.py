@@ -33,7 +33,15 @@ from chipbreak.trajectory.law import ControlLaw, turns_of
 from chipbreak.trajectory.linuxcnc_fit import Asked, fitted_feeds
 from chipbreak.trajectory.linuxcnc_joints import Bends, bends_of
 from chipbreak.trajectory.linuxcnc_planner import STILL_BLENDS, Clock
-from chipbreak.trajectory.linuxcnc_runs import Columns, Parts, Runs, parts_of, run_all, starts_alike
+from chipbreak.trajectory.linuxcnc_runs import (
+    Columns,
+    Parts,
+    Runs,
+    parts_of,
+    run_all,
+    single_times,
+    starts_alike,
+)
 from chipbreak.trajectory.linuxcnc_strokes import middle_feeds
 from chipbreak.trajectory.motion import Motion
 
@@ -117,7 +125,11 @@ class LinuxCnc(ControlLaw):
         stops = np.full(size - 1, self.every_block_stops)
         stops[turns - 1] = True
         columns = Columns(np.abs(lengths), feeds, *even)
-        return self._runs(columns, parts_of(~stops), before_mm_s).times
+        parts = parts_of(~stops)
+        if len(parts.starts) == size and self.merge_mm == 0.0:
+            # From rest to rest each: how long they take is known without the places of every period.
+            return np.maximum(single_times(columns, self._clock), self.read_s)
+        return self._runs(columns, parts, before_mm_s).times
 
     def feeds_for_spans(self, blocks: Blocks, spans_s: Floats, plain_from: int) -> Floats:
         """See :meth:`ControlLaw.feeds_for_spans`."""

@@ -14,7 +14,7 @@ from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.linuxcnc_joints import Bools
 from chipbreak.trajectory.linuxcnc_many import Stretches, linuxcnc_many, passing_speeds, times_of_many
 from chipbreak.trajectory.linuxcnc_planner import NOTHING, Clock, Stretch, linuxcnc, runs_alike
-from chipbreak.trajectory.linuxcnc_strokes import places_of
+from chipbreak.trajectory.linuxcnc_strokes import places_of, profile_of
 
 Counts = NDArray[np.intp]
 # Fewer stretches are faster one by one, and so is a long even feed: it then takes no time.
@@ -153,6 +153,13 @@ def run_all(columns: Columns, parts: Parts, clock: Clock, before: float = 0.0) -
             times[blocks] = some[kind]
         table.add(which, kind, counts, places)
     return table.runs(times)
+
+
+def single_times(columns: Columns, clock: Clock) -> Floats:
+    """The time of each block, (n,), where every one runs from rest to rest."""
+    speeds = np.minimum(columns.speeds, columns.tops)
+    periods = profile_of(columns.lengths, speeds, columns.accelerations, clock.period_s).periods
+    return np.asarray(periods * clock.period_s)
 
 
 def _of_sizes(parts: Parts) -> Iterator[tuple[int, Counts]]:
