@@ -401,3 +401,48 @@ def test_what_the_fast_road_takes_from_a_grammar(tmp_path: Path) -> None:
         "BLANK",
         "SEPARATOR",
     }
+
+
+@pytest.mark.parametrize(
+    ("text", "statements"),
+    [
+        ("IF[#1EQ1]THEN#2=3", [("IF", "", 1, 0, 9), ("THEN", "", 0, 9, 13)]),
+        ("if [#1 LT 2] goto  0030", [("IF", "", 1, 0, 12), ("GOTO", "0030", 0, 13, 23)]),
+        ("GOTO#1", [("GOTO", "", 1, 0, 6)]),
+        ("WHILE[#1LT3]DO2", [("WHILE", "", 1, 0, 12), ("DO", "2", 0, 12, 15)]),
+        ("N5 END1", [("END", "1", 0, 3, 7)]),
+        ("o100 sub", [("O-SUB", "100", 0, 0, 8)]),
+        ("O<abc> CALL [1] [#2]", [("O-CALL", "<abc>", 2, 0, 20)]),
+        ("o1 callsub [5]", [("O-CALL", "1", 1, 0, 14)]),
+        ("o<abc> if [#1 GT 2]", [("O-IF", "<abc>", 1, 0, 19)]),
+    ],
+)
+def test_control_statements(text: str, statements: list[tuple[str, str, int, int, int]]) -> None:
+    found = block_of(text, LINUXCNC).controls
+    assert [(one.keyword, one.label, len(one.arguments), one.start, one.end) for one in found] == statements
+
+
+DIGITS = "a number has too many digits"
+
+
+@pytest.mark.parametrize(
+    ("text", "why", "column"),
+    [
+        ("#123456789012345=1", "", 0),
+        ("#1234567890123456=1", "a variable number has too many digits", 0),
+        ("G1 X[#1234567890123456]", "a variable number has too many digits", 5),
+        ("X1" + "0" * 308, "", 0),
+        ("M8 X1" + "0" * 309, DIGITS, 4),
+        ("#1=2+1" + "0" * 309, DIGITS, 5),
+        ("N1" + "0" * 309 + "/X1.", DIGITS, 0),
+        # Two hundred operations in each other, and one more.
+        ("#1=1" + "+1" * 200, "", 0),
+        ("#1=1" + "+1" * 201, "it is nested too deeply", 3),
+        ("M8 #1=1" + "+1" * 201, "it is nested too deeply", 6),
+        ("#1=" + "SIN[" * 200 + "1" + "]" * 200, "", 0),
+        ("#1=" + "SIN[" * 201 + "1" + "]" * 201, "it is nested too deeply", 3 + 4 * 201),
+    ],
+)
+def test_how_much_a_line_may_hold(text: str, why: str, column: int) -> None:
+    block = read_block(0, text, FANUC)
+    assert (block.opaque, block.opaque_column) == (why, column)
