@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from chipbreak.cycles.plan import UnrollPlan, cycle_lines, plan_unrolling
+from chipbreak.cycles.plan import UnrollPlan, plan_unrolling
 from chipbreak.editing.edits import Edit
 from chipbreak.model.from_source import interpret_source
 from chipbreak.model.interpreted_program import InterpretedProgram
@@ -26,9 +26,9 @@ def interpreted(program: str, *options: str, profile: str = "fanuc-lathe") -> In
 
 
 def planned(program: str, *options: str, profile: str = "fanuc-lathe") -> UnrollPlan:
-    """With all cycles asked."""
+    """With all that can be asked."""
     read_as = interpreted(program, *options, profile=profile)
-    return plan_unrolling(read_as, cycle_lines(read_as))
+    return plan_unrolling(read_as, range(read_as.program.source.line_count))
 
 
 def edits(program: str, *options: str, profile: str = "fanuc-lathe") -> list[Edit]:

@@ -43,6 +43,12 @@ _FIRST_BLOCK: Mapping[ContourCycle, frozenset[str]] = {
     "along-x": frozenset("GWR"),
     "pattern": frozenset("GUWR"),
 }
+# The words of the first of two blocks, and what they say.
+_EXAMPLES: Mapping[ContourCycle, tuple[str, str]] = {
+    "along-z": ("U2. R0.5", "depth"),
+    "along-x": ("W2. R0.5", "depth"),
+    "pattern": ("U4. W1. R3", "passes"),
+}
 _MOST_TIMES = 500
 
 
@@ -132,9 +138,10 @@ def _with_lengths(call: Call, block: Block, interpreted: InterpretedProgram) -> 
         raise RefusalError(UNREAD_FORM, message, "say the whole cycle in one block, with D")
     before = _first_block(call, interpreted)
     if before is None:
-        first, rest = ("G73 U4. W1. R3", "passes") if call.kind == "pattern" else ("G71 U2. R0.5", "depth")
+        example, rest = _EXAMPLES[call.kind]
+        code = call.name.partition(" ")[0]
         message = f"nothing says the {rest} of this cycle"
-        help_text = f"write the block with the {rest} straight before it: {first}"
+        help_text = f"write the block with the {rest} straight before it: {code} {example}"
         raise RefusalError(BAD_DEPTH, message, help_text)
     return _checked(_two_blocks(call._replace(first=before.line), before, state, settings))
 
@@ -199,10 +206,12 @@ def _first_block(call: Call, interpreted: InterpretedProgram) -> Block | None:
 def _checked(call: Call) -> Call:
     """Depth and retract can be."""
     depth_mm = 1.0 if call.kind == "pattern" else call.depth_mm
-    if depth_mm <= 0.0 or call.retract_mm < 0.0:
-        message = f"a depth of {call.depth_mm:g} mm and a retract of {call.retract_mm:g} mm cannot be"
+    if depth_mm <= 0.0:
         help_text = with_alarm("give the depth of a pass as a number above zero", alarms.NO_DEPTH)
-        raise RefusalError(BAD_DEPTH, message, help_text)
+        raise RefusalError(BAD_DEPTH, f"a depth of {depth_mm:g} mm cannot be", help_text)
+    if call.retract_mm < 0.0:
+        message = f"a retract of {call.retract_mm:g} mm cannot be"
+        raise RefusalError(BAD_DEPTH, message, "give R as zero or more")
     return call
 
 
@@ -229,15 +238,14 @@ def _length(block: Block, letter: str, state: State, settings: Settings) -> floa
 
 def _text(block: Block, letter: str) -> str:
     word = block.word(letter)
-    if word is not None and word.number is None:
-        raise RefusalError(UNREAD_FORM, f"{letter} of this cycle is a variable", "write the number itself")
     return "" if word is None else f"{letter}{word.value_text}"
 
 
 def _refuse_words(block: Block, known: frozenset[str]) -> None:
     """Every word of the block has a meaning here, and nothing else stands in it."""
     said = [word.address for word in block.words]
-    foreign = next((w for w in block.words if w.address not in known or said.count(w.address) > 1), None)
+    twice = {letter for letter in said if said.count(letter) > 1} - {"G"}
+    foreign = next((w for w in block.words if w.address not in known or w.address in twice), None)
     if foreign is not None:
         raise RefusalError(
             UNREAD_FORM, f"{_shown(foreign)} has no known meaning in this cycle", "take it out"

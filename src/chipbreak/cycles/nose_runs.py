@@ -213,8 +213,8 @@ def _faults(effect: BlockEffect, side: str) -> Iterator[str]:
     if effect.non_modal - {"dwell"} or (effect.non_modal and effect.move is not None):
         yield "is a cycle, a call or a way home"
     changes_tool = block.has("T") and effect.before.modes.compensation != "off"
-    if changes_tool or effect.does("program") or effect.does("subprogram") or effect.after.ended:
-        yield "changes the tool, stops or leaves the program"
+    if changes_tool or effect.does("subprogram"):
+        yield "changes the tool or leaves the program"
     if now not in ("off", side):
         yield "changes the side of the compensation"
     if effect.unread:

@@ -167,7 +167,8 @@ def _places(block: Block, state: State, settings: Settings, ends: tuple[float, f
     step_mm = _step_mm(words[0], state, settings) if len(words) == 1 else math.nan
     if not step_mm > _NOTHING_MM or abs(last - first) / step_mm > _MOST_CUTS:
         message = f"{letters[0]} of this cycle is no step from one cut to the next"
-        raise RefusalError(BAD_DEPTH, message, "give the step as a number above zero")
+        help_text = f"give the step as a number above zero, for {_MOST_CUTS} cuts at most"
+        raise RefusalError(BAD_DEPTH, message, help_text)
     count = math.ceil(abs(last - first) / step_mm - _NOTHING_MM)
     way = math.copysign(step_mm, last - first)
     return [first + way * number for number in range(count)] + [last]

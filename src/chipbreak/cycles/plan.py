@@ -600,7 +600,9 @@ def _refuse_left_behind(before: State, behind: State, may_differ: set[str]) -> N
         changed.append("spindle")
     if changed:
         message = f"the contour leaves another {', '.join(changed)} in force behind this cycle"
-        raise RefusalError(UNREAD_FORM, message, "end in the contour what it begins: G40 in its last block")
+        help_text = "end in the contour what it begins"
+        help_text += ": G40 in its last block" if changed == ["compensation"] else ""
+        raise RefusalError(UNREAD_FORM, message, help_text)
 
 
 def _refuse_unsaid_behind(interpreted: InterpretedProgram, call: Call) -> None:

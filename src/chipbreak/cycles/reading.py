@@ -245,8 +245,6 @@ def leg_of(move: Move) -> Leg:
 
 
 def _check_shape(segments: tuple[Segment, ...], start: Point, along: str) -> None:
-    if not segments:
-        raise RefusalError(BAD_CONTOUR, "the contour of this cycle has no length", "give it its shape")
     if segments[0].start.t < start.t - _SAME_MM:
         message = "the contour begins before the start point of the cycle, seen along the passes"
         raise RefusalError(BEYOND_START, message, "start the cycle before the contour")

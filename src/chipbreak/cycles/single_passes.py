@@ -17,7 +17,7 @@ from typing import TypeAlias
 
 from chipbreak.cycles.call import UNREAD_FORM, refuse_modes
 from chipbreak.cycles.promise import SinglePasses
-from chipbreak.cycles.starts import MOVE_THERE, refuse_unknown_start
+from chipbreak.cycles.starts import END_COMPENSATION, UNDER_COMPENSATION, refuse_unknown_start
 from chipbreak.cycles.writing import BlockWriter
 from chipbreak.editing.edits import Edit
 from chipbreak.model.block_effect import BlockEffect
@@ -117,7 +117,7 @@ def _refuse_state(interpreted: InterpretedProgram, line: int, state: State) -> N
     refuse_modes(state.modes)
     refuse_unknown_start(interpreted, line, state)
     if state.modes.compensation != "off":
-        raise RefusalError(UNREAD_FORM, "nose compensation is in force at this cycle", MOVE_THERE)
+        raise RefusalError(UNREAD_FORM, UNDER_COMPENSATION, END_COMPENSATION)
 
 
 def _goes_along_z(block: Block, settings: Settings, *, along_z: bool) -> bool:

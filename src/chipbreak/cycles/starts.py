@@ -13,6 +13,8 @@ from chipbreak.model.words import codes_of
 from chipbreak.text.diagnostics import RefusalError
 
 _MOST_LINES = 2000
+UNDER_COMPENSATION = "nose compensation is in force at this cycle"
+END_COMPENSATION = "write G40 and a move to its start before the cycle"
 MOVE_THERE = "move to its start with G0 X Z in plain absolute numbers before it"
 
 

@@ -40,7 +40,7 @@ from chipbreak.cycles.reading import (
     steps_of,
 )
 from chipbreak.cycles.roughing import Motion, Pass, Roughing, roughing_passes
-from chipbreak.cycles.starts import refuse_next_move
+from chipbreak.cycles.starts import END_COMPENSATION, UNDER_COMPENSATION, refuse_next_move
 from chipbreak.cycles.writing import blocks_of_passes
 from chipbreak.dialects.base import ContourCycle
 from chipbreak.editing.edits import Edit
@@ -131,14 +131,11 @@ def subroutine_edit(interpreted: InterpretedProgram, line: int) -> Edit:
 def _refuse_state(state: State, block: Block) -> None:
     refuse_modes(state.modes)
     foreign = next((word for word in block.words if word.address not in _WORDS), None)
-    why = ""
     if foreign is not None or block.has_macro or block.skip or len(block.numbers("G")) > 1:
         alone = "the cycle does not stand alone in its block, with plain numbers"
         raise RefusalError(UNREAD_FORM, alone, "write it so, with the numbers themselves")
     if state.modes.compensation != "off":
-        why = "nose compensation is in force at this cycle"
-    if why:
-        raise RefusalError(UNREAD_FORM, why, "write G40 and a move to its start before the cycle")
+        raise RefusalError(UNREAD_FORM, UNDER_COMPENSATION, END_COMPENSATION)
 
 
 def _read(block: Block, state: State, settings: Settings) -> _Call:
@@ -163,12 +160,15 @@ def _read(block: Block, state: State, settings: Settings) -> _Call:
     if any(math.isnan(value) for value in (*call[3:5], *call[6:])):
         message = "a length of this cycle cannot be known"
         raise RefusalError(UNREAD_FORM, message, "write plain numbers")
-    if call.depth_mm <= 0.0 or not 1 <= call.times <= _MOST_TIMES:
-        message = "I of this cycle, or P, is not above zero"
-        raise RefusalError(BAD_DEPTH, message, "give the depth of a pass and their number above zero")
+    if call.depth_mm <= 0.0:
+        message = "I of this cycle is not above zero"
+        raise RefusalError(BAD_DEPTH, message, "give the depth of a pass as a number above zero")
+    if not 1 <= call.times <= _MOST_TIMES:
+        message = "P of this cycle is not the number of its passes"
+        raise RefusalError(BAD_DEPTH, message, f"write a whole number from 1 to {_MOST_TIMES}")
     if min(call.distance_mm, call.end_distance_mm, call.retract_mm, call.u_mm, call.w_mm) < 0.0:
         message = "D, E, R, U or W of this cycle is negative"
-        raise RefusalError(UNREAD_FORM, message, "give what stays as a number above zero")
+        raise RefusalError(UNREAD_FORM, message, "give each of them as zero or more")
     if call.kind == "along-x" and max(call.u_mm, call.w_mm) > 0.0:
         message = "what U and W mean in a cycle along X is told in two ways for this control"
         raise RefusalError(UNREAD_FORM, message, "leave the stock by D, or move the contour")
@@ -251,10 +251,7 @@ def _refuse_open_pocket(contour: tuple[Segment, ...]) -> None:
 
 def _contour(steps: list[Step], frame: Frame, distance_mm: float) -> tuple[Segment, ...]:
     """The contour in the axes of the passes, at its distance.  Errors: CYC003 where it turns back."""
-    segments = segments_of(steps[1:], frame)
-    if not segments:
-        raise RefusalError(BAD_CONTOUR, "the contour of this cycle has no length", "give it its shape")
-    contour = at_distance(segments, distance_mm)
+    contour = at_distance(segments_of(steps[1:], frame), distance_mm)
     if turns_back_along_t(contour):
         message = "the contour turns back along the passes: an undercut"
         raise RefusalError(TURNS_BACK, message, "take the undercut out of the contour, or cut it by itself")
@@ -290,11 +287,9 @@ def _frame_of_finish(steps: list[Step]) -> tuple[Frame, tuple[Segment, ...]]:
     moves = [step.move for step in steps]
     frame = frame_of(moves, "Z")
     plain = segments_of(steps[1:], frame)
-    if plain and turns_back_along_t(plain):
+    if turns_back_along_t(plain):
         frame = frame_of(moves, "X")
         plain = segments_of(steps[1:], frame)
-    if not plain:
-        raise RefusalError(BAD_CONTOUR, "the contour of this cycle has no length", "give it its shape")
     return frame, plain
 
 
