@@ -65,7 +65,7 @@ FAULTS: list[tuple[tuple[str, str], tuple[str, str]]] = [
     ),
     (("X50.\n", "X40.4\nZ-30.2\nX50.\n"), TOO_LARGE),
     (("X40. Z-30.\n", "X40. Z-30.\nZ-30.4\nX41.\nZ-30.\nX42.\n"), TOO_LARGE),
-]  # fmt: skip
+]
 
 
 def said_of(program: str, nose: Nose, *options: str) -> tuple[str, str, str]:
@@ -106,8 +106,8 @@ def test_noses_that_are_none() -> None:
 def test_which_assumed_tips_point_at_the_material(tip: int, shape: str) -> None:
     """Turned outside, the material lies at smaller X; in a bore at greater X: that of each cut counts.
 
-    Both go to smaller Z by more than along X: outside 52 mm with 17 mm out, in the bore 62 mm with 6 mm in.  So
-    the material lies at -X and -Z of the first one, at +X and -Z of the other; tip 9 points nowhere.
+    Both go to smaller Z by more than along X: outside 52 mm with 17 mm out, in the bore 62 mm with 6 mm in.
+    So the material lies at -X and -Z of the first one, at +X and -Z of the other; tip 9 points nowhere.
     """
     bore = "G41 G0 X42. Z2.\nG1 X40. Z0. F0.2\nZ-20.\nX30. Z-30.\nZ-60.\nG40 G0 X16. Z-58.\n"
     program = PROGRAM if shape == "outer" else HEAD.replace("X60.", "X20.") + bore + "M30\n"
@@ -183,13 +183,28 @@ CORNER_FAULTS = [
     ("M8", "M98 P9", "CYC007", "the block M98 P9 stops or leaves the program", DRAW),
     ("M8", "G32 X25. F1.", "CYC007", "the block G32 X25. F1. moves otherwise than in X and Z", DRAW),
     ("X20. Z2.", "X20. Z#1", "CYC002", "where a corner begins is not known", "move there with G0 X Z"),
-    ("Z-20. F0.2 ,C1.", "F0.2 ,A90.", "CYC002",
-     "the contour block G1 F0.2 ,A90. has an angle, and the next block does not say X, Z and an angle",
-     "name one axis beside the angle"),
-    ("Z-20. F0.2 ,C1.", "Z-20. F0.2 ,C30.", "CYC002", "a corner of 30 mm is larger than the moves beside it",
-     "write the contour with G1, G2 and G3 to plain points"),
-    ("G21", "G17 G21", "CYC007", "another plane, G91 or G90.1 is in force at this cycle", "end it before the cycle"),
-]  # fmt: skip
+    (
+        "Z-20. F0.2 ,C1.",
+        "F0.2 ,A90.",
+        "CYC002",
+        "the contour block G1 F0.2 ,A90. has an angle, and the next block does not say X, Z and an angle",
+        "name one axis beside the angle",
+    ),
+    (
+        "Z-20. F0.2 ,C1.",
+        "Z-20. F0.2 ,C30.",
+        "CYC002",
+        "a corner of 30 mm is larger than the moves beside it",
+        "write the contour with G1, G2 and G3 to plain points",
+    ),
+    (
+        "G21",
+        "G17 G21",
+        "CYC007",
+        "another plane, G91 or G90.1 is in force at this cycle",
+        "end it before the cycle",
+    ),
+]
 
 
 @pytest.mark.parametrize(("old", "new", "code", "message", "help_text"), CORNER_FAULTS)
@@ -232,7 +247,7 @@ def test_behind_an_angle_both_axes_are_named() -> None:
         (BESIDE.replace(",C1.", "K1."), [CornerRun(4, 7)]),
         (BESIDE.replace("G1 Z-20. F0.2 ,C1.", "G2 X22. Z-20. R5. F0.2"), []),
     ],
-)  # fmt: skip
+)
 def test_where_runs_of_corners_begin_and_end(program: str, runs: list[CornerRun]) -> None:
     assert list(corner_runs(interpreted(program))) == runs
 

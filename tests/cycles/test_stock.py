@@ -102,7 +102,7 @@ RAPIDS = [
     ((0.0, 11.0), (12.0, 7.0), False),
     ((12.0, 7.0), (0.0, 11.0), False),
     ((12.0, 5.0), (6.0, 11.0), True),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("start", "end", "is_refused"), RAPIDS)
