@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
+import re
+
 import pytest
 
 from chipbreak.cycles.corner_runs import CornerRun, corner_edit, corner_runs
 from chipbreak.cycles.nose import Nose
 from chipbreak.cycles.nose_runs import Run, compensated_runs, offset_run
+from chipbreak.cycles.plan import plan_unrolling
 from chipbreak.text.diagnostics import RefusalError
 
 from .planned import blocks, interpreted
@@ -103,7 +107,8 @@ def test_noses_that_are_none() -> None:
 
 @pytest.mark.parametrize("tip", [1, 2, 3, 4, 5, 6, 7, 8, 9])
 @pytest.mark.parametrize("shape", ["outer", "inner"])
-def test_which_assumed_tips_point_at_the_material(tip: int, shape: str) -> None:
+@pytest.mark.parametrize("zero", [0, 700])
+def test_which_assumed_tips_point_at_the_material(tip: int, shape: str, zero: int) -> None:
     """Turned outside, the material lies at smaller X; in a bore at greater X: that of each cut counts.
 
     Both go to smaller Z by more than along X: outside 52 mm with 17 mm out, in the bore 62 mm with 6 mm in.
@@ -111,7 +116,7 @@ def test_which_assumed_tips_point_at_the_material(tip: int, shape: str) -> None:
     """
     bore = "G41 G0 X42. Z2.\nG1 X40. Z0. F0.2\nZ-20.\nX30. Z-30.\nZ-60.\nG40 G0 X16. Z-58.\n"
     program = PROGRAM if shape == "outer" else HEAD.replace("X60.", "X20.") + bore + "M30\n"
-    read = interpreted(program)
+    read = interpreted(re.sub(r"Z(-?\d+)", lambda z: f"Z{int(z[1]) + zero}", program))
     (run,) = compensated_runs(read)
     # Fanuc: 1 to 4 are the corners +X+Z, +X-Z, -X-Z, -X+Z; 5 to 8 the sides +Z, +X, -Z, -X.
     points_at_it = {"outer": (3, 4, 7, 8), "inner": (1, 2, 6, 7)}[shape]
@@ -177,6 +182,7 @@ DRAW = "draw the corner with G1, G2 and G3"
 CORNER_FAULTS = [
     ("M8", "?", "CYC007", f"the block ? {READ_OTHERWISE}", DRAW),
     ("M8", "/M8", "CYC007", f"the block /M8 {READ_OTHERWISE}", DRAW),
+    ("M8", "GOTO5", "CYC007", f"the block GOTO5 {READ_OTHERWISE}", DRAW),
     ("M8", "#1=5", "CYC007", f"the block #1=5 {READ_OTHERWISE}", DRAW),
     ("M8", "G20", "CYC007", "the block G20 changes units, plane or coordinates", DRAW),
     ("M8", "M0", "CYC007", "the block M0 stops or leaves the program", DRAW),
@@ -260,3 +266,23 @@ def test_the_title_of_a_run_of_corners_has_the_first_four() -> None:
         "CORNERS ,C1. ,C1. ,R1. ,C2.",
         "the corners as the control cuts them",
     )
+
+
+def test_lines_that_say_slanted_angles_meet() -> None:
+    """From X20 Z0 at 100 degrees, and at 150 to X60 Z-30: both as X = 10 + tan (z), from +Z towards +X."""
+    one, other = math.tan(math.radians(100.0)), math.tan(math.radians(150.0))
+    z = (30.0 + 30.0 * other - 10.0) / (one - other)
+    corner = f"G1 X{2.0 * (10.0 + one * z):.3f} Z{z:.3f}"
+    program = BESIDE.replace("Z-20. F0.2 ,C1.\nM8\nX30.", "Z0. F0.2\n,A100.\nX60. Z-30. ,A150.\nZ-40.")
+    read = interpreted(program)
+    assert blocks(corner_edit(read, next(corner_runs(read)))) == [corner, "G1 X60. Z-30.", "G1 Z-40."]
+
+
+def test_a_run_of_corners_that_cannot_be_drawn_keeps_no_other_one() -> None:
+    """Of three the first is not asked, and the second one is larger than its moves."""
+    more = "G0 X20. Z2.\nG1 Z-20. F0.2 ,C{}.\nX30.\n"
+    read = interpreted(BESIDE.replace("G0 X100.", f"{more.format(30)}{more.format(2)}G0 X100."))
+    assert [run.first for run in corner_runs(read)] == [4, 8, 11]
+    drawn = plan_unrolling(read, [], cuts=[8, 9, 12]).edits
+    assert [(one.edit.first, one.kind, one.group) for one in drawn] == [(11, None, 11)]
+    assert plan_unrolling(read, []).edits == []

@@ -6,6 +6,8 @@ import re
 
 import pytest
 
+from chipbreak.cycles.plan import cycle_lines, plan_unrolling
+from chipbreak.cycles.writing import with_wish
 from chipbreak.editing.bracket import UNROLLED_CYCLES
 from chipbreak.editing.edits import Edit
 from chipbreak.editing.render import render
@@ -227,8 +229,9 @@ def test_the_steps_of_grooves_in_inches() -> None:
         "G0 Z-0.8",
         "G0 Z-0.5",
     ]
-    plain = f"{inch}G75 R.02\nG75 X1. Z-.8 I.08 K.1 F.004\n{TAIL}"
-    assert blocks(edits(plain)[0]) == blocks(edit)
+    for steps in ("I.08 K.1", "P.08 Q.1"):
+        plain = f"{inch}G75 R.02\nG75 X1. Z-.8 {steps} F.004\n{TAIL}"
+        assert blocks(edits(plain)[0]) == blocks(edit)
 
 
 def test_the_depth_of_one_block_in_inches() -> None:
@@ -296,22 +299,61 @@ def test_the_words_of_a_cycle_in_a_subroutine(cycle: str, first: list[str], alon
     assert ("G0 X26.5" in " ".join(said[:8])) == ("I2" in cycle)
 
 
+@pytest.mark.parametrize(
+    ("text", "wished"),
+    [
+        ("G1 X1.", "G1 X1. N1.5"),
+        ("G1 X1. (A; B)", "G1 X1. N1.5 (A; B)"),
+        ("G1 X1. ; A", "G1 X1. N1.5 ; A"),
+        ("G1 X1.(A)", "G1 X1. N1.5 (A)"),
+    ],
+)
+def test_a_wish_stands_before_the_comment(text: str, wished: str) -> None:
+    assert with_wish(text, "N1.5") == wished
+    assert with_wish(text, "") == text
+
+
+def test_each_of_several_cycles_is_asked_by_itself() -> None:
+    """A cycle that is not asked, or whose shape is missing, keeps none behind it."""
+    lx = PROGRAMS["linuxcnc"].replace("G0 X40", "G0 X28 Z2\nG71 Q100 I3\nG0 X28 Z2\nG71 Q100 I0\nG0 X40")
+    read = interpreted(lx, profile="linuxcnc-lathe")
+    assert cycle_lines(read) == {11: Kind.ROUGH, 13: Kind.ROUGH, 15: Kind.ROUGH}
+    second = plan_unrolling(read, [13, 15])
+    assert [(one.edit.first, one.group) for one in second.edits] == [(13, 13)]
+    assert [one.line for one in second.refused] == [15]
+    two = PROGRAMS["G90"].replace("G0 X100.", "G0 X52. Z2.\nG90 X44. Z-20.\nG0 X52. Z2.\nG90 X44.\nG0 X100.")
+    read = interpreted(two)
+    assert cycle_lines(read) == dict.fromkeys((4, 7, 9))
+    assert [one.edit.first for one in plan_unrolling(read, [7, 9]).edits] == [7]
+    lost = PROGRAMS["G71 and G70"].replace("G71 P10", "G71 P11")
+    read = interpreted(lost)
+    assert cycle_lines(read) == {5: Kind.ROUGH, 10: Kind.FINISH}
+    plan = plan_unrolling(read, [5, 10])
+    # Nothing finds the contour before the G70, so the control cuts along it there.
+    assert [(one.line, one.error.code) for one in plan.refused] == [(5, "CYC001"), (10, "CYC002")]
+    assert plan.edits == []
+
+
 # --- and where a block is another ---------------------------------------------------------------------------
 
 
 def broken(name: str, old: str, new: str, *, at: int = 0) -> str:
     """What is said of a program one block of whose edit is another; "" where nothing is found."""
     profile = "linuxcnc-lathe" if name == "linuxcnc" else "fanuc-lathe"
-    read = interpreted(PROGRAMS[name], profile=profile)
     found = edits(PROGRAMS[name], profile=profile)
     assert old in found[at].content, found[at].content
     changed = [new if one == old else one for one in found[at].content]
     written = [*found[:at], found[at]._replace(content=tuple(filter(None, changed))), *found[at + 1 :]]
-    output = b"".join(
-        render(read.program, sorted(written, key=lambda one: one.first), read.settings, UNROLLED_CYCLES)
-    )
+    return looked_after(PROGRAMS[name], written, profile)
+
+
+def looked_after(program: str, written: list[Edit], profile: str) -> str:
+    """What is said of a program whose cycles are these blocks."""
+    read = interpreted(program, profile=profile)
+    order = sorted(written, key=lambda one: one.first)
+    output = b"".join(render(read.program, order, read.settings, UNROLLED_CYCLES))
     try:
-        verify_unrolled(read, output, found, UNROLLED_CYCLES)
+        verify_unrolled(read, output, written, UNROLLED_CYCLES)
     except SelfCheckError as error:
         return str(error)
     return ""
@@ -356,6 +398,35 @@ BROKEN = [
     ("linuxcnc", "G1 X15. Z-22.", "G1 X15.01 Z-22.", LEFT.format("0.010", "0.000")),
     ("linuxcnc", "G1 X28.", "G1 X29.", "the position of X (28 and 29) differs at the cycle in line 12"),
 ]
+
+
+ARC = ("G1 Z-15.\nX30. Z-30.", "G1 Z-15.\nG2 X30. Z-22. R7.\nG1 Z-30.")
+UNKNOWN = ("G0 X28 Z2\nG71 Q100 I2", "G71 Q100 X28 Z2 I2")
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_blocks_as_they_are_keep_every_promise(name: str) -> None:
+    profile = "linuxcnc-lathe" if name == "linuxcnc" else "fanuc-lathe"
+    for program in (PROGRAMS[name], PROGRAMS[name].replace(*ARC), PROGRAMS[name].replace(*UNKNOWN)):
+        assert not looked_after(program, edits(program, profile=profile), profile)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "is_found"),
+    [
+        ("G2 X34.4 Z-21.4 I7. K0.", "G2 X34.4 Z-21.4 I7.002 K0.", False),
+        ("G2 X34.4 Z-21.4 I7. K0.", "G2 X34.4 Z-21.4 I7.5 K0.5", True),
+        ("G2 X34.4 Z-21.4 I7. K0.", "G3 X34.4 Z-21.4 I7. K0.", True),
+        ("G2 X34.4 Z-21.4 I7. K0.", "G1 X34.4 Z-21.4", True),
+    ],
+)
+def test_an_arc_that_is_another_is_found(old: str, new: str, is_found: bool) -> None:
+    program = PROGRAMS["G73"].replace(*ARC)
+    found = edits(program)
+    assert old in found[0].content, found[0].content
+    changed = tuple(new if one == old else one for one in found[0].content)
+    said = looked_after(program, [found[0]._replace(content=changed), *found[1:]], "fanuc-lathe")
+    assert said == ("the passes at line 5 are not those of the cycle" if is_found else "")
 
 
 @pytest.mark.parametrize(("name", "old", "new", "said"), BROKEN)

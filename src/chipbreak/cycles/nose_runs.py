@@ -240,7 +240,7 @@ def _refuse_way_out(effect: BlockEffect) -> None:
     is_straight = move is not None and move.kind in ("rapid", "line") and not effect.non_modal
     is_plain = not (effect.block.skip or effect.block.has_macro or effect.block.opaque)
     is_known = move is not None and not math.isnan(move.end.x + move.end.z)
-    has_vector = any(w.number == 40.0 for w in effect.block.words_of("G")) and effect.block.has_any("IK")
+    has_vector = effect.block.has_any("IK")
     if not (is_off and is_plain and not has_vector and (goes_home or (is_straight and is_known))):
         message = "how the tool leaves it is not known"
         raise _refused(message, "lead out with G40 and a straight move: G40 G0 X100. Z10.")

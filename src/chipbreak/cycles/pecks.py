@@ -123,8 +123,7 @@ def peck_edit(interpreted: InterpretedProgram, line: int) -> Edit:
         moves += [Motion(True, below), Motion(False, above)]
     if math.dist(moves[0].end, start) <= _NOTHING_MM:
         raise RefusalError(UNREAD_FORM, "this cycle has no depth", "give the end of its cuts")
-    if math.dist(moves[-1].end, start) > _NOTHING_MM:
-        moves.append(Motion(False, start))
+    moves.append(Motion(False, start))
     feed = "".join(block.text_of(word) for word in block.words_of("F"))
     blocks = blocks_of_passes([Pass(1, "without pecks", tuple(moves))], _LATHE, state, settings, feed)
     back = ["G1"] if state.modes.motion == "line" else []

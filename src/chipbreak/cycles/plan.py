@@ -520,7 +520,7 @@ def _refuse_many_passes(call: Call, contour: Contour) -> None:
 def _against_cutting(z_mm: float, x_mm: float, frame: Frame) -> tuple[float, float]:
     """What stays against the direction of cutting, and towards the stock."""
     moved = frame.inside(z_mm, x_mm)
-    return -moved.t + 0.0, moved.h + 0.0
+    return -moved.t, moved.h
 
 
 def _pattern_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Edit:
@@ -542,8 +542,8 @@ def _pattern_edit(interpreted: InterpretedProgram, call: Call, state: State) -> 
     blocks = _uncompensated(wished(blocks, call.wish), state, settings)
     content = tuple(text for text in (call.speed, *blocks, *_motion_back(state, blocks)) if text)
     reason = f"{call.times} passes along the contour, the last one at its allowances"
-    to_start = () if state.modes.compensation == "off" else (Motion(False, start),)
-    motions = (*to_start, *(motion for one in passes for motion in one.moves))
+    # Under compensation a block leads to the start itself; else the tool stands there.
+    motions = (Motion(False, start), *(motion for one in passes for motion in one.moves))
     promise = PlannedMoves(frame=frame, motions=motions, leaves_motion=leaves_motion(state))
     return Edit(call.first, call.last, content, call.name, reason, promise)
 

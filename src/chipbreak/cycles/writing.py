@@ -144,7 +144,7 @@ _CUTS = re.compile(r"\bG[123]\b")
 
 def wished(blocks: Sequence[str], wish: str) -> list[str]:
     """The blocks, each cut with a wish for vibration."""
-    return [with_wish(block, wish) if wish and _CUTS.search(block) else block for block in blocks]
+    return [with_wish(block, wish) if _CUTS.search(block) else block for block in blocks]
 
 
 def with_wish(text: str, wish: str) -> str:
