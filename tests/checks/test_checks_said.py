@@ -120,6 +120,49 @@ REASONS: list[tuple[str, tuple[str, ...], list[tuple[int, str, str]]]] = [
 ]
 
 
+BACKWARDS = visit(1, "FINISH", "ROUGH")
+FINISH_AGAIN = f"last use of T1; the next workpiece starts with {of('FINISH', 7)}: W 0.02 mm"
+
+
+def left_out(text: str, block: str, count: int) -> str:
+    """The program with block delete before the nth of a block."""
+    before, behind = text.split(block)[:count], text.split(block)[count:]
+    return f"{block.join(before)}/{block}{block.join(behind)}"
+
+
+@pytest.mark.parametrize(
+    ("text", "limit", "reason"),
+    [
+        (BACKWARDS, "0.05", f"T1 is used next for {of('ROUGH', 13)}: W 0.05 mm"),
+        # The roughing may be left out, jumped over, or done by another tool: then the next part comes first.
+        (left_out(BACKWARDS, "G1 Z-1.", 2), "0.02", FINISH_AGAIN),
+        (
+            BACKWARDS.replace("(ROUGH)", "IF [#1 EQ 1] GOTO 77\n(ROUGH)").replace("M5\n", "N77 M5\n"),
+            "0.02",
+            FINISH_AGAIN,
+        ),
+        (visit(1, "FINISH") + visit(1, "ROUGH").replace("T1", "/T1"), "0.02", FINISH_AGAIN),
+        # What may be left out before does not matter, nor does a jump.
+        (left_out(BACKWARDS, "G1 Z-1.", 1), "0.05", f"T1 is used next for {of('ROUGH', 13)}: W 0.05 mm"),
+        (
+            BACKWARDS.replace("(FINISH)", "IF [#1 EQ 1] GOTO 77\nN77\n(FINISH)"),
+            "0.05",
+            f"T1 is used next for {of('ROUGH', 15)}: W 0.05 mm",
+        ),
+        # With its call the first cut of T2 may be left out too: then T1 finishes.
+        (
+            ROUGH + left_out(visit(2, "ROUGH", "FINISH").replace("T2 M6", "/T2 M6"), "G1 Z-1.", 1),
+            "0.02",
+            f"T1 may be used next, if block delete (/) leaves out the call of T2, for {of('FINISH', 25)}:"
+            " W 0.02 mm",
+        ),
+    ],
+)
+def test_the_limit_is_that_of_what_may_come_next(text: str, limit: str, reason: str) -> None:
+    first = next(one for one in planned(text) if one[1].startswith("CHIP"))
+    assert first[1:] == (f"CHIP CHECK T1 W{limit}", reason)
+
+
 @pytest.mark.parametrize(("text", "options", "wanted"), REASONS)
 def test_what_stands_where_and_why(
     text: str, options: tuple[str, ...], wanted: list[tuple[int, str, str]]

@@ -9,7 +9,7 @@ import pytest
 
 import chipbreak
 from chipbreak.checks.calls import CallSet, CallValues, CheckKind, calls_of, check_blocks
-from chipbreak.checks.touch_plate import NO_PLATE, TouchPlate, touch_plate_of
+from chipbreak.checks.touch_plate import TouchPlate, touch_plate_of
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.tools.data import ToolData
 
@@ -20,7 +20,7 @@ KNOWN = {
     "depth_signed": "1",
     "work_offset": "",
     **dict.fromkeys(
-        ("setter_x", "setter_y", "safe_z", "setter_depth", "clear", "fast_feed", "slow_feed"), "0."
+        ("setter_x", "setter_y", "safe_z", "setter_depth", "clear", "fast_feed", "slow_feed"), ""
     ),
 }
 
@@ -63,7 +63,7 @@ def test_every_field_that_is_known() -> None:
 KEYS = ("setter_x_mm", "setter_y_mm", "setter_z_mm", "safe_z_mm")
 
 
-def plate_of(**macros: float | None) -> TouchPlate:
+def plate_of(**macros: float | None) -> TouchPlate | None:
     given: dict[str, Any] = {"clear_mm": 3.0, "fast_feed": 200.0, "slow_feed": 20.0, **macros}
     return touch_plate_of(cast(chipbreak.Settings, SimpleNamespace(macros=SimpleNamespace(**given))))
 
@@ -72,7 +72,7 @@ def test_the_plate_of_a_profile() -> None:
     places = dict(zip(KEYS, (1.0, 2.0, -300.0, -10.0), strict=True))
     assert plate_of(**places) == TouchPlate(1.0, 2.0, -10.0, 290.0, 3.0, 200.0, 20.0)
     for key in KEYS:
-        assert plate_of(**{**places, key: None}) is NO_PLATE
+        assert plate_of(**{**places, key: None}) is None
 
 
 def own(blocks: dict[CheckKind, tuple[str, ...]], tails: dict[CheckKind, str] | None = None) -> CallSet:
@@ -237,6 +237,27 @@ def test_of_a_block_that_cannot_be_used_all_is_said(
     options = (f'calls.a={{{kind}="{block}"}}', "checks.calls=a", "control.max_line_chars=79")
     wanted = (code, f'calls.a.{kind}: "{block}" {said}', help_text)
     assert refusal("fanuc-mill", *options, name="a") == wanted
+
+
+# The longest text of each field: tools of 2 m and eight digits, lengths to 0.0001 mm, W to a millionth.
+LONGEST = {
+    **dict.fromkeys(("tool", "sister"), 8),
+    **dict.fromkeys(("limit", "limit_mm", "height", "height_mm"), 9),
+    **dict.fromkeys(("diameter", "diameter_mm", "length", "length_mm", "holder", "holder_mm"), 9),
+    **dict.fromkeys(("tip", "corner_radius", "corner_radius_mm"), 8),
+    **{"speed_rpm": 6, "every": 4, "depth": 1, "depth_signed": 2, "operation": 11, "type": 18, "kind": 1},
+    **{"teeth": 2, "helix": 6, "point": 6},
+}
+
+
+@pytest.mark.parametrize("field", LONGEST)
+def test_a_block_may_become_as_long_as_its_longest_value(field: str) -> None:
+    block = f"G65 P1 (({'X' * 60}) ({{{field}}} {{{field}}})"
+    options = (f'calls.a={{trace="{block}"}}', "checks.calls=a", "control.max_line_chars=60")
+    long = len(block) - 2 * len(f"{{{field}}}") + 2 * LONGEST[field]
+    assert refusal("fanuc-mill", *options, name="a")[1].endswith(
+        f"can become {long} characters long, the limit is 60"
+    )
 
 
 def test_the_speed_of_a_lathe_is_no_field() -> None:

@@ -15,7 +15,7 @@ from typing import Final
 
 from chipbreak.checks.left_behind import left_behind
 from chipbreak.checks.tool_values import DATA_FIELDS, data_texts
-from chipbreak.checks.touch_plate import NO_PLATE, PLATE_FIELDS, TouchPlate, touch_plate_of
+from chipbreak.checks.touch_plate import PLATE_FIELDS, TouchPlate, touch_plate_of
 from chipbreak.dialects import BUILT_IN, DIALECTS, CallTemplates
 from chipbreak.dialects.check_programs import SETTER
 from chipbreak.settings.sections import Settings
@@ -73,7 +73,7 @@ class CallValues(NamedTuple):
     every: int = 1
     sister: int = 0
     depth: int = DEPTHS.index("limit-line")
-    plate: TouchPlate = NO_PLATE
+    plate: TouchPlate | None = None
     work_offset: str = ""
 
     def fields(self, *, is_inch: bool) -> dict[str, str]:
@@ -92,34 +92,36 @@ class CallValues(NamedTuple):
             texts["speed_rpm"] = print_number(self.speed_rpm, 0, point=False)
         if self.operation is not None:
             texts["operation"] = self.operation
-        return texts | self.plate.texts(is_inch=is_inch) | {"work_offset": self.work_offset}
+        # Where a profile names no plate, what is planned is thrown away, and the missing keys are said.
+        plate = self.plate.texts(is_inch=is_inch) if self.plate else dict.fromkeys(PLATE_FIELDS, "")
+        return texts | plate | {"work_offset": self.work_offset}
 
 
-# The point angle is where another tool has its radius, and needs no more room.
-_LONGEST_DATA = ToolData(
-    number=99999999,
-    type="bull nose end mill",
-    teeth=99,
-    diameter_mm=1999.9999,
-    length_mm=1999.9999,
-    corner_radius_mm=999.9999,
-    helix_deg=-84.99,
-    point_deg=118.99,
-    holder_mm=1999.9999,
-)
-_LONGEST_PLATE = TouchPlate(-1999.9999, -1999.9999, -1999.9999, 1999.9999, 99.9999, 99999.9999, 9999.9999)
-_LONGEST = CallValues(
-    99999999,
-    99999.999,
-    20.123457,
-    20.123457,
-    "SEMI-FINISH",
-    _LONGEST_DATA,
-    9999,
-    99999999,
-    plate=_LONGEST_PLATE,
-    work_offset="G54",
-)
+# The longest text that each field may have: tools of 2 m, and places as far off.
+_LONGEST: Final[Mapping[str, str]] = {
+    "tool": "99999999",
+    "speed_rpm": "100000",
+    "every": "9999",
+    "sister": "99999999",
+    "depth": "2",
+    "depth_signed": "-1",
+    "operation": "SEMI-FINISH",
+    **dict.fromkeys(("limit", "limit_mm", "height", "height_mm"), "20.123457"),
+    "type": "BULL NOSE END MILL",
+    "kind": "1",
+    "teeth": "99",
+    **dict.fromkeys(("tip", "corner_radius", "corner_radius_mm"), "999.9999"),
+    "helix": "-84.99",
+    "point": "118.99",
+    **dict.fromkeys(
+        ("diameter", "diameter_mm", "length", "length_mm", "holder", "holder_mm", "setter_depth"), "1999.9999"
+    ),
+    **dict.fromkeys(("setter_x", "setter_y", "safe_z"), "-1999.9999"),
+    "clear": "99.9999",
+    "fast_feed": "99999.9999",
+    "slow_feed": "9999.9999",
+    "work_offset": "G54",
+}
 _DEPTH = ("depth", "depth_signed")
 _HEIGHT = ("height", "height_mm")
 _LIMIT = ("limit", "limit_mm", "operation")
@@ -272,7 +274,7 @@ def _shipped(name: str, settings: Settings) -> CallTemplates:
 
 def _check_plate(calls: CallSet, settings: Settings) -> None:
     plate = touch_plate_of(settings)
-    if calls.in_line and plate is not NO_PLATE and not plate.depth_mm > 0.0:
+    if calls.in_line and plate is not None and plate.depth_mm <= 0.0:
         places = f"macros.safe_z_mm ({plate.safe_z_mm:z.6g}) is not above macros.setter_z_mm"
         message = f"{places} ({plate.safe_z_mm - plate.depth_mm:z.6g})"
         help_text = "setter_z_mm is the lowest Z of the spindle nose at which a tool must have met the plate"
@@ -318,7 +320,7 @@ def _check(
 
 def _check_block(where: str, template: str, limit: int, settings: Settings) -> None:
     """Refuse what is no block, or a block that would do more than a call may."""
-    text = template.format_map(_LONGEST.fields(is_inch=False))
+    text = template.format_map(_LONGEST)
     block = read_block(0, text, settings.dialect)
     why = block.opaque or ("it holds no words" if block.is_empty else "")
     if not (text.isascii() and text.isprintable()):
@@ -333,7 +335,7 @@ def _check_block(where: str, template: str, limit: int, settings: Settings) -> N
 
 def _check_left_behind(where: str, template: str, settings: Settings) -> None:
     """Refuse what nobody gives back."""
-    text = template.format_map(_LONGEST.fields(is_inch=False))
+    text = template.format_map(_LONGEST)
     lasting = left_behind(read_block(0, text, settings.dialect), settings)
     if lasting:
         message = f'{where}: "{template}" {lasting}, and nothing gives back what was before it'

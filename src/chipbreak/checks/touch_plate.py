@@ -50,18 +50,14 @@ PLATE_FIELDS: Final = (
 )  # fmt: skip
 
 
-# Where a profile names none: what is planned with it is thrown away, and the missing keys are said.
-NO_PLATE: Final = TouchPlate(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
-def touch_plate_of(settings: Settings) -> TouchPlate:
-    """The plate of a profile; NO_PLATE where a key is missing."""
+def touch_plate_of(settings: Settings) -> TouchPlate | None:
+    """The plate of a profile; None where a key is missing."""
     macros = settings.macros
     x_mm = macros.setter_x_mm
     y_mm = macros.setter_y_mm
     z_mm = macros.setter_z_mm
     safe_z_mm = macros.safe_z_mm
     if x_mm is None or y_mm is None or z_mm is None or safe_z_mm is None:
-        return NO_PLATE
+        return None
     depth_mm = safe_z_mm - z_mm
     return TouchPlate(x_mm, y_mm, safe_z_mm, depth_mm, macros.clear_mm, macros.fast_feed, macros.slow_feed)
