@@ -24,6 +24,7 @@ from chipbreak.trajectory.linuxcnc_feeds import (
     _longest_run,
     _swings,
     _unevenness,
+    factors_for,
 )
 from chipbreak.trajectory.linuxcnc_fit import (
     Asked,
@@ -414,6 +415,22 @@ def test_which_stretches_get_much_slower_and_faster_again(speeds: list[float], s
     row = np.array([speeds])
     kinds = Stretches(row, row, row, row, np.zeros(1))
     assert _swings(Wanted(kinds, row, len(speeds), np.ones(1))).tolist() == [swings]
+
+
+@pytest.mark.parametrize(("fitted", "is_shaped"), [(24, True), (25, False)])
+def test_strokes_of_many_blocks_are_round_waves_that_slow_down_by_themselves(
+    monkeypatch: pytest.MonkeyPatch, fitted: int, is_shaped: bool
+) -> None:
+    """Others are looked at for swings, whose blocks get factors of their own."""
+    looked: list[int] = []
+
+    def looking(wanted: Wanted) -> Any:
+        looked.append(wanted.fitted)
+        return _swings(wanted)
+
+    monkeypatch.setattr(linuxcnc_feeds, "_swings", looking)
+    factors_for(wanted_for([0.12], fitted + 1), [CLOCK])
+    assert looked == ([fitted] if is_shaped else [])
 
 
 def test_by_how_much_the_ends_of_blocks_miss_their_times() -> None:
