@@ -385,6 +385,11 @@ def test_what_is_said_of_a_grammar_that_cannot_be_used(tmp_path: Path) -> None:
     assert unusable("NUMBER: /[0-9/\n", tmp_path).startswith(f"{says}unterminated character set")
     message = unusable("LETTER: /[A-Z]/\nNUMBER: /[0-9]+/\nBLANK: / +/\nblock: nothing\n", tmp_path, "parser")
     assert message.startswith(says) and "\n" not in message and "nothing" in message
+    # Of what the parser says of it the first line: the others show the grammar.
+    start = "LETTER: /[A-Z]/\nNUMBER: /[0-9]+/\nBLANK: / +/\n"
+    assert (
+        unusable(f"{start}block: ???\n", tmp_path, "parser") == f"{says}Expecting a value, at line 4 column 8"
+    )
 
 
 def test_what_the_fast_road_takes_from_a_grammar(tmp_path: Path) -> None:

@@ -111,9 +111,8 @@ class _Reader:
         else:
             self._open(first, count)
         rest = len(self.lines.data) - int(self.lines.starts[self.at])
-        kept_bytes = self.kept_bytes + rest
-        share = kept_bytes / (self.place + len(self.lines.data) + 1)
-        return kept_bytes < _MOST_KEPT_BYTES or share < _MOST_KEPT_SHARE
+        share_bytes = _MOST_KEPT_SHARE * (self.place + len(self.lines.data))
+        return self.kept_bytes + rest < max(_MOST_KEPT_BYTES, share_bytes)
 
     def _has_lone_returns(self) -> bool:
         """True where a line ends with CR alone, as on some controls."""
