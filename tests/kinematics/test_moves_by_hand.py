@@ -12,6 +12,7 @@ import pytest
 
 from chipbreak.kinematics import piecewise
 from chipbreak.kinematics.cells import cells_of
+from chipbreak.kinematics.chip_model import judge
 from chipbreak.kinematics.conditions import (
     Limits,
     Wanted,
@@ -500,3 +501,60 @@ def test_the_highest_least_of_lines_by_hand() -> None:
         lines = ends[0][..., np.newaxis] + (ends[1] - ends[0])[..., np.newaxis] * shares
         best = float(lines.min(axis=0).max())
         assert best - 1e-12 <= highest_minimum(ends[0], ends[1], -inf) <= best + 1e-3
+
+
+@pytest.mark.parametrize(
+    ("first_s", "last_s", "vibration_s", "margin"),
+    [
+        # Of whole vibrations the mean speed is told, wherever they begin; of less, or unasked, the feed.
+        (0.0704, 0.0880, 0.0176, 0.96),
+        (0.0704, 0.1038, 0.0176, 0.96),
+        (0.0714, 0.0879, 0.0176, 0.9636363636),
+        (0.0704, 0.0880, None, 0.9636363636),
+    ],
+)
+def test_a_single_crest_is_judged_by_the_mean_speed_that_is_told(
+    first_s: float, last_s: float, vibration_s: float | None, margin: float
+) -> None:
+    """0.12 mm at N 1.5 on a control that is a tenth slow: N is 1.3636, of which a stroke drops by 0.7273.
+
+    In a revolution it is fed 0.0909 mm, not 0.1; 0.0873 of them are what the last pass lies ahead.
+    """
+    time_s = np.append(0.0, (np.arange(12)[:, None] + np.array([0.5, 1.0])).ravel() * 0.0176)
+    place = 0.1 / 0.0264 * time_s + np.append(0.0, np.tile([0.12, 0.0], 12))
+    found = judge(
+        time_s, place, speed_rpm=2500.0, feed_mm_rev=0.1, steady_s=(first_s, last_s), vibration_s=vibration_s
+    )
+    assert found.margin == pytest.approx(margin, abs=1e-9)
+    assert not found.breaks
+
+
+def test_each_chip_of_a_few_revolutions_by_hand() -> None:
+    """Strokes of 0.2 mm at N 1.5 and 0.1 mm/rev: they lie ahead by twice the feed.
+
+    From the last pass the gap is 0.1 - 0.2 x w, w between 1 and -1 and back within one and a third of a
+    revolution: half of that the tool is in the air.  The first chip ends in the second revolution.
+    """
+    time_s = np.append(0.0, (np.arange(24)[:, None] + np.array([0.5, 1.0])).ravel() * 0.016)
+    place = 0.1 / 0.024 * time_s + np.append(0.0, np.tile([0.2, 0.0], 24))
+    found = judge(time_s, place, speed_rpm=2500.0, feed_mm_rev=0.1, diameter_mm=10.0)
+    assert (found.breaks, found.margin) == (True, pytest.approx(2.0))
+    assert (found.per_rev, found.chips_per_rev) == (pytest.approx(1.5), pytest.approx(1.5))
+    assert found.stroke_mm == pytest.approx(0.2)
+    assert found.longest_chip_mm == pytest.approx(10.0 * pi * found.longest_chip_rev)
+    assert found.first_chip_mm == pytest.approx(10.0 * pi * found.first_chip_rev)
+    every = np.linspace(0.24, 0.384, 144_001)
+
+    def at(when: Any) -> Any:
+        return np.interp(when, time_s, place)
+
+    thickness = np.min([at(every) - at(every - 0.024 * back) for back in (1, 2, 3)], axis=0)
+    assert found.cut_share == pytest.approx(float((thickness[:96_000] > 0.0).mean()), abs=1e-3)
+    assert found.peak_thickness == pytest.approx(float(thickness.max()) / 0.1, abs=1e-3)
+    edges = np.flatnonzero(np.diff((thickness > 0.0).astype(int)))
+    chips = np.diff(every[edges])[0 if thickness[edges[0] + 1] > 0.0 else 1 :: 2]
+    assert found.longest_chip_rev == pytest.approx(float(chips.max()) / 0.024, abs=1e-3)
+    early = np.linspace(0.0, 0.1, 100_001)
+    first = early[np.flatnonzero((at(early) - at(early - 0.024) <= 1e-12) & (early > 0.001))[0]]
+    assert found.first_chip_rev == pytest.approx(float(first) / 0.024, abs=1e-3)
+    assert found.peak_speed_mm_s == pytest.approx(0.2 / 0.008 + 0.1 / 0.024)
