@@ -191,3 +191,40 @@ def test_an_incremental_program_goes_up_absolutely_where_the_control_wants_it() 
     found = {profile: edits(program, profile, *own("G65 P1"))[0].content for profile in PROFILES}
     assert found["linuxcnc-mill"] == ("G90", "G53 G0 Z0", "M5", "G65 P1", "S1000 M3", "G91")
     assert found["fanuc-mill"] == (*UP, "G65 P1", "S1000 M3", *DOWN, "G91")
+
+
+LINUXCNC = (
+    "G21 G40 G95 G18 G7\nT1 M6\nG97 S1000 M3\n{on}G0 X20 Z2\n(ROUGH)\nG1 Z-1 F0.1\nG0 X30 Z2\n(FINISH)\n"
+    "G0 X19 Z2\nG1 Z-1\nG0 X30 Z2\nM2\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("on", "back"),
+    [
+        ("", ("S1000 M3",)),
+        ("G20\nS900\nG21\n", ("S900 M3",)),
+        ("G96 S150\n", ("S150 M3",)),
+        # The number was read in feet a minute, and S is read before the units of its block.
+        ("G20\nG96 S500\nG21\n", ("G20", "G21 S500 M3")),
+    ],
+)
+def test_a_surface_speed_comes_back_in_the_units_in_which_it_was_said(on: str, back: tuple[str, ...]) -> None:
+    between, last = edits(LINUXCNC.format(on=on), "linuxcnc-lathe", *own("G4 P1"))
+    assert between.content == ("G53 G0 X0", "G53 G0 Z0", "M5", "G4 P1", *back)
+    assert last.content == between.content[:4]
+
+
+def test_a_check_stands_behind_the_call_and_where_calls_are_written_out_behind_the_stop() -> None:
+    """At a stop behind it somebody changes the tool by hand."""
+    stop = MILL.format(on="M0\n", behind="")
+    assert [one.first for one in edits(stop, "fanuc-mill", *BEAM)][:2] == [1, 2]
+    plate = (
+        "macros.setter_x_mm=1",
+        "macros.setter_y_mm=2",
+        "macros.setter_z_mm=-300",
+        "macros.safe_z_mm=-10",
+    )
+    for text, line in ((MILL.format(on="", behind=""), 2), (stop, 6)):  # there the place is known again
+        plain = text.replace("G43 H1 ", "").replace(" G80", "")
+        assert edits(plain, "grbl", "checks.calls=setter", "checks.enabled=true", *plate)[0].first == line

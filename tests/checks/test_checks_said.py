@@ -485,6 +485,13 @@ def test_names_of_our_variables_are_shared_on_linuxcnc() -> None:
     assert found == [("CHK009", "warning", 3, said, USE_OTHERS)]
 
 
+def test_a_call_of_our_macros_is_no_definition() -> None:
+    program = PART.replace("G28 G91 Z0.\nG90\n", "").replace("G21\n", "G21\no<cb_release> call [1]\n")
+    found, data = rewritten(program, *BEAM, profile="linuxcnc-mill")
+    assert b"BEGIN CHIP CHECK" in data
+    assert "CHK010" not in {one[0] for one in found}
+
+
 def test_without_a_beam_the_keys_are_named() -> None:
     found, data = rewritten(PART, "checks.enabled=true")
     missing = ("beam_x_mm", "beam_y_mm", "beam_z_mm", "safe_z_mm", "master_length_mm", "master_diameter_mm")

@@ -182,6 +182,13 @@ DRAW = "draw the corner with G1, G2 and G3"
 CORNER_FAULTS = [
     ("M8", "?", "CYC007", f"the block ? {READ_OTHERWISE}", DRAW),
     ("M8", "/M8", "CYC007", f"the block /M8 {READ_OTHERWISE}", DRAW),
+    (
+        "M8",
+        "M0 (A COMMENT THAT IS LONGER THAN FORTY CHARACTERS)",
+        "CYC007",
+        "the block M0 (A COMMENT THAT IS LONGER THAN FORTY  stops or leaves the program",
+        DRAW,
+    ),
     ("M8", "GOTO5", "CYC007", f"the block GOTO5 {READ_OTHERWISE}", DRAW),
     ("M8", "#1=5", "CYC007", f"the block #1=5 {READ_OTHERWISE}", DRAW),
     ("M8", "G20", "CYC007", "the block G20 changes units, plane or coordinates", DRAW),

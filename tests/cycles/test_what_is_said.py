@@ -209,6 +209,15 @@ CALLS: list[Case] = [
     ),
 ]
 CONTOURS: list[Case] = [
+    (
+        "G71",
+        ("X30. Z-30.", ",A90.\nX30. ,A135."),
+        (),
+        6,
+        "CYC002",
+        "the contour block ,A90. has an angle, and the next block does not say X, Z and an angle",
+        ONE_AXIS,
+    ),
     *(
         ("G71", ("X30.", said), (), 6, "CYC002", f"the contour block {said} Z-30. {READ_OTHERWISE}", PLAIN)
         for said in ("?X30.", "/X30.", "X#1")
@@ -1125,6 +1134,19 @@ NOTES: list[tuple[str, tuple[str, str], list[tuple[int, str, str, str]]]] = [
         ],
     ),
     ("G71", ("U2.", "U17.8"), []),
+    (
+        "G71",
+        ("G71 U2.", "G70 P10 Q20\nG71 U17.9"),
+        [
+            (
+                7,
+                "CYC011",
+                "the depth of a pass, 17.9 mm, is more than the 17.8 mm that there is to take:"
+                " one pass takes all of it",
+                "check its unit and its point; a depth of what there is says the same",
+            )
+        ],
+    ),
     (
         "G71",
         ("G0 X52.", "G42 G0 X52."),

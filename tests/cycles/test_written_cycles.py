@@ -138,6 +138,24 @@ def test_a_pattern(name: str) -> None:
     assert fed[2] == "G1 X24.4 F0.3" and "G1 X20.4" in fed and "G1 X16.4" in fed
 
 
+@pytest.mark.parametrize("name", ["G71", "G73"])
+def test_roughing_passes_over_what_is_for_finishing(name: str) -> None:
+    said = only(name, "G1 Z-15.", "G42 G1 Z-15. T0202 M8 S900 F0.05")
+    assert blocks(said) == blocks(only(name))
+
+
+def test_a_bore_that_is_hardly_larger_than_where_the_tool_waits() -> None:
+    """Half a millimetre on the radius, in steps of 0.2 mm from X39 to X40."""
+    shape = "N10 G0 X40.\nG1 Z-15.\nX39.5 Z-30.\nN20 X39.\n"
+    program = f"{HEAD.replace('X52.', 'X39.')}G71 U0.2 R0.1\nG71 P10 Q20 U-0.1 W0.1 F0.1\n{shape}{TAIL}"
+    found = [one for one in blocks(edits(program)[0]) if one[:4] == "G1 X" or "LEVEL" in one]
+    assert found == [
+        "(PASS 1 LEVEL 0.2 MM BELOW THE START)",
+        "(PASS 2 LEVEL 0.4 MM BELOW THE START)",
+        *("G1 X39.4 Z-29.9", "G1 X38.9"),
+    ]
+
+
 def test_finishing() -> None:
     edit = only("G70")
     assert blocks(edit) == ["G0 X16. F0.1", "G1 Z-15.", "X30. Z-30.", "X52.", "G0 Z2."]
@@ -149,6 +167,12 @@ def test_finishing() -> None:
     corner = blocks(only("G70", "G1 Z-15.", "G1 Z-15. ,C1. (SHOULDER)\nM8\nX20.\nM9"))
     assert corner == [
         *("F0.1 G0 X16.", "G1 Z-14.", "G1 X18. Z-15.", "M8", "G1 X20.", "M9", "G1 X30. Z-30.", "G1 X52."),
+        "G0 Z2.",
+    ]
+    # A chamfer of 1 mm begins at 1 mm of the cone, 15 by 7 mm: 0.906 along Z and 0.423 of the radius.
+    nowhere = blocks(only("G70", "X30. Z-30.", "X30. Z-30. ,C1.\nX40.\nX40. F0.2"))
+    assert nowhere == [
+        *("F0.1 G0 X16.", "G1 Z-15.", "G1 X29.154 Z-29.094", "G1 X32. Z-30.", "G1 X40.", "F0.2", "G1 X52."),
         "G0 Z2.",
     ]
     wished = blocks(only("G70", "X30.", "X30. (CONE)"))
@@ -376,6 +400,14 @@ BROKEN = [
     ("G71", "G0 Z2.", "G0 Z2.5", "the position of Z (2 and 2.5) differs at the cycle in line 5"),
     ("G71", "G0 Z2.", "G0 Z2. M8", "the coolant differs at the cycle in line 5"),
     ("G71", "G0 Z2.", "G0 Z2. S900", ""),
+    ("G71", "G0 Z2.", "G0 Z2.001", "the position of Z (2 and 2.001) differs at the cycle in line 5"),
+    ("linuxcnc", "G1 X28.", "G1 X28.0001", ""),
+    (
+        "linuxcnc",
+        "G1 X28.",
+        "G1 X28.001",
+        "the position of X (28 and 28.001) differs at the cycle in line 12",
+    ),
     ("G70", "X30. Z-30.", "X30.01 Z-30.", "the finishing cut at line 5 misses its contour"),
     ("G70", "X30. Z-30.", "X30. Z-30.002", "the finishing cut at line 5 misses its contour"),
     ("G70", "X30. Z-30.", "X30. Z-30.001", ""),

@@ -165,11 +165,10 @@ class UnrolledRoughing(UnrolledCycle, kw_only=True):
         settings = written.original.settings
         step_mm = settings.output.step_mm(is_inch=written.now_behind.is_inch)
         left = _Left(self.cycle, step_mm)
-        began = written.original.before(written.edit.first).position
-        # A control that goes to the start from a place that is not known does so by itself, too.
-        unknown = 1 if math.isnan(began.x + began.z) else 0
-        for move in list(_moves(written))[unknown:]:
-            left.run(self._way(move), is_cut=move.is_cut)
+        for move in _moves(written):
+            # A control that goes to the start from a place that is not known does so by itself, too.
+            if not math.isnan(move.start.x + move.start.z):
+                left.run(self._way(move), is_cut=move.is_cut)
         left.compare()
 
     def _way(self, move: Move) -> Floats:
