@@ -151,3 +151,24 @@ def test_corners_without_a_move_behind_them_are_gone_through_once(monkeypatch: p
     interpreted = interpret_source(read(program.encode(), "corners.nc"), chipbreak.load("fanuc-lathe"))
     assert not list(corner_runs(interpreted))
     assert 100 <= len(looked_at) < 300
+
+
+@pytest.mark.parametrize("word", ["C2.", "A135."])
+@pytest.mark.parametrize(("option", "begins"), [("true", False), ("false", True)])
+def test_behind_what_may_be_a_corner_nothing_begins(word: str, option: str, begins: bool) -> None:
+    """Without a comma it is a chamfer where the control takes it so, and then the tool stands elsewhere."""
+    blocks = f"G1 Z-20. F0.25 {word}\nG1 X40.\nZ-40.\n"
+    settings = load("fanuc-lathe", [*WISH, f"cycles.plain_corners={option}"])
+    result = chipbreak.rewrite((HEAD + blocks + TAIL).encode(), settings)
+    assert (b"(CHIPBREAK WAS G1 X40.)" in result.data) is begins
+    said = [one for one in result.diagnostics if one.code == "VIB051"]
+    assert bool(said) is not begins
+    for one in said:
+        assert f"{word} before it may take the corner off" in one.message
+        assert f"where {word[0]} is an axis, cycles.plain_corners=false says so" in one.help
+
+
+def test_a_rapid_with_an_axis_says_no_corner() -> None:
+    blocks = "G0 X20. Z1. C90.\nG1 Z-20. F0.25\n"
+    result = chipbreak.rewrite((HEAD + blocks + TAIL).encode(), load("fanuc-lathe", WISH))
+    assert b"(CHIPBREAK WAS G1 Z-20. F0.25)" in result.data

@@ -51,6 +51,8 @@ FAULTS: list[tuple[tuple[str, str], tuple[str, str]]] = [
     (("Z-50.", "G41 Z-50."), block("G41 Z-50.", "changes the side of the compensation")),
     (("Z-50.", "Z-50. R1."), block("Z-50. R1.", "has a word that is not read here")),
     (("Z-50.", "G32 Z-50. F1."), block("G32 Z-50. F1.", "moves otherwise than in X and Z")),
+    (("Z-50.", "Z-50. C2."), block("Z-50. C2.", "has C2., which may be a corner (cycles.plain_corners)")),
+    (("Z-50.", "Z-50. A90."), block("Z-50. A90.", "has A90., which may be a corner (cycles.plain_corners)")),
     (("G40 G0 X80. Z5.\n", ""), LEAD_OUT),
     (("G40 G0 X80.", "G40 G2 R40. X80."), LEAD_OUT),
     (("G40 G0 X80.", "G40 G0 X#5"), LEAD_OUT),

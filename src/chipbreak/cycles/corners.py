@@ -29,6 +29,7 @@ _CHAMFERS = (",C", "C", "I", "K")
 _RADII = (",R", "R")
 _WITH_COMMA = frozenset({",C", ",R", ",A"})
 _PLAIN = frozenset("CRIKA")
+_MAY_BE_AXES = frozenset("CA")
 ANGLES = (",A", "A")
 _NOTHING_MM = 1e-9
 
@@ -57,6 +58,13 @@ def words_of_corner(effect: BlockEffect, settings: Settings) -> tuple[Word, ...]
         return ()
     known = _WITH_COMMA | _PLAIN if settings.cycles.plain_corners else _WITH_COMMA
     return effect.block.words_of(known)
+
+
+def may_be_corner(effect: BlockEffect, settings: Settings) -> Word | None:
+    """C or A without a comma in a feed outside of contours, which may be an axis; None without."""
+    if not settings.dialect.contour_cycles or effect.after.modes.motion != "line":
+        return None
+    return next((word for word in words_of_corner(effect, settings) if word.address in _MAY_BE_AXES), None)
 
 
 def corner_of(effect: BlockEffect, settings: Settings) -> Corner | None:

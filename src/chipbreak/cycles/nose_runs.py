@@ -14,6 +14,7 @@ import math
 from collections.abc import Collection, Iterator, Sequence
 
 from chipbreak.cycles.call import refuse_modes
+from chipbreak.cycles.corners import may_be_corner
 from chipbreak.cycles.nose import Nose, Offset, offset_moves
 from chipbreak.cycles.promise import OffsetMoves
 from chipbreak.cycles.roughing import Motion
@@ -187,15 +188,18 @@ def _refuse_run(interpreted: InterpretedProgram, effects: Sequence[BlockEffect])
     side = effects[0].after.modes.compensation
     for effect in effects[:-1]:
         if effect.after.modes.compensation != "off" or effect.non_modal != _HOME:
-            _refuse_block(effect, side)
+            _refuse_block(effect, side, interpreted.settings)
     targets = interpreted.flow.targets
     if any(effect.block.line in targets for effect in effects):
         raise _refused("a jump leads into it", "take the jump out")
     _refuse_way_out(effects[-1])
 
 
-def _refuse_block(effect: BlockEffect, side: str) -> None:
+def _refuse_block(effect: BlockEffect, side: str, settings: Settings) -> None:
     why = next(_faults(effect, side), "")
+    corner = may_be_corner(effect, settings)
+    if corner is not None:
+        why = why or f"has {effect.block.text_of(corner)}, which may be a corner (cycles.plain_corners)"
     if why:
         shown = effect.block.text.strip()[:40]
         raise _refused(f"the block {shown} {why}", "end it with G40 before, or write the block without it")

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from chipbreak.cycles.corners import may_be_corner
 from chipbreak.cycles.nose_runs import compensated_runs
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.modes import Group
@@ -116,6 +117,7 @@ class Chain:
 _CORNER_LETTERS = frozenset("CRIKA")
 _ANGLES = frozenset({",A"})
 _CORNERS = bits_of(_CORNER_LETTERS)
+_MAY_BE_AXES = frozenset("CA")
 _MOST_BETWEEN = 20
 
 
@@ -409,10 +411,15 @@ def _corner_refusal(interpreted: InterpretedProgram, effect: BlockEffect) -> tup
     word = _corner_before(interpreted, effect.block.line)
     if word is None:
         return None
+    takes = "takes"
+    help_text = "draw the corner with G1, G2 and G3"
+    if word.address in _MAY_BE_AXES:
+        takes = "may take"
+        help_text += f"; where {word.address} is an axis, cycles.plain_corners=false says so"
     message = (
-        f"where this cut starts is not known: {word.letter}{word.value_text} before it takes the corner off"
+        f"where this cut starts is not known: {word.letter}{word.value_text} before it {takes} the corner off"
     )
-    return RefusalError("VIB051", message, "draw the corner with G1, G2 and G3"), None
+    return RefusalError("VIB051", message, help_text), None
 
 
 def _corner_before(interpreted: InterpretedProgram, line: int) -> Word | None:
@@ -424,8 +431,9 @@ def _corner_before(interpreted: InterpretedProgram, line: int) -> Word | None:
         block = program.block(at)
         if not block.has_any(interpreted.settings.axis_words.axes) and not block.has_any(_ANGLES):
             continue
-        unread = interpreted.effect(at).unread
-        return next((word for word in unread if word.address.removeprefix(",") in _CORNER_LETTERS), None)
+        effect = interpreted.effect(at)
+        corners = (word for word in effect.unread if word.address.removeprefix(",") in _CORNER_LETTERS)
+        return next(corners, may_be_corner(effect, interpreted.settings))
     return None
 
 
