@@ -207,6 +207,13 @@ REQUIRED = ('control.decimal_point="required"',)
         ("fanuc-lathe", INCREMENT, "G20;X12345", "G20;X1.2345", True),
         ("fanuc-lathe", INCREMENT, "G20;X12345", "G20;X1.2346", False),
         ("fanuc-lathe", INCREMENT, "X1", "X.001", True),
+        # They are words of G alone, whatever else has the number 20 or 94.
+        *(
+            ("fanuc-lathe", INCREMENT, f"{word};X10000", f"{word};X10.", True)
+            for word in ("M20", "X20.", "A20.")
+        ),
+        ("fanuc-mill", REQUIRED, "G95;S94;G1 X1. F2", "G95;S94;G1 X1. F2.", False),
+        ("fanuc-lathe", REQUIRED, "M70 P10 Q20;N10 X1.;N20 X2.", "M70 P1 Q2;N1 X1.;N2 X2.", False),
         # What does not count as a dimension is read whole.
         ("fanuc-lathe", REQUIRED, "M3 S5", "M3 S5.", True),
         ("fanuc-lathe", REQUIRED, "G65 P1 T5", "G65 P1 T5.", True),
