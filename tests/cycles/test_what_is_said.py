@@ -1169,3 +1169,11 @@ def test_what_is_said_of_cycles_that_are_written_out(
     name: str, change: tuple[str, str], said: list[tuple[int, str, str, str]]
 ) -> None:
     assert noted(PROGRAMS[name].replace(*change, 1)) == said
+
+
+def test_a_depth_in_the_first_line_of_a_program_is_found() -> None:
+    """So it is its start that is missing."""
+    (said,) = refused(LENGTHS + SHAPE + TAIL)
+    assert said[:2] == (2, "CYC007")
+    assert said[2].startswith("where this cycle starts is not known: ")
+    assert refused(PROGRAMS["G71"]) == []
