@@ -22,19 +22,21 @@ class Blocks:
     ``lengths_mm`` (n,) are signed along the path, ``moved_mm`` (n, 3) are the moves themselves.
     ``corners`` (n,): how far the direction turns behind each block, the most of any axis's share in it;
     where the tool turns back it does not matter.  ``acceleration_mm_s2`` (n,) is what the axes allow in the
-    direction of each block.
+    direction of each block.  ``feed_steps_mm_s`` (n,) are the steps of the feeds that can be typed, None
+    where any can.
     """
 
     lengths_mm: Floats
     moved_mm: Floats
     corners: Floats
     acceleration_mm_s2: Floats
+    feed_steps_mm_s: Floats | None = None
 
     def part(self, run: slice) -> Blocks:
         """Some of them in a row."""
-        return Blocks(
-            self.lengths_mm[run], self.moved_mm[run], self.corners[run], self.acceleration_mm_s2[run]
-        )
+        steps = None if self.feed_steps_mm_s is None else self.feed_steps_mm_s[run]
+        moves = self.lengths_mm[run], self.moved_mm[run]
+        return Blocks(*moves, self.corners[run], self.acceleration_mm_s2[run], steps)
 
 
 def lengths_of(moved_mm: Floats, ahead_mm: Floats) -> tuple[Floats, Floats]:

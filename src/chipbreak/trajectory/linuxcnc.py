@@ -135,7 +135,9 @@ class LinuxCnc(ControlLaw):
         """See :meth:`ControlLaw.feeds_for_spans`."""
         self.refuse_lost_strokes(blocks.lengths_mm)
         turns = turns_of(blocks.lengths_mm)
-        asked = Asked(self._bends(blocks), spans_s, turns, plain_from, self.every_block_stops)
+        asked = Asked(
+            self._bends(blocks), spans_s, turns, plain_from, self.every_block_stops, blocks.feed_steps_mm_s
+        )
         # The others lie between the least and the highest override; the verdict looks at all of them.
         laws = dict.fromkeys([self.variants()[0], self.variants()[-1]])
         return fitted_feeds(asked, [law._clock for law in laws], _Refusals(self))

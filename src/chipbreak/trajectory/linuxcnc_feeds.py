@@ -36,17 +36,32 @@ class Wanted(NamedTuple):
     """Stretches of as many blocks each, and what is wanted of them.
 
     ``spans`` (m, n) is how long each block should take, ``fitted`` how many of the first blocks get their
-    feeds here (the rest keep theirs), ``time`` (m,) how long these should take in all.
+    feeds here (the rest keep theirs), ``time`` (m,) how long these should take in all.  ``steps`` (m, n) are
+    those of the speeds that can be typed, None where any can.
     """
 
     stretches: Stretches
     spans: Floats
     fitted: int
     time: Floats
+    steps: Floats | None = None
 
     def rows(self, which: Counts | Bools) -> Wanted:
         """Some of them."""
-        return Wanted(self.stretches.rows(which), self.spans[which], self.fitted, self.time[which])
+        steps = None if self.steps is None else self.steps[which]
+        return Wanted(self.stretches.rows(which), self.spans[which], self.fitted, self.time[which], steps)
+
+    def typed(self) -> Wanted:
+        """The same at the speeds that can be typed."""
+        return self._replace(
+            stretches=self.stretches._replace(speeds=self.typed_speeds(self.stretches.speeds))
+        )
+
+    def typed_speeds(self, speeds: Floats) -> Floats:
+        """The speeds that are typed for some, (m, n): whole steps, at least one."""
+        if self.steps is None:
+            return speeds
+        return np.asarray(np.maximum(np.rint(speeds / self.steps), 1.0) * self.steps)
 
 
 class Found(NamedTuple):
@@ -160,7 +175,8 @@ def _worst_late(wanted: Wanted, speeds: Floats, clocks: Sequence[Clock]) -> Floa
 
 def _times(wanted: Wanted, speeds: Floats, clocks: Sequence[Clock]) -> list[Floats]:
     """Times of the fitted blocks by each clock, (m, fitted)."""
-    return times_by_clock(wanted.stretches._replace(speeds=speeds), clocks, wanted.fitted)
+    typed = wanted.typed_speeds(speeds)
+    return times_by_clock(wanted.stretches._replace(speeds=typed), clocks, wanted.fitted)
 
 
 def _shape(wanted: Wanted, clocks: Sequence[Clock], found: Found) -> None:

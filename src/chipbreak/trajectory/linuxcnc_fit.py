@@ -39,7 +39,8 @@ _SAME_S = 1e-9
 class Asked(NamedTuple):
     """Blocks and the times that they should take, (n,); those from ``plain_from`` on keep their feeds.
 
-    ``turns`` are the blocks that go the other way than the one before.  ``stops``: exact stop.
+    ``turns`` are the blocks that go the other way than the one before.  ``stops``: exact stop.  ``steps``
+    (n,) are those of the feeds that can be typed [mm/s], None where any can.
     """
 
     bends: Bends
@@ -47,6 +48,7 @@ class Asked(NamedTuple):
     turns: Counts
     plain_from: int
     stops: bool
+    steps: Floats | None = None
 
 
 class Refuse(Protocol):
@@ -196,7 +198,8 @@ class _Fit:
     def _wanted(self, which: Counts, size: int, times: Floats, feeds: Floats) -> Wanted:
         blocks = self.parts.blocks_of(which, size)
         stretches = self.columns._replace(speeds=feeds).stretches(blocks, self.clocks[0])
-        return Wanted(stretches, self.asked.spans[blocks], size, times[which])
+        steps = None if self.asked.steps is None else self.asked.steps[blocks]
+        return Wanted(stretches, self.asked.spans[blocks], size, times[which], steps)
 
     def _fit_last(self, which: Counts, size: int, times: Floats, feeds: Floats) -> None:
         """The stretch that runs into the blocks that keep their feeds."""
@@ -214,8 +217,9 @@ class _Fit:
         feeds[blocks] = nominal * found.factors
         slack = self.period_s / 2.0 + _SAME_S
         for _ in range(_LOOKS):
-            # With feed per revolution the block before counts, and its feed is known only now.
-            seen = self._wanted(which, size, times, feeds)
+            # With feed per revolution the block before counts, and its feed is known only now; so are the
+            # feeds that can be typed, and all strokes alike may lose a period by them.
+            seen = self._wanted(which, size, times, feeds).typed()
             off = np.flatnonzero((_missed(seen, self.clocks) > slack) & (np.abs(found.late) <= slack))
             if not len(off):
                 break
@@ -302,7 +306,7 @@ def _found_for_kinds(wanted: Wanted, clocks: Sequence[Clock]) -> Found:
     digits = [three_digits(column) for column in (lengths, speeds, tops, accelerations)]
     first, kind = kinds_of(np.column_stack([*digits, before, np.rint(wanted.time / clocks[0].period_s)]))
     rounded = Stretches(digits[0][first], digits[1][first], digits[2][first], digits[3][first], before[first])
-    found = _found(wanted.rows(first)._replace(stretches=rounded), clocks)
+    found = _found(wanted.rows(first)._replace(stretches=rounded, steps=None), clocks)
     return Found(found.factors[kind], found.late[kind], found.never[kind])
 
 
@@ -311,7 +315,8 @@ def _found(wanted: Wanted, clocks: Sequence[Clock]) -> Found:
     known = _known(tuple(clocks), wanted.fitted)
     if len(known) > _MOST_KNOWN:
         known.clear()
-    keys = [row.tobytes() for row in np.column_stack([*wanted.stretches, wanted.spans, wanted.time])]
+    steps = () if wanted.steps is None else (wanted.steps,)
+    keys = [row.tobytes() for row in np.column_stack([*wanted.stretches, wanted.spans, wanted.time, *steps])]
     # Another thread may forget them at any time: what was answered is kept.
     mine = {key: row for key, row in ((key, known.get(key)) for key in keys) if row is not None}
     new = {key: at for at, key in enumerate(keys) if key not in mine}

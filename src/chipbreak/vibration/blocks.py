@@ -336,11 +336,13 @@ def _feed_words(cut: CutPlan, ends: _Ends, settings: Settings) -> tuple[Floats, 
     spans = np.diff(ends.time_s)
     plain_from = int(np.searchsorted(ends.time_s[:-1], cut.time_s[-2] - _SAME_S))
     law = control_along(settings, cut.path, cut.chain.before)
+    digits = _feed_decimals(cut, settings)
     blocks = law.blocks(moved, np.diff(ends.distance_mm))
+    step = np.full(len(spans), 10.0**-digits)
+    blocks = replace(blocks, feed_steps_mm_s=_feeds_mm_s(cut, step, blocks.lengths_mm, settings))
     feeds_mm_s = _feeds_for_spans(law, blocks, spans, plain_from).copy()
     same_feeds(feeds_mm_s, ends.words.loops, blocks, law, cut.wave.period_s)
     state = cut.chain.before
-    digits = _feed_decimals(cut, settings)
     exact = _typed_feeds(cut, feeds_mm_s, blocks.lengths_mm, settings)
     if _tail_is_programmed(cut, settings):
         assert state.feed is not None
