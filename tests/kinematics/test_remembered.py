@@ -82,6 +82,20 @@ def test_long_arrays_are_not_kept() -> None:
     assert [len(value) for (value,) in counted.asked] == [_MOST_NUMBERS, _MOST_NUMBERS + 1, _MOST_NUMBERS + 1]  # type: ignore[misc, has-type]
 
 
+def test_long_answers_are_not_kept() -> None:
+    """Nor is the motion of a long cut, which a few numbers ask for."""
+    asked: list[int] = []
+
+    @remembered
+    def work(size: int) -> Floats:
+        asked.append(size)
+        return np.zeros(size)
+
+    for size in (_MOST_NUMBERS, _MOST_NUMBERS, _MOST_NUMBERS + 1, _MOST_NUMBERS + 1):
+        assert work(size).size == size
+    assert asked == [_MOST_NUMBERS, _MOST_NUMBERS + 1, _MOST_NUMBERS + 1]
+
+
 def test_only_so_many_are_kept() -> None:
     """The oldest are forgotten all at once."""
     counted = Counted()

@@ -33,7 +33,7 @@ def remembered(function: Callable[_P, _R]) -> Callable[_P, _R]:
     @wraps(function)
     def work(*args: _P.args, **kwargs: _P.kwargs) -> _R:
         asked = (args, tuple(kwargs.items()))
-        if any(array.size > _MOST_NUMBERS for array in _arrays_in(asked)):
+        if _is_long(asked):
             return function(*args, **kwargs)
         key = _key_of(asked)
         found = known.get(key)
@@ -43,7 +43,8 @@ def remembered(function: Callable[_P, _R]) -> Callable[_P, _R]:
                 array.flags.writeable = False
             if len(known) >= _MOST_KEPT:
                 known.clear()
-            known[key] = found
+            if not _is_long(found):
+                known[key] = found
         return found
 
     return work
@@ -62,6 +63,10 @@ def _parts_of(value: object) -> tuple[object, ...] | None:
     if type(value).__hash__ is object.__hash__ and is_dataclass(value):
         return tuple(vars(value).values())
     return None
+
+
+def _is_long(value: object) -> bool:
+    return any(array.size > _MOST_NUMBERS for array in _arrays_in(value))
 
 
 def _arrays_in(value: object) -> Iterator[np.ndarray[Any, Any]]:

@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 
 from chipbreak.kinematics.floats import Floats
+from chipbreak.kinematics.remembered import remembered
 from chipbreak.kinematics.sourced_value import shown
 from chipbreak.kinematics.speed_solver import never_breaks
 from chipbreak.kinematics.waves import FUZZ, Wave, wave_named
@@ -228,6 +229,7 @@ def full_window(cut: WaveformParameters) -> tuple[float, float]:
     return first * cut.period_s, last * cut.period_s
 
 
+@remembered
 def _vibrating_part(cut: WaveformParameters) -> tuple[Floats, Floats, Floats]:
     """Time, w and y at the knots of the whole vibrations but the one at 0: three arrays of shape (n,)."""
     knots = np.arange(1, cut.ticks + 1) if cut.form == "tick" else np.array([cut.forward_ticks, cut.ticks])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from chipbreak.cycles.corners import may_be_corner
 from chipbreak.cycles.nose_runs import compensated_runs
@@ -69,7 +70,7 @@ class Chain:
         """The line behind the last."""
         return self.requests[-1].effect.block.line + 1
 
-    @property
+    @cached_property
     def before(self) -> State:
         """The state when the tool starts to move: modal words of the first block have acted."""
         effect = self.requests[0].effect
