@@ -20,7 +20,7 @@ from chipbreak.cycles.call import UNREAD_FORM, refuse_modes
 from chipbreak.cycles.contour import Frame
 from chipbreak.cycles.corners import BAD_CONTOUR, add_placed, corner_of, refuse_lone_angle, words_of_corner
 from chipbreak.cycles.promise import OffsetMoves
-from chipbreak.cycles.reading import Step, pieces_of
+from chipbreak.cycles.reading import Step, has_unread_axes, pieces_of
 from chipbreak.cycles.roughing import Motion
 from chipbreak.cycles.writing import BlockWriter, block_of_motion, other_words
 from chipbreak.editing.edits import Edit
@@ -151,6 +151,10 @@ def _faults(effect: BlockEffect, settings: Settings) -> Iterator[str]:
         yield "stops or leaves the program"
     if set(effect.unread) - set(words_of_corner(effect, settings)):
         yield "has a word that is not read here"
+    if has_unread_axes(effect, settings):
+        yield "has axis words beside a G code that is not read"
+    if effect.move is not None and effect.move.kind == "rapid" and _says_corner(effect, settings):
+        yield "says a corner in a rapid"
     move = effect.move
     if move is not None and (set(move.axes) - {"X", "Z"} or move.kind not in ("rapid", "line", "cw", "ccw")):
         yield "moves otherwise than in X and Z"

@@ -153,7 +153,7 @@ def _is_on(one: Segment, point: Point) -> bool:
 
 
 def _meetings(one: Segment, other: Segment) -> Iterator[Point]:
-    """Where the lines or circles of two segments meet; two lines are never along each other."""
+    """Where the lines or circles of two segments meet; nowhere for lines along each other."""
     if one.centre is None and other.centre is None:
         yield from _lines_meet(one, other)
     elif one.centre is None:
@@ -167,8 +167,11 @@ def _meetings(one: Segment, other: Segment) -> Iterator[Point]:
 def _lines_meet(one: Segment, other: Segment) -> Iterator[Point]:
     a_t, a_h = direction(one)
     b_t, b_h = direction(other)
+    cross = a_t * b_h - a_h * b_t
+    if cross == 0.0:
+        return
     way_t, way_h = other.start.t - one.start.t, other.start.h - one.start.h
-    along = (way_t * b_h - way_h * b_t) / (a_t * b_h - a_h * b_t)
+    along = (way_t * b_h - way_h * b_t) / cross
     yield Point(one.start.t + along * a_t, one.start.h + along * a_h)
 
 

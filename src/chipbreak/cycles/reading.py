@@ -102,6 +102,11 @@ def _has_unread_word(effect: BlockEffect, settings: Settings) -> bool:
     return bool(others or is_axis)
 
 
+def has_unread_axes(effect: BlockEffect, settings: Settings) -> bool:
+    """Axis words that move nothing: beside a G code that the profile does not know."""
+    return effect.move is None and not effect.non_modal and effect.block.has_any(settings.axis_words.axes)
+
+
 def _moves_otherwise(effect: BlockEffect, _: Settings) -> bool:
     return effect.move is not None and effect.move.kind not in _TURNS
 
@@ -115,6 +120,7 @@ _RULES: tuple[tuple[str, str, Callable[[BlockEffect, Settings], bool]], ...] = (
     ("cannot be read, has block delete or is worked out on the control", "", _is_unreadable),
     ("has a G code that does not belong into a contour", alarms.FOREIGN_COMMAND, _has_foreign_code),
     ("has a word that is not read here", "", _has_unread_word),
+    ("has axis words beside a G code that is not read", alarms.FOREIGN_COMMAND, has_unread_axes),
     ("is no line and no arc", "", _moves_otherwise),
     ("changes the tool, stops or leaves the program", "", _leaves_the_contour),
 )

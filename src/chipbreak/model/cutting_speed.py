@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 
 from chipbreak.dialects import Dialect
+from chipbreak.dialects.base import NON_MODAL, Code
 from chipbreak.model.modal import State
 from chipbreak.model.words import makes_a_limit
 from chipbreak.syntax.nodes import Block, Word
@@ -22,6 +23,9 @@ _DIRECTIVE = LazyPattern(r"\s*SPEED\s+(.*?)\s*$", re.IGNORECASE)
 _ITEM = LazyPattern(r"([VD])\s*=?\s*([-+]?(?:\d+\.?\d*|\.\d+))[\s,]*", re.IGNORECASE)
 # Words that keep V and D from being ours: axes, offsets, and calls that read every letter.
 _FOREIGN = frozenset("XYZUWABCHIJKRPQL")
+
+
+_MACROS = (Code(NON_MODAL, "macro-call"), Code("modal_macro", "on"))
 
 
 class CuttingSpeed(NamedTuple):
@@ -48,7 +52,8 @@ def cutting_speed_of(
     for V or D alone, zero, negative, beside S or beside G50, VIB071 under constant surface speed or in
     inches.
     """
-    found = _from_words(block, starts_spindle=starts_spindle) or _from_directive(block)
+    words = None if _reads_every_letter(block, dialect) else _from_words(block, starts_spindle=starts_spindle)
+    found = words or _from_directive(block)
     if found is None:
         return None
     if makes_a_limit(block, dialect):
@@ -61,6 +66,12 @@ def cutting_speed_of(
         message = "V and D are metric (m/min and mm), but the program is in inches"
         raise RefusalError("VIB071", message, "give S")
     return found
+
+
+def _reads_every_letter(block: Block, dialect: Dialect) -> bool:
+    """True where V and D are arguments: ``G65 V12. D20.``, whose P may be missing."""
+    codes = (dialect.g_codes.get(round(number * 10)) for number in block.numbers("G"))
+    return any(code in _MACROS for code in codes)
 
 
 def _from_words(block: Block, *, starts_spindle: bool) -> CuttingSpeed | None:

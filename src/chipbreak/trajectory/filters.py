@@ -97,7 +97,7 @@ def axis_filter(
     lags = [acc_dec_s or 0.0] if is_lag else []
     if position_gain_1_s is not None:
         lags.append((1.0 - feed_forward) / position_gain_1_s)
-    return AxisFilter(tuple(a for a in averages if a > 0.0), tuple(lag for lag in lags if lag > 0.0))
+    return AxisFilter(tuple(a for a in averages if a > _SAME_S), tuple(lag for lag in lags if lag > _SAME_S))
 
 
 def times_to_look_at(

@@ -47,6 +47,7 @@ MOST_PERIODS = 20_000_000  # hours; each takes 8 to 16 bytes where a law is foll
 MOST_MOVES_IN_ALL = 5_000_000  # of all cuts of a program, as half a gigabyte holds
 _FEWER = "take a lower N or a higher feed, or make it several cuts with a rapid between"
 _MOST_GAPS = 40_000  # between a knot of a vibration and the passes before it, for every such pass
+_NO_REVOLUTIONS = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,6 +149,12 @@ def plan_cut(chain: Chain, settings: Settings) -> CutPlan:
         (*reasons, *solution.reasons),
         _end_dwell_s(wave, chain, path, settings),
     )
+
+
+def _end_revolutions(settings: Settings) -> float:
+    """Those of the plain end; so few that no block stands for them are none."""
+    asked = settings.vibration.end_revolutions
+    return asked if asked > _NO_REVOLUTIONS else 0.0
 
 
 def _end_dwell_s(wave: WaveformParameters, chain: Chain, path: Path, settings: Settings) -> float:
@@ -252,7 +259,7 @@ def _wave_of(
         waveform=wave.name,
         ramp_in_s=expander.ramp_s(_ramp_s(values, solution, settings)),
         ramp_exponent=values["K"].value,
-        end_revolutions=0.0 if _dwells_at_end(settings) else settings.vibration.end_revolutions,
+        end_revolutions=0.0 if _dwells_at_end(settings) else _end_revolutions(settings),
         form=expander.form(settings.output.segments),
     )
 

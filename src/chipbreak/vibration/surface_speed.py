@@ -35,7 +35,7 @@ class SurfaceSpeed(NamedTuple):
 
 
 def surface_speed_of(chain: Chain, settings: Settings) -> SurfaceSpeed | None:
-    """What a chain under G96 asks for; None elsewhere, and where the start has no finite speed.
+    """What a chain under G96 asks for; None elsewhere, and where the start has no speed above zero.
 
     Without any limit the spindle is not asked for more than at the start of the cut.
     """
@@ -46,7 +46,7 @@ def surface_speed_of(chain: Chain, settings: Settings) -> SurfaceSpeed | None:
     limit = limit_rpm(state, settings)
     asked = SurfaceSpeed(speed.value, math.inf if limit is None else limit)
     start_rpm = asked.rpm(next(chain.moves).start.x)
-    if not math.isfinite(start_rpm):
+    if not 0.0 < start_rpm < math.inf:
         return None
     return asked if limit is not None else asked._replace(most_rpm=start_rpm)
 
