@@ -76,4 +76,4 @@ def test_a_point_beside_an_unknown_code_in_a_subroutine() -> None:
         "G71 Q100 I2. R0.3 D0.2\n(VIB OFF)\nG0 X30.\nM2\n"
     )
     assert outcome(program.format("X1G12."), "linuxcnc-lathe") == [("CYC002", 16)]
-    assert outcome(program.format("X12."), "linuxcnc-lathe") == []
+    assert "CYC002" not in dict(outcome(program.format("X12."), "linuxcnc-lathe"))

@@ -61,10 +61,14 @@ def words_of_corner(effect: BlockEffect, settings: Settings) -> tuple[Word, ...]
 
 
 def may_be_corner(effect: BlockEffect, settings: Settings) -> Word | None:
-    """C or A without a comma in a feed outside of contours, which may be an axis; None without."""
+    """C or A without a comma in a feed outside of contours, which may be an axis; None without.
+
+    Where the profile says that the letter is X, Y or Z, it is.
+    """
     if not settings.dialect.contour_cycles or effect.after.modes.motion != "line":
         return None
-    return next((word for word in words_of_corner(effect, settings) if word.address in _MAY_BE_AXES), None)
+    unsure = _MAY_BE_AXES - settings.axis_words.axes.keys()
+    return next((word for word in words_of_corner(effect, settings) if word.address in unsure), None)
 
 
 def corner_of(effect: BlockEffect, settings: Settings) -> Corner | None:
