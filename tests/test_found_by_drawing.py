@@ -58,6 +58,10 @@ def contour(block: str) -> str:
 def test_a_point_beside_an_unknown_code(block: str) -> None:
     """It was passed over, and the contour went on without it."""
     assert outcome("(VIB N1.5)\n" + contour(block), "fanuc-lathe") == [("CYC002", 5)]
+    last = contour("X20. Z-30.").replace(
+        "N20 X52.", f"N20 {block.replace('X20.', 'X52.').replace('Z-30.', 'Z-40.')}"
+    )
+    assert outcome("(VIB N1.5)\n" + last, "fanuc-lathe") == [("CYC002", 5)]
     assert outcome("(VIB N1.5)\n" + contour("X20. Z-30."), "fanuc-lathe") == []
 
 
