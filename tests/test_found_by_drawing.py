@@ -31,7 +31,7 @@ def test_a_limit_of_zero() -> None:
     """Under G96 the spindle then stands."""
     for last in ("G1 Z-14. F0.05 N1.5", "G1 X30. Z-3. F0.05 N1.5"):
         found = outcome(f"G50 S0\nG96 S120 M3\nG0 X20. Z2.\n{last}\nM30\n", "haas-lathe")
-        assert [line for _, line in found] == [4]
+        assert found == [("VIB054", 4)]
 
 
 @pytest.mark.parametrize("key", ["axes.Z.acc_dec_ms", "vibration.end_revolutions"])

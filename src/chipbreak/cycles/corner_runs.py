@@ -18,7 +18,14 @@ import numpy as np
 
 from chipbreak.cycles.call import UNREAD_FORM, refuse_modes
 from chipbreak.cycles.contour import Frame
-from chipbreak.cycles.corners import BAD_CONTOUR, add_placed, corner_of, refuse_lone_angle, words_of_corner
+from chipbreak.cycles.corners import (
+    BAD_CONTOUR,
+    MAY_BE_AXES,
+    add_placed,
+    corner_of,
+    refuse_lone_angle,
+    words_of_corner,
+)
 from chipbreak.cycles.promise import OffsetMoves
 from chipbreak.cycles.reading import Step, has_unread_axes, pieces_of
 from chipbreak.cycles.roughing import Motion
@@ -35,8 +42,6 @@ from chipbreak.text.named_tuple import NamedTuple
 
 _GROUPS = frozenset({"motion", "compensation", "feed_mode", "speed_mode"})
 _LATHE = Frame("Z", 1, 1)
-# Outside of a contour C and A without a comma may be axes.
-_MAY_BE_AXES = frozenset("CA")
 _WITH_COMMA = frozenset({",C", ",R", ",A"})
 _BESIDE_MOVES = frozenset("RIK")
 _MOST_PLAIN = 2_000
@@ -78,7 +83,7 @@ def _lines(interpreted: InterpretedProgram) -> list[int]:
 
 def _says_corner(effect: BlockEffect, settings: Settings) -> bool:
     words = words_of_corner(effect, settings)
-    return bool(words) and not any(word.letter.upper() in _MAY_BE_AXES for word in words)
+    return bool(words) and not any(word.letter.upper() in MAY_BE_AXES for word in words)
 
 
 def _behind_run(interpreted: InterpretedProgram, first: int) -> tuple[int, bool]:

@@ -29,7 +29,8 @@ _CHAMFERS = (",C", "C", "I", "K")
 _RADII = (",R", "R")
 _WITH_COMMA = frozenset({",C", ",R", ",A"})
 _PLAIN = frozenset("CRIKA")
-_MAY_BE_AXES = frozenset("CA")
+# Outside of a contour C and A without a comma may be axes.
+MAY_BE_AXES = frozenset("CA")
 ANGLES = (",A", "A")
 _NOTHING_MM = 1e-9
 
@@ -67,7 +68,7 @@ def may_be_corner(effect: BlockEffect, settings: Settings) -> Word | None:
     """
     if not settings.dialect.contour_cycles or effect.after.modes.motion != "line":
         return None
-    unsure = _MAY_BE_AXES - settings.axis_words.axes.keys()
+    unsure = MAY_BE_AXES - settings.axis_words.axes.keys()
     return next((word for word in words_of_corner(effect, settings) if word.address in unsure), None)
 
 

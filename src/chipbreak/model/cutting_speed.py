@@ -23,8 +23,7 @@ _DIRECTIVE = LazyPattern(r"\s*SPEED\s+(.*?)\s*$", re.IGNORECASE)
 _ITEM = LazyPattern(r"([VD])\s*=?\s*([-+]?(?:\d+\.?\d*|\.\d+))[\s,]*", re.IGNORECASE)
 # Words that keep V and D from being ours: axes, offsets, and calls that read every letter.
 _FOREIGN = frozenset("XYZUWABCHIJKRPQL")
-
-
+# Codes with which every letter is an argument.
 _MACROS = (Code(NON_MODAL, "macro-call"), Code("modal_macro", "on"))
 
 

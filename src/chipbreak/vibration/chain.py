@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from chipbreak.cycles.corners import may_be_corner
+from chipbreak.cycles.corners import MAY_BE_AXES, may_be_corner
 from chipbreak.cycles.nose_runs import compensated_runs
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.modes import Group
@@ -118,7 +118,6 @@ class Chain:
 _CORNER_LETTERS = frozenset("CRIKA")
 _ANGLES = frozenset({",A"})
 _CORNERS = bits_of(_CORNER_LETTERS)
-_MAY_BE_AXES = frozenset("CA")
 _MOST_BETWEEN = 20
 
 
@@ -414,7 +413,7 @@ def _corner_refusal(interpreted: InterpretedProgram, effect: BlockEffect) -> tup
         return None
     takes = "takes"
     help_text = "draw the corner with G1, G2 and G3"
-    if word.address in _MAY_BE_AXES:
+    if word.address in MAY_BE_AXES:
         takes = "may take"
         help_text += f"; where {word.address} is an axis, cycles.plain_corners=false says so"
     message = (

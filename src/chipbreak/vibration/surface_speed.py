@@ -65,8 +65,7 @@ def active_speed(chain: Chain, speed: SourcedValue, settings: Settings, reasons:
         return speed
     asked = surface_speed_of(chain, settings)
     if asked is None:
-        message = "constant surface speed (G96) has no finite speed where this cut starts"
-        raise RefusalError("VIB054", message, "give G97 S, or limit the spindle (G50 S, G92 S, G96 D)")
+        raise _no_speed(limit_rpm(state, settings))
     diameter_mm = 2.0 * abs(next(chain.moves).start.x)
     middle = _middle_rpm(chain, asked, settings)
     rpm = _printed(middle or asked.rpm(diameter_mm / 2.0), limit_rpm(state, settings), settings)
@@ -77,6 +76,14 @@ def active_speed(chain: Chain, speed: SourcedValue, settings: Settings, reasons:
     where = f"diameters {diameter_mm:.4g} to {2.0 * abs(list(chain.moves)[-1].end.x):.4g} mm"
     reasons.append(f"G96 S{typed:g} -> G97 for {where}: {rpm:z.0f} rpm")
     return SourcedValue(rpm, f"G96 at {where}, {speed.origin}")
+
+
+def _no_speed(limit: float | None) -> RefusalError:
+    if limit is not None and limit <= 0.0:
+        message = f"constant surface speed (G96) is limited to S{limit:g}, so the spindle stands in this cut"
+        return RefusalError("VIB054", message, "give a limit above zero (G50 S, G92 S, G96 D), or G97 S")
+    message = "constant surface speed (G96) has no finite speed where this cut starts"
+    return RefusalError("VIB054", message, "give G97 S, or limit the spindle (G50 S, G92 S, G96 D)")
 
 
 def bounds_rpm(chain: Chain, asked: SurfaceSpeed) -> tuple[float, float]:
