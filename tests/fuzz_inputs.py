@@ -2,9 +2,9 @@
 
 Programs, profiles, ``--set``, templates of calls, rules of operations, files of tools, traces, machine files
 and whole commands are taken from the tests and samples and spoilt.  Nothing may end in a traceback, in a
-fault of ours (exit 4), in a search without end (2 s and 2 s for each MB), in output after an error, or in a
-control character on the screen.  What does is printed with all it takes to see it again; the last line
-counts the cases.
+fault of ours (exit 4), in a search without end (2 s and 2 s for each MB read or written), in output after an
+error, or in a control character on the screen.  What does is printed with all it takes to see it again; the
+last line counts the cases.
 
 ``python tests/fuzz_inputs.py --coverage [ARGUMENTS OF LIBFUZZER]`` lets atheris choose the bytes by what they
 reach, where it is installed (``pip install atheris``); what reached something new stays in ``build/corpus``.
@@ -514,11 +514,12 @@ def a_command(draw: random.Random) -> int:
         if done.exception is not None and not isinstance(done.exception, SystemExit):
             raise done.exception
         wrong = next((said for rule in _RULES_OF_A_RUN if (said := rule(done, arguments[0], folder))), "")
+        made = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
         if wrong:
             raise FoundError(wrong)
     # Each program of a batch may take as long as one alone.
     others = len(_IN_FOLDER) if arguments[0] == "batch" else 0
-    return sum(map(len, files.values())) + int(others * _LEAST_S / _PER_MB_S * 1e6)
+    return made + len(done.stdout_bytes) + int(others * _LEAST_S / _PER_MB_S * 1e6)
 
 
 def in_this_process(tasks: Iterable[Task], _jobs: int) -> Iterator[Finished]:

@@ -27,6 +27,14 @@ def test_the_last_that_is_tried() -> None:
     assert codes["VIB098"] == 3 + 3 * 201
 
 
+def test_so_many_refused_ones_are_said() -> None:
+    """Fifty are, then that the others were not tried."""
+    assert [code for code, _ in said(*[REFUSED] * 50)] == ["VIB013"] * 50
+    found = said(*[REFUSED] * 51)
+    assert [code for code, _ in found] == ["VIB013"] * 50 + ["VIB098"]
+    assert found[-1][1] == 3 + 3 * 50
+
+
 def test_what_is_before_the_refused_one_does_not_count() -> None:
     """However many cuts are fine, those behind the first error are tried."""
     found = said(*[FINE] * 30, REFUSED, *[FINE] * 30, REFUSED)

@@ -274,9 +274,14 @@ def _heights_at(places: Floats, t_mm: Floats, h_mm: Floats) -> Floats:
 
 def _lowest_near(heights: Floats, beside: int = _BESIDE) -> Floats:
     """The lowest of each height and its ``beside`` neighbours on either side; fewer heights come out."""
-    if len(heights) <= 2 * beside:
+    window = 2 * beside + 1
+    if len(heights) < window:
         return heights[:0]
-    lowest: Floats = np.lib.stride_tricks.sliding_window_view(heights, 2 * beside + 1).min(axis=1)
+    lowest, width = heights, 1
+    while width < window:  # of two windows side by side the lower one
+        step = min(width, window - width)
+        lowest = np.minimum(lowest[:-step], lowest[step:])
+        width += step
     return lowest
 
 

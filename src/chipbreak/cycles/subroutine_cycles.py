@@ -17,6 +17,7 @@ G71.1 leaves the pockets, G71.2 cuts nothing but them.
 from __future__ import annotations
 
 import math
+from itertools import takewhile
 
 from chipbreak.cycles.call import BAD_DEPTH, NO_CONTOUR, UNREAD_FORM, refuse_modes
 from chipbreak.cycles.contour import (
@@ -179,8 +180,10 @@ def _body(interpreted: InterpretedProgram, block: Block, line: int) -> tuple[int
     """The lines of the subroutine, both inclusive.  Errors: CYC001 where it is not before the cycle."""
     number = block.number("Q")
     begun = None
-    for at in range(interpreted.program.source.body.start, line):
-        keywords = {(one.keyword, one.label) for one in interpreted.program.block(at).controls}
+    named = (effect.block for effect in interpreted.effects if effect.block.controls)
+    for one in takewhile(lambda block: block.line < line, named):
+        at = one.line
+        keywords = {(control.keyword, control.label) for control in one.controls}
         if number is not None and ("O-SUB", f"{number:g}") in keywords:
             begun = at + 1
         elif begun is not None and ("O-ENDSUB", f"{number:g}") in keywords:

@@ -117,6 +117,23 @@ def judge(
     )
 
 
+def weakest_margin(
+    time_s: Floats,
+    distance_mm: Floats,
+    *,
+    speed_rpm: float,
+    feed_mm_rev: float,
+    edges: int = 1,
+    steady_s: tuple[float, float] | None = None,
+    waveform: str | None = None,
+    vibration_s: float | None = None,
+) -> float:
+    """The margin of :func:`judge` alone, for who tries one stroke after the other."""
+    _check(time_s, distance_mm, speed_rpm, feed_mm_rev, edges)
+    turning = _Turning(speed_rpm, feed_mm_rev, edges)
+    return _seen(time_s, distance_mm, turning, _Wave(waveform, 0.0, vibration_s, steady_s, None)).margin()
+
+
 class _Turning(NamedTuple):
     """How fast the work turns, and what is fed in a revolution of so many edges."""
 
@@ -139,19 +156,12 @@ class _Wave(NamedTuple):
 def _judged(time_s: Floats, distance_mm: Floats, turning: _Turning, wave: _Wave) -> Verdict:
     """See :func:`judge`; without a diameter."""
     speed_rpm, feed_mm_rev, edges = turning
-    waveform, alpha_share, vibration_s, steady_s, meant_s = wave
+    waveform, alpha_share = wave.waveform, wave.alpha_share
+    seen = _seen(time_s, distance_mm, turning, wave)
+    motion, rests, steady = seen
     rev_s = S_PER_MIN / speed_rpm
     feed_mm = feed_mm_rev / edges
-    motion = Motion(time_s, distance_mm, rev_s / edges, _TOUCH * feed_mm)
-    turns_back = waveform is None or wave_named(waveform).turns_back
-    rests = None if turns_back else rests_of(time_s, distance_mm, motion.touch_mm)
-    steady = _steady_part(motion, steady_s, feed_mm_rev / rev_s, rests)
-    steady = _as_meant(steady, motion, vibration_s, meant_s)
-    if rests is None and steady.crest.size <= 1 and vibration_s is not None:
-        steady = replace(steady, speed_mm_s=_mean_speed_mm_s(motion, steady, vibration_s))
-    margin = _margin(motion, steady)
-    if rests is not None:
-        margin = rests.shortest_s(steady.crest) / motion.pass_s
+    margin = seen.margin()
     breaks = margin >= 1.0 - _TOUCH
     reach_mm = _reach(motion, steady)
     stroke_mm = reach_mm if rests is not None else _stroke(motion, steady, reach_mm)
@@ -184,6 +194,33 @@ def _judged(time_s: Floats, distance_mm: Floats, turning: _Turning, wave: _Wave)
         peak_speed_mm_s=motion.peak_speed_mm_s(),
         speed_band_rpm=band,
     )
+
+
+class _Seen(NamedTuple):
+    """A motion, where the tool rests if it never turns back, and its part of full stroke."""
+
+    motion: Motion
+    rests: Rests | None
+    steady: _Steady
+
+    def margin(self) -> float:
+        """That of the weakest vibration, see :class:`Verdict`."""
+        if self.rests is None:
+            return _margin(self.motion, self.steady)
+        return self.rests.shortest_s(self.steady.crest) / self.motion.pass_s
+
+
+def _seen(time_s: Floats, distance_mm: Floats, turning: _Turning, wave: _Wave) -> _Seen:
+    speed_rpm, feed_mm_rev, edges = turning
+    rev_s = S_PER_MIN / speed_rpm
+    motion = Motion(time_s, distance_mm, rev_s / edges, _TOUCH * (feed_mm_rev / edges))
+    turns_back = wave.waveform is None or wave_named(wave.waveform).turns_back
+    rests = None if turns_back else rests_of(time_s, distance_mm, motion.touch_mm)
+    steady = _steady_part(motion, wave.steady_s, feed_mm_rev / rev_s, rests)
+    steady = _as_meant(steady, motion, wave.vibration_s, wave.meant_s)
+    if rests is None and steady.crest.size <= 1 and wave.vibration_s is not None:
+        steady = replace(steady, speed_mm_s=_mean_speed_mm_s(motion, steady, wave.vibration_s))
+    return _Seen(motion, rests, steady)
 
 
 def _steady_part(
@@ -343,7 +380,10 @@ def _ramp_peak_mm(motion: Motion, steady: _Steady, passes: int) -> float:
     end_s = float(motion.time_s[-1])
     grown_s = min(steady.begin_s + passes * motion.pass_s, end_s)
     parts = [part for part in ((begin_s, grown_s), (steady.end_s, end_s)) if part[1] > part[0]]
-    return max((motion.thickness(part, passes)[1] for part in parts), default=0.0)
+    peak_mm = -math.inf
+    for part in parts:
+        peak_mm = motion.peak_thickness(part, passes, peak_mm)
+    return peak_mm if parts else 0.0
 
 
 def _first_chip(motion: Motion) -> float:

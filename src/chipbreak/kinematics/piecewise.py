@@ -84,6 +84,21 @@ class Motion:
 
     def thickness(self, part: tuple[float, float], passes: int) -> tuple[Floats, float, Floats, Floats]:
         """Where the thickness over so many passes can turn in a part [s], and what :func:`lowest_of` says."""
+        corners, gaps = self._gaps_below(part, passes)
+        return corners, *lowest_of(gaps, corners, passes, self.touch_mm)
+
+    def peak_thickness(self, part: tuple[float, float], passes: int, known: float) -> float:
+        """The greatest thickness over so many passes in a part [s], not less than one that is ``known``."""
+        corners, gaps = self._gaps_below(part, passes)
+        for some in _at_once(len(corners) - 1, passes):
+            at = gaps(corners[some.start : some.stop + 1])
+            known = highest_minimum(at[:, :-1], at[:, 1:], known)
+        return known
+
+    def _gaps_below(
+        self, part: tuple[float, float], passes: int
+    ) -> tuple[Floats, Callable[[Floats], Floats]]:
+        """Where the thickness can turn in a part [s], (n,); the gaps, (passes, k), to each pass at k."""
         low, high = np.searchsorted(self.time_s, [part[0] - passes * self.pass_s, part[1]])
         shifts = self.pass_s * np.arange(passes + 1)[:, np.newaxis]
         corners = (self.time_s[low:high] + shifts).ravel()
@@ -92,7 +107,7 @@ class Motion:
         def gaps(time_s: Floats) -> Floats:
             return self.at(time_s) - self.at(time_s - shifts[1:])
 
-        return corners, *lowest_of(gaps, corners, passes, self.touch_mm)
+        return corners, gaps
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,21 +156,25 @@ def lowest_of(
     ``floor``: nowhere unless the second is the larger one.
     """
     peak = -np.inf
-    step = max(1, _HEIGHTS_AT_ONCE // count)
     enter = np.empty(len(corners) - 1)
     leave = np.empty(len(corners) - 1)
-    for first in range(0, len(enter), step):
-        at = heights(corners[first : first + step + 1])
+    for part in _at_once(len(enter), count):
+        at = heights(corners[part.start : part.stop + 1])
         peak = highest_minimum(at[:, :-1], at[:, 1:], peak)
         # Each height is straight, so each is above the floor before or after one place, or throughout.
         left = at[:, :-1] - floor
         right = at[:, 1:] - floor
         with np.errstate(divide="ignore", invalid="ignore"):
             place = left / (left - right)
-        part = slice(first, first + step)
         enter[part] = np.where(left > 0.0, 0.0, np.where(right > 0.0, place, 1.0)).max(axis=0)
         leave[part] = np.where(right > 0.0, 1.0, np.where(left > 0.0, place, 0.0)).min(axis=0)
     return peak, enter, leave
+
+
+def _at_once(segments: int, heights: int) -> Iterator[slice]:
+    """Segments, so many at a time as memory holds the heights of."""
+    step = max(1, _HEIGHTS_AT_ONCE // heights)
+    return (slice(first, first + step) for first in range(0, segments, step))
 
 
 def highest_minimum(left: Floats, right: Floats, known: float) -> float:

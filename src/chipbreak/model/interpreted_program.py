@@ -40,7 +40,8 @@ class InterpretedProgram(NamedTuple):
     """The states of a program between its blocks, and what its blocks do.
 
     ``lines`` and ``states`` hold the state before each line that is no plain motion, and before the line
-    after it, so that the state anywhere is a short walk away.  ``effects`` are those of blocks that do
+    after it (behind comments only where moves stand between), so that the state anywhere is a short walk
+    away.  ``effects`` are those of blocks that do
     something.  ``reached`` holds by their line the effects of those lines, and the state in which the program
     reaches them: who walks there in that state need not interpret them again.
     """
@@ -356,6 +357,9 @@ def _interpreted(
         if effect.after is not state or not effect.block.is_empty:
             _keep(interpreted, effect, state)
             line, state = _behind_dwells(interpreted, effect, begins)
+        elif line - interpreted.lines[-1] > _SHORT_RUN:  # comments alone stand between many moves
+            interpreted.lines.append(line)
+            interpreted.states.append(state)
     return interpreted
 
 

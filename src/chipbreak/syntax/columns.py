@@ -26,15 +26,10 @@ def uniform_run(program: Program, first: int, last: int) -> int:
     ids = program.plain[first:last]
     if not len(ids) or ids[0] < 0:
         return first + min(1, len(ids))
-    wanted = program.shapes[ids[0]]
-    same = [
-        i
-        for i, shape in enumerate(program.shapes)
-        if (shape.letters, shape.motion) == (wanted.letters, wanted.motion)
-    ]
+    alike = program.table.alike()
     start, window = 0, 64
     while start < len(ids):
-        other = np.flatnonzero(~np.isin(ids[start : start + window], same))
+        other = np.flatnonzero(alike[ids[start : start + window]] != alike[ids[0]])
         if len(other):
             return first + start + int(other[0])
         start, window = start + window, window * 2  # short stretches stay cheap, long ones need few looks

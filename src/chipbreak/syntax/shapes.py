@@ -145,11 +145,23 @@ class ShapeTable(dict[bytes, int]):
         super().__init__()
         self.grammar = grammar
         self.shapes: list[Shape] = []
+        self._first: dict[tuple[str, int | None], int] = {}
+        self._alike = np.array([-1])
         self._read = ShapeReader(grammar).read
 
     def may_have_fraction_behind_n(self) -> bool:
         """False where no line that was classified has a number such as that of ``N1.5``."""
         return any(map(_FRACTION_BEHIND_N.search, self))
+
+    def alike(self) -> NDArray[np.intp]:
+        """For each shape the first one with the same words in the same order.
+
+        At the end stands -1, for lines that have no shape.
+        """
+        if len(self._alike) <= len(self.shapes):
+            firsts = [self._first[shape.letters, shape.motion] for shape in self.shapes]
+            self._alike = np.array([*firsts, -1])
+        return self._alike
 
     def __missing__(self, shape: bytes) -> int:
         read = self._read(shape)
@@ -157,6 +169,7 @@ class ShapeTable(dict[bytes, int]):
         if read is not None:
             index = len(self.shapes)
             self.shapes.append(read)
+            self._first.setdefault((read.letters, read.motion), index)
         self[shape] = index
         return index
 

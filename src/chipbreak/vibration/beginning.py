@@ -18,10 +18,10 @@ from chipbreak.vibration.plan import CutPlan
 from chipbreak.vibration.try_cost import cost_of
 
 LIMITS = ("VIB030", "VIB031", "VIB032")  # refusals of what the control cannot make
-BEGINNINGS_COST = 20_000  # of both, in blocks of a straight stroke
+BEGINNINGS_COST = 6_000  # of both, in blocks of a straight stroke
 _RAMPS = 4.0  # times both ramps
 _LEAST_VIBRATIONS = 30.0
-_LONGER = 4.0  # times its beginning is a cut that is worth looking at in two parts
+_LONGER = 12.0  # times its beginning is a cut that is worth looking at in two parts
 _OTHER_END = 1.01  # times one beginning is the other, which ends at another place of a vibration
 
 

@@ -130,13 +130,14 @@ class Chooser:
 
         Errors: those of :meth:`cut`.
         """
-        return self._candidates(_cut_of(chain, self.settings))
+        cut = _cut_of(chain, self.settings)
+        return (one for one in self._candidates(cut) if _runs(one, cut))
 
     def _tried(self, cut: _Cut, make: MakeCut) -> _Tried:
         """The first choice with margin to spare, else that with the most."""
         tried: list[_Tried] = []
         why: RefusalError | None = None
-        for conditions in _ever_slower(self._candidates(cut)):
+        for conditions in self._ever_slower(cut):
             try:
                 tried.append(self._try(cut, conditions, make))
             except RefusalError as error:
@@ -197,7 +198,7 @@ class Chooser:
             return False
 
     def _candidates(self, cut: _Cut) -> Iterator[Conditions]:
-        """What the machine can run, the best first.  Errors: VIB036, and VIB013 for what is too short."""
+        """What closed forms find, the best first.  Errors: VIB036, and VIB013 for what is too short."""
         if not expander_named(cut.chain.requests[0].waveform).wave.turns_back:
             return _standing(cut, command_group(self.settings))
         found = _best(cut.wanted, command_group(self.settings), cut.rules, cut.limits)
@@ -206,20 +207,20 @@ class Chooser:
         long_enough = [one for one in found if _fits(one, cut, self.settings)]
         if not long_enough:
             raise _too_short(cut, found[0])
-        return (one for one in long_enough if _runs(one, cut))
+        return iter(long_enough)
 
-
-def _ever_slower(candidates: Iterator[Conditions]) -> Iterator[Conditions]:
-    """Of candidates those that are much slower than all before them, down to the least frequency."""
-    below_hz = math.inf
-    for conditions in candidates:
-        frequency_hz = conditions.period.frequency_hz
-        if frequency_hz > below_hz:
-            continue
-        yield conditions
-        if frequency_hz < _LEAST_HZ:
-            return
-        below_hz = _SLOWER * frequency_hz
+    def _ever_slower(self, cut: _Cut) -> Iterator[Conditions]:
+        """What the control can run, each much slower than all before it, down to the least frequency."""
+        below_hz = math.inf
+        for conditions in self._candidates(cut):
+            frequency_hz = conditions.period.frequency_hz
+            # What the control makes of a stroke takes long to find, so that is asked last.
+            if frequency_hz > below_hz or not _runs(conditions, cut):
+                continue
+            yield conditions
+            if frequency_hz < _LEAST_HZ:
+                return
+            below_hz = _SLOWER * frequency_hz
 
 
 def _cut_of(chain: Chain, settings: Settings) -> _Cut:
@@ -323,7 +324,9 @@ def _may_shorten(chain: Chain) -> bool:
 
 
 def _runs(conditions: Conditions, cut: _Cut) -> bool:
-    """True where the law of the control can run both strokes."""
+    """True where the law of the control can run both strokes; a cut that dwells has none."""
+    if not expander_named(cut.chain.requests[0].waveform).wave.turns_back:
+        return True
     period_s = conditions.period.period_s
     advance_mm = cut.wanted.feed_mm_rev / conditions.per_rev
     back = 1.0 - conditions.alpha

@@ -15,7 +15,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from chipbreak.kinematics.chip_model import judge
+from chipbreak.kinematics.chip_model import weakest_margin
 from chipbreak.kinematics.waveform import WaveformParameters, sample
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.trajectory.filters import NO_FILTER
@@ -25,7 +25,7 @@ _ROUNDS = 8
 _SAME_SHARE = 0.002  # of the margin asked for
 _MOST_TIMES = 25.0  # what is left of less of a stroke depends on every digit of the machine's numbers
 _HALVINGS = 7
-_MOST_PERIODS = 1000.0  # a filter that settles over more leaves far less than a part in _MOST_TIMES
+_MOST_PERIODS = 150.0  # a filter that settles over more leaves far less than a part in _MOST_TIMES
 _NO_MOVE_MM = 1e-9
 _MORE = 3  # vibrations, and revolutions, that are looked at once all has settled
 
@@ -119,7 +119,7 @@ def _margin(wave: WaveformParameters, asked: Asked, law: ControlLaw, way: Direct
     motion = law.motion(distance_mm, blocks, feeds)
     if motion.peak_acceleration_mm_s2 > law.acceleration_mm_s2:
         return None
-    verdict = judge(
+    return weakest_margin(
         motion.time_s,
         motion.distance_mm,
         speed_rpm=wave.speed_rpm,
@@ -127,10 +127,8 @@ def _margin(wave: WaveformParameters, asked: Asked, law: ControlLaw, way: Direct
         edges=asked.edges,
         steady_s=(settling_s, count * wave.period_s),
         waveform=wave.waveform,
-        alpha_share=wave.alpha_share,
         vibration_s=wave.period_s,
     )
-    return verdict.margin
 
 
 def _settling_s(law: ControlLaw, way: Direction) -> float:

@@ -41,7 +41,8 @@ from chipbreak.vibration.speeds import SpeedChange, UnknownSpeedError, speed_cha
 from chipbreak.vibration.spindle_encoder import needs_encoder
 
 NOT_TRIED = "VIB098"
-_MOST_BEHIND = 200  # cuts are tried behind a refused one: to mend them is enough for one go
+_MOST_BEHIND = 200  # cuts are tried behind a refused one
+_MOST_REFUSED = 50  # are said: to mend them is enough for one go
 _MOST_ADVISED = 3  # what works is tried for the first refused cuts; the others fail alike
 SMOOTHED = "VIB063"
 _OFF = re.compile(r"[PQ]\s*0\b")
@@ -203,7 +204,7 @@ def _made(
     while waiting:
         chain = waiting.pop()
         behind += is_refused or bool(made.refused)
-        if behind > _MOST_BEHIND:
+        if behind > _MOST_BEHIND or len(made.refused) >= _MOST_REFUSED:
             made.refused.append(_not_tried(maker.interpreted, chain))
             break
         if moves > MOST_MOVES_IN_ALL:
@@ -227,9 +228,7 @@ def _made(
 
 
 def _not_tried(interpreted: InterpretedProgram, chain: Chain) -> Diagnostic:
-    message = (
-        f"the cuts from here on were not tried: {_MOST_BEHIND} behind a refused one are enough for one go"
-    )
+    message = "the cuts from here on were not tried: those before that are refused are enough for one go"
     way_out = "mend what is refused before, and run it again"
     line = chain.first
     return interpreted.program.diagnose(line, NOT_TRIED, message, way_out, severity=Severity.WARNING)

@@ -40,9 +40,12 @@ def findings_of_cuts(
     """What is wrong with the vibrated cuts among the reports, in their order."""
     found: list[Diagnostic] = []
     cuts = [report for report in reports if isinstance(report, CutReport)]
+    weak = 0
     for _, steps in groupby(cuts, lambda report: report.plan.chain.first):
-        advise = sum(d.code in (UNBROKEN, MISSED) for d in found) < _MOST_ADVISED
-        found += _of_block(Judged(interpreted, operations, one, allow_unbroken, advise) for one in steps)
+        advise = weak < _MOST_ADVISED
+        said = _of_block(Judged(interpreted, operations, one, allow_unbroken, advise) for one in steps)
+        weak += sum(one.code in (UNBROKEN, MISSED) for one in said)
+        found += said
     said_of_all = (little_to_spare, unproven, on_the_edge)
     return [*found, *(said for rule in said_of_all for said in rule(interpreted, cuts))]
 

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import fields
+from functools import lru_cache
 from math import inf
 from typing import Any
 
 from chipbreak.dialects.path_mode import tolerances_mm
 from chipbreak.kinematics.toolpath import Path
 from chipbreak.model.modal import State
-from chipbreak.settings.sections import Axis, Settings
+from chipbreak.settings.sections import Axis, Planner, Settings
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.filters import NO_FILTER, AxisFilter, axis_filter
 from chipbreak.trajectory.law import AxisLimits, ControlLaw
 from chipbreak.trajectory.laws import LAWS, law_named
@@ -34,18 +36,46 @@ def control_along(settings: Settings, path: Path, state: State, feed_mode: str =
     is that of the blocks where it is not the profile's.  Errors: VIB035
     when a law that speeds up and brakes needs an acceleration that the profile does not have.
     """
-    law = _with_numbers(law_of(settings), settings, state, feed_mode or settings.output.feed_mode)
-    law = _in_path_mode(law, settings, state)
-    axes = [_limits(name, axis) for name, axis in settings.axes.items()]
-    directions = directions_of(path)
+    law = law_of(settings)
+    directions = tuple(directions_of(path))
     if law.needs_acceleration and settings.planner.path_acceleration_mm_s2 is None:
-        _require_accelerations(axes, directions, settings)
+        _require_accelerations(settings, directions)
     if law.needs_filters:
         _require_filters(settings, directions)
+    feed_mode = feed_mode or settings.output.feed_mode
+    numbers = _Numbers(
+        settings.planner,
+        feed_mode == "rev",
+        _least_feed_mm_min(settings, state, feed_mode) / S_PER_MIN,
+        *_path_mode(settings, state),
+    )
+    return _along(law, numbers, tuple(settings.axes.items()), directions)
+
+
+class _Numbers(NamedTuple):
+    """What the profile and the state before a cut say of its control."""
+
+    planner: Planner
+    per_revolution: bool
+    least_feed_mm_s: float
+    every_block_stops: bool
+    merge_mm: float
+
+
+@lru_cache(maxsize=256)
+def _along(
+    law: type[ControlLaw],
+    numbers: _Numbers,
+    axes: tuple[tuple[str, Axis], ...],
+    directions: tuple[tuple[float, float, float], ...],
+) -> ControlLaw:
+    """The law in the direction that is limited most: the same for many cuts, and each asks for it often."""
+    control = _with_numbers(law, numbers)
+    limits = [_limits(name, axis) for name, axis in axes]
     # An axis that rests has nothing to follow.
-    moves = [any(direction[index] for direction in directions) for index in range(len(axes))]
-    axes = [a if m else a._replace(filter=NO_FILTER) for a, m in zip(axes, moves, strict=True)]
-    laws = [law.along(direction, axes) for direction in directions]
+    moves = [any(direction[index] for direction in directions) for index in range(len(limits))]
+    limits = [a if m else a._replace(filter=NO_FILTER) for a, m in zip(limits, moves, strict=True)]
+    laws = [control.along(direction, limits) for direction in directions]
     return min(laws, key=lambda one: (one.acceleration_mm_s2, one.velocity_mm_s))
 
 
@@ -54,13 +84,13 @@ def axes_follow_exactly(settings: Settings) -> bool:
     return all(_filter(axis) == NO_FILTER for axis in settings.axes.values())
 
 
-def _with_numbers(law: type[ControlLaw], settings: Settings, state: State, feed_mode: str) -> ControlLaw:
+def _with_numbers(law: type[ControlLaw], said: _Numbers) -> ControlLaw:
     """The law with what the profile says; what means nothing to it is left out."""
-    planner = settings.planner
+    planner = said.planner
     numbers: dict[str, Any] = {
         "servo_period_s": planner.servo_period_ms / MS_PER_S,
         "blocks_per_s": planner.max_blocks_per_s,
-        "per_revolution": feed_mode == "rev",
+        "per_revolution": said.per_revolution,
         "max_feed_override": planner.max_feed_override,
         "reversal_stop_s": planner.reversal_stop_ms / MS_PER_S,
         "joint_speed_mm_s": (planner.joint_speed_mm_min or 0.0) / S_PER_MIN,
@@ -72,12 +102,12 @@ def _with_numbers(law: type[ControlLaw], settings: Settings, state: State, feed_
         "look_ahead_blocks": planner.look_ahead_blocks,
         "least_steps_per_s": planner.least_steps_per_s,
         "segment_s": (planner.segment_ms or 0.0) / MS_PER_S,
-        "least_feed_mm_s": _least_feed_mm_min(settings, state, feed_mode) / S_PER_MIN,
+        "least_feed_mm_s": said.least_feed_mm_s,
         "dwell_step_s": None if planner.dwell_step_ms is None else planner.dwell_step_ms / MS_PER_S,
     }
     own = {field.name for field in fields(law)}
-    said = {name: number for name, number in numbers.items() if name in own and number is not None}
-    return law(**said)
+    known = {name: number for name, number in numbers.items() if name in own and number is not None}
+    return law(**known, every_block_stops=said.every_block_stops, merge_mm=said.merge_mm)
 
 
 def _least_feed_mm_min(settings: Settings, state: State, feed_mode: str) -> float:
@@ -92,13 +122,13 @@ def numbers_at(settings: Settings) -> str:
     return f" ({settings.planner.numbers_at})" if settings.planner.numbers_at else ""
 
 
-def _require_accelerations(
-    axes: Sequence[AxisLimits], directions: Sequence[tuple[float, float, float]], settings: Settings
-) -> None:
-    for index, axis in enumerate(axes):
-        if axis.acceleration_mm_s2 == inf and any(direction[index] for direction in directions):
-            key = f"axes.{axis.axis}.max_acceleration_mm_s2"
-            message = f"{axis.axis} moves, and the profile does not say how fast it can speed up ({key})"
+def _require_accelerations(settings: Settings, directions: Sequence[tuple[float, float, float]]) -> None:
+    """Errors: VIB035 where the profile does not say how fast an axis that moves can speed up."""
+    for index, (name, axis) in enumerate(settings.axes.items()):
+        is_unknown = _limit(axis.max_acceleration_mm_s2) == inf
+        if is_unknown and any(direction[index] for direction in directions):
+            key = f"axes.{name}.max_acceleration_mm_s2"
+            message = f"{name} moves, and the profile does not say how fast it can speed up ({key})"
             help_text = f"give {key}, or planner.model = {_WITHOUT_ACCELERATION}{numbers_at(settings)}"
             raise RefusalError("VIB035", message, help_text)
 
@@ -120,20 +150,18 @@ def _require_filters(settings: Settings, directions: Sequence[tuple[float, float
             raise RefusalError("VIB035", message, help_text)
 
 
-def _in_path_mode(law: ControlLaw, settings: Settings, state: State) -> ControlLaw:
+def _path_mode(settings: Settings, state: State) -> tuple[bool, float]:
     """Exact stop, and how far from a line points may lie that are joined: Q, or P where there is no Q."""
     planner = settings.planner
     is_own = state.path_words and not planner.path_mode
     words = state.path_words if is_own else planner.path_mode or planner.usual_path_mode
     code = _CODE.match(words)
     group = settings.dialect.g_codes.get(round(float(code[1]) * 10)) if code else None
+    if group is None:
+        return False, 0.0
     given = tolerances_mm(words, state.path_units if is_own else "mm")
     merge_mm = given.get("Q", given.get("P", 0.0))
-    return replace(
-        law,
-        every_block_stops=group is not None and group.value == "exact-stop",
-        merge_mm=merge_mm if group is not None and group.value == "blend" else 0.0,
-    )
+    return group.value == "exact-stop", merge_mm if group.value == "blend" else 0.0
 
 
 def _limits(name: str, axis: Axis) -> AxisLimits:
