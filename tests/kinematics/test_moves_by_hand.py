@@ -486,6 +486,19 @@ def test_the_least_of_several_heights(monkeypatch: pytest.MonkeyPatch, at_once: 
     assert peak >= best - 1e-12
 
 
+@pytest.mark.parametrize("at_once", [4, 1 << 20])
+def test_the_greatest_thickness_alone(monkeypatch: pytest.MonkeyPatch, at_once: int) -> None:
+    """It is that which stands beside the chips, and what is known already is not undercut."""
+    monkeypatch.setattr(piecewise, "_HEIGHTS_AT_ONCE", at_once)
+    draw = np.random.default_rng(5)
+    time_s = np.cumsum(draw.uniform(0.1, 0.4, 60))
+    motion = Motion(time_s, np.cumsum(draw.uniform(-0.5, 1.0, 60)), 0.9, 1e-9)
+    part = (float(time_s[12]), float(time_s[50]))
+    _, peak_mm, *_ = motion.thickness(part, 4)
+    assert motion.peak_thickness(part, 4, -inf) == peak_mm
+    assert motion.peak_thickness(part, 4, peak_mm + 1.0) == peak_mm + 1.0
+
+
 def test_the_highest_least_of_lines_by_hand() -> None:
     """Two that cross at 0.25 in a height of 1; a third that lies below there; a known one above it."""
     left, right = np.array([[0.0], [1.25]]), np.array([[4.0], [0.25]])

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from chipbreak.kinematics.chip_model import Verdict, judge
+from chipbreak.kinematics.chip_model import Verdict, judge, weakest_margin
 from chipbreak.kinematics.waveform import (
     WaveformParameters,
     forward_ticks,
@@ -150,6 +150,22 @@ def test_margin_of_the_triangle_is_its_closed_form(per_rev: float, rho: float, a
     got = judged(*steady_wave("triangle", per_rev, rho, alpha, revs=25))
     assert got.margin == pytest.approx(expected, abs=1e-6)
     assert got.breaks == (expected > 1)
+
+
+def alone(time_s: Floats, distance_mm: Floats, **options: Any) -> float:
+    return weakest_margin(time_s, distance_mm, speed_rpm=2500, feed_mm_rev=FEED_MM, **options)
+
+
+@pytest.mark.parametrize("waveform", ["triangle", "sine", None])
+@pytest.mark.parametrize("edges", [1, 2])
+def test_the_margin_alone_is_that_of_the_verdict(waveform: str | None, edges: int) -> None:
+    wave = steady_wave(waveform or "triangle", 1.5, 1.3)
+    said = {"edges": edges, "waveform": waveform, "vibration_s": REV_S / 1.5, "steady_s": (0.1, 1.5)}
+    assert alone(*wave, **said) == judged(*wave, **said).margin
+    stands = np.array([0.0, 0.01, 0.05, 0.06, 0.1, 0.11]), FEED_MM * np.array([0.0, 1, 1, 2, 2, 3])
+    assert alone(*stands, waveform="dwell") == judged(*stands, waveform="dwell").margin
+    with pytest.raises(RefusalError):
+        alone(np.array([0.0, 0.0]), np.zeros(2))
 
 
 @pytest.mark.few(25)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -400,3 +401,20 @@ def test_words_that_nothing_reads_are_named() -> None:
 def test_the_words_of_a_rotation_are_read_by_it(line: str) -> None:
     settings = chipbreak.load("fanuc-mill", ["checks.enabled=false"])
     assert not chipbreak.rewrite(f"G0 X1. Y1.\n{line}\nM30\n".encode(), settings).diagnostics
+
+
+@pytest.mark.parametrize("distances", ["G91", "G90"])
+def test_comments_alone_leave_states_near(distances: str) -> None:
+    """Wherever a walk begins it is short, also where nothing but comments stands between moves."""
+    moves = "(A)\nG1 Z-1.\n" * 100 + "Z-1.\n" * 40
+    found = traced(f"G0 X0. Z0.\n{distances}\n{moves}M30\n")
+    steps = [after - before for before, after in pairwise(found.lines)]
+    assert max(steps[:-2]) <= 10  # the forty moves at the end are one run
+    walked = [facts(effect.before) for effect in found.effects_of(0, 240)]
+    assert [facts(found.before(line)) for line in range(240)] == walked
+
+
+def test_a_comment_behind_few_moves_keeps_no_state() -> None:
+    """The state of every other line of a long program would fill the memory."""
+    found = traced("G0 X0. Z0.\nG91\n" + "(A)\nG1 Z-1.\n" * 500)
+    assert len(found.lines) < 150

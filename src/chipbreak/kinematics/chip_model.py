@@ -232,7 +232,8 @@ def _steady_part(
     if steady_s is None and crest.size:
         low = np.append(trough[trough > crest[0]], motion.time_s.size - 1)[: crest.size]
         back_mm = motion.distance_mm[crest] - motion.distance_mm[low]
-        full = np.flatnonzero(back_mm >= _FULL * back_mm.max())
+        # A tool that never turns back has no return stroke: of its rests each counts.
+        full = np.flatnonzero((back_mm >= _FULL * back_mm.max()) | (rests is not None))
         start_s, end_s = (float(t) for t in motion.time_s[crest[full[[0, -1]]]])
     crest = crest[(motion.time_s[crest] >= start_s) & (motion.time_s[crest] <= end_s)]
     period_s = math.inf
