@@ -7,7 +7,9 @@ import re
 import pytest
 
 import chipbreak
+from chipbreak.vibration import judged
 from chipbreak.vibration.blocks import Expansion, moves_of
+from chipbreak.vibration.measure import CutReport
 from chipbreak.vibration.plan import CutPlan
 
 HEAD = "G21 G18 G90 G8 G97 G95 S{} M3\nG0 X{} Z1\n"
@@ -153,3 +155,37 @@ def test_strokes_of_several_blocks_on_linuxcnc_are_advised_after_few_tries(
     with pytest.raises(chipbreak.ProgramRejectedError, match=r"needs 1\.39 m/s2, Z has 0\.486"):
         chipbreak.rewrite(program.encode(), settings(500))
     assert 0 < len(tried) < 5
+
+
+FOLLOWING = tuple(
+    f"axes.{axis}.{number}"
+    for axis in "XZ"
+    for number in ("acc_dec_ms=8", "position_gain_1_s=90", "max_acceleration_mm_s2=1500")
+)
+
+
+@pytest.mark.parametrize(
+    ("profile", "sets", "words", "code"),
+    [
+        ("generic-lathe", (), "N1.5 Q0.5", "VIB060"),
+        ("fanuc-lathe", ("planner.model=after-interpolation", *FOLLOWING), "N1.5 Q1.5", "VIB062"),
+        ("fanuc-lathe", ("planner.model=after-interpolation", *FOLLOWING), "N1.5 Q8", "VIB030"),
+    ],
+)
+def test_of_many_cuts_that_fail_alike_few_are_advised(
+    profile: str, sets: tuple[str, ...], words: str, code: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What works is tried for the first three, whatever they are refused for."""
+    tried: set[int] = set()
+
+    def counted(_settings: chipbreak.Settings, report: CutReport) -> str:
+        tried.add(report.plan.chain.first)
+        return ""
+
+    monkeypatch.setattr(judged, "ways_out", counted)
+    cuts = f"G0 X40. Z2.\nG1 Z1. F0.02 {words}\nG0 X300.\n" * 6
+    program = f"G21 G18 G99 G97 S2500 M3\n{cuts}M30\n".encode()
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        chipbreak.rewrite(program, chipbreak.load(profile, sets))
+    assert [one.code for one in caught.value.diagnostics if one.code == code] == [code] * 6
+    assert len(tried) == 3

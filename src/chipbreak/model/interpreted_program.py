@@ -41,9 +41,9 @@ class InterpretedProgram(NamedTuple):
 
     ``lines`` and ``states`` hold the state before each line that is no plain motion, and before the line
     after it (behind comments only where moves stand between), so that the state anywhere is a short walk
-    away.  ``effects`` are those of blocks that do
-    something.  ``reached`` holds by their line the effects of those lines, and the state in which the program
-    reaches them: who walks there in that state need not interpret them again.
+    away.  ``effects`` are those of blocks that do something.  ``reached`` holds by their line the effects of
+    those lines, and the state in which the program reaches them: who walks there in that state need not
+    interpret them again.
     """
 
     program: Program

@@ -21,7 +21,8 @@ LIMITS = ("VIB030", "VIB031", "VIB032")  # refusals of what the control cannot m
 BEGINNINGS_COST = 6_000  # of both, in blocks of a straight stroke
 _RAMPS = 4.0  # times both ramps
 _LEAST_VIBRATIONS = 30.0
-_LONGER = 12.0  # times its beginning is a cut that is worth looking at in two parts
+_LONG_COST = 40_000  # of a cut that is worth looking at in two parts
+_LONGER = 4.0  # times the fewest vibrations of a beginning it has
 _OTHER_END = 1.01  # times one beginning is the other, which ends at another place of a vibration
 
 
@@ -33,9 +34,10 @@ def beginnings(plan: CutPlan, settings: Settings) -> Iterator[CutPlan]:
     """
     wave = plan.wave
     least = _LEAST_VIBRATIONS + _RAMPS * 2.0 * wave.ramp_in_s / wave.period_s
-    share = max(BEGINNINGS_COST / 2.0 / cost_of(plan, settings), least / max(wave.vibrations, 1))
-    if share * _LONGER > 1.0:
+    cost = cost_of(plan, settings)
+    if cost < _LONG_COST or wave.vibrations < _LONGER * least:
         return
+    share = max(BEGINNINGS_COST / 2.0 / cost, least / wave.vibrations)
     for longer in (1.0, _OTHER_END):
         path = plan.path.beginning(longer * share * plan.path.length_mm)
         shorter = replace(wave, length_mm=path.length_mm)

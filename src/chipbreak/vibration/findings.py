@@ -25,6 +25,7 @@ SERVO = "VIB062"
 OVERLOADED = "VIB030"
 MISSED = "VIB034"
 TOO_FAST = "VIB064"
+_ADVISED = (UNBROKEN, MISSED, SERVO, OVERLOADED)  # say what works instead
 _MOST_ADVISED = 3  # what works is tried for the first of many cuts that fail alike
 # How much more surface speed than G96 asked for is said aloud.
 _MUCH_FASTER = 1.25
@@ -44,7 +45,7 @@ def findings_of_cuts(
     for _, steps in groupby(cuts, lambda report: report.plan.chain.first):
         advise = weak < _MOST_ADVISED
         said = _of_block(Judged(interpreted, operations, one, allow_unbroken, advise) for one in steps)
-        weak += sum(one.code in (UNBROKEN, MISSED) for one in said)
+        weak += any(one.code in _ADVISED for one in said)
         found += said
     said_of_all = (little_to_spare, unproven, on_the_edge)
     return [*found, *(said for rule in said_of_all for said in rule(interpreted, cuts))]
