@@ -115,3 +115,18 @@ def test_a_feed_that_m72_rounds_is_refused_by_that_name() -> None:
     assert refused.code == "VIB050"
     assert refused.message.startswith("the feed is not known: F0.15 (line 4) is rounded to a tenth by M72")
     assert filtered(*lines, "(VIB N0.5)", "G1 Z-5 F0.15", "(VIB OFF)", "M2", profile="linuxcnc-mill")
+
+
+@pytest.mark.parametrize(
+    ("block", "back"),
+    [
+        ("G64 P0.02 Q0.01 G3 X32 Z1 R5 F0.1", "G64 P0.02 Q0.01"),
+        ("G64 G3 X32 Z1 R5 F0.1", "G64"),
+        ("G64 P0.02 Q0.01", "G64 P0.02 Q0.01"),
+    ],
+)
+def test_the_radius_of_an_arc_is_no_word_of_the_path_mode(block: str, back: str) -> None:
+    """LinuxCNC takes no R with G64 alone."""
+    lines = filtered(*LATHE, block, "G0 X30 Z2", *CUT, "M2")
+    modes = [line for line in lines if line.startswith(("G61", "G64"))]
+    assert modes[-2:] == ["G61", back]

@@ -31,7 +31,7 @@ from chipbreak.model.paths import (
     entered,
     spindle_choice,
 )
-from chipbreak.model.values import Said, values_after
+from chipbreak.model.values import MODE_LETTERS, Said, values_after
 from chipbreak.model.vibration_words import vibration_words
 from chipbreak.model.words import JUMPED, plain_value, reread_speed
 from chipbreak.settings.axis_words import AXES, CENTRES
@@ -42,7 +42,6 @@ from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.source import Source
 
 Words = tuple[Word, ...]
-_MODES_WITH_WORDS = frozenset({"path", "look_ahead"})  # P, Q and R beside G64 or G5.1 are theirs
 # The axis words of their codes are a centre, no move; those of LinuxCNC's G43.1 are an offset.
 _CENTRE_GROUPS: tuple[Group, ...] = ("rotation", "scaling", "mirror")
 _LOSES_NAMED_AXES = ("home", "machine", "skip")
@@ -179,7 +178,7 @@ class Interpreter:
         return state._replace(feed=unknown.get("F", state.feed), speed=unknown.get("S", state.speed))
 
     def _mode_words(self, codes: BlockCodes) -> str:
-        return "PQR" if codes.changes.keys() & _MODES_WITH_WORDS else ""
+        return "".join(letters for group, letters in MODE_LETTERS.items() if group in codes.changes)
 
     def _vibration_words(self, block: Block, codes: BlockCodes, *, has_mode_words: bool) -> Words:
         motion = codes.modes.motion

@@ -5,7 +5,7 @@ Each rule looks at one thing; they run in the order of ``_RULES``, which is the 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.modes import Group
@@ -15,8 +15,11 @@ from chipbreak.model.codes import BlockCodes
 from chipbreak.model.modal import UNKNOWN, Setting, State
 from chipbreak.model.words import codes_of, feed_of, makes_a_limit, plain_value, speed_of, surface_limit
 from chipbreak.syntax.nodes import Block, Word
+from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.named_tuple import NamedTuple
 
+# The words beside G64 and beside G5.1 that are theirs.
+MODE_LETTERS: Mapping[Group, str] = FrozenTable({"path": "PQ", "look_ahead": "PQR"})
 _COORDINATE_GROUPS: frozenset[Group] = frozenset(
     {"work_offset", "rotation", "polar", "scaling", "mirror", "interpolation"}
 )
@@ -91,7 +94,9 @@ def _smooth_words(after: State, said: Said) -> State:
 def _own_words(said: Said, group: Group) -> str:
     """A mode in the program's own words."""
     codes = {number / 10.0 for number in codes_of(said.block, group, said.dialect)}
-    words = [w for w in said.block.words_of("GPQR") if w.address != "G" or w.number in codes]
+    words = [
+        w for w in said.block.words_of(f"G{MODE_LETTERS[group]}") if w.address != "G" or w.number in codes
+    ]
     return " ".join(map(said.block.text_of, words))
 
 

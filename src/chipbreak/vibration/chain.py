@@ -19,7 +19,7 @@ from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import NOWHERE, Setting, State
 from chipbreak.model.paths import UNNAMED
 from chipbreak.model.points import WRITE_THE_POINT, moved_without_point
-from chipbreak.model.words import JUMPED, length_mm
+from chipbreak.model.words import JUMPED, codes_of, length_mm
 from chipbreak.settings.axis_words import AXES, AxisWords
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.syntax.shapes import bits_of
@@ -204,6 +204,7 @@ def refusal_of(
             return RefusalError(code, f"{what}; a cut cannot vibrate in it", help_text), at
     return (
         _mark_refusal(effect)
+        or _mode_refusal(effect, interpreted.settings.dialect)
         or _spindle_refusal(request, at)
         or _words_refusal(effect, axis_words, interpreted.settings.dialect)
         or _position_refusal(interpreted, effect, move)
@@ -218,6 +219,24 @@ def _mark_refusal(effect: BlockEffect) -> tuple[RefusalError, tuple[int, int]] |
         message = f"{mark.label} cannot stand in a block that vibrates"
         error = RefusalError("VIB048", message, "put it on a line of its own before this block")
         return error, (mark.start, mark.end)
+    return None
+
+
+def _mode_refusal(effect: BlockEffect, dialect: Dialect) -> tuple[RefusalError, tuple[int, int]] | None:
+    """A code with words of its own: beside a cut they would be read as those of the cut, or be lost."""
+    modes: tuple[tuple[Group, str], ...] = (
+        ("path", effect.after.path_words),
+        ("look_ahead", effect.after.smooth_words),
+    )
+    for group, words in modes:
+        codes = codes_of(effect.block, group, dialect)
+        if codes and " " in words:
+            message = f"{words} cannot stand in a block that vibrates"
+            error = RefusalError("VIB048", message, "put it into a block of its own before this one")
+            code = next(
+                word for word in effect.block.words_of("G") if round((word.number or 0.0) * 10) == codes[0]
+            )
+            return error, (code.start, code.end)
     return None
 
 
