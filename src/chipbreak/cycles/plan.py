@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import math
 import re
+from bisect import bisect_left
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from operator import attrgetter
 
 from chipbreak.cycles import alarms
 from chipbreak.cycles.alarms import with_alarm
@@ -50,6 +52,7 @@ from chipbreak.model.modal import NOWHERE, State
 from chipbreak.model.words import codes_of
 from chipbreak.operations.kinds import Kind
 from chipbreak.settings.sections import Settings
+from chipbreak.syntax.nodes import Block
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 
@@ -188,12 +191,13 @@ def _add_contours(plan: UnrollPlan, interpreted: InterpretedProgram, wanted: set
     """Cycles that call a contour: all of a group, or none."""
     calls = contour_calls(interpreted.program, interpreted.settings.dialect)
     starts = _start_states(interpreted, calls)
+    behind = _Behind(interpreted)
     for group in _groups(calls):
         lines = [one.line for one in group if one.line in wanted]
         if not lines:
             continue
         try:
-            edits, stay = _edits_of_group(interpreted, group, starts, wanted)
+            edits, stay = _edits_of_group(interpreted, group, starts, wanted, behind)
         except _GroupError as error:
             refused = error.refused
             if refused.line not in wanted:
@@ -318,6 +322,7 @@ def _edits_of_group(
     group: Sequence[ContourCall],
     starts: Mapping[int, State],
     wanted: Container[int],
+    behind: _Behind,
 ) -> tuple[list[UnrolledEdit], list[Refused]]:
     """The edits of the cycles of a contour, and the finishing cycles that stay with it.
 
@@ -328,7 +333,7 @@ def _edits_of_group(
     is_wanted = False
     for one in group:
         try:
-            edits.append(_edit_of_call(interpreted, one, starts[one.line]))
+            edits.append(_edit_of_call(interpreted, one, starts[one.line], behind))
             is_wanted |= one.line in wanted
         except RefusalError as error:
             if kind_of(interpreted.program.block(one.line), interpreted.settings) != "finish":
@@ -421,13 +426,15 @@ def _contour_edit(
     return UnrolledEdit(Edit(first, last + 1, (), f"CONTOUR {names}", reason, promise), None)
 
 
-def _edit_of_call(interpreted: InterpretedProgram, contour: ContourCall, state: State) -> UnrolledEdit:
+def _edit_of_call(
+    interpreted: InterpretedProgram, contour: ContourCall, state: State, behind: _Behind
+) -> UnrolledEdit:
     call = read_call(interpreted, contour)
     refuse_contour_before(interpreted, call)
     refuse_start(interpreted, call, state)
     _refuse_noses(interpreted, call, state)
     if call.kind == "finish":
-        return UnrolledEdit(_finish_edit(interpreted, call, state), Kind.FINISH)
+        return UnrolledEdit(_finish_edit(interpreted, call, state, behind), Kind.FINISH)
     edit_of = _pattern_edit if call.kind == "pattern" else _rough_edit
     return UnrolledEdit(edit_of(interpreted, call, state), Kind.ROUGH)
 
@@ -548,12 +555,12 @@ def _pattern_edit(interpreted: InterpretedProgram, call: Call, state: State) -> 
     return Edit(call.first, call.last, content, call.name, reason, promise)
 
 
-def _finish_edit(interpreted: InterpretedProgram, call: Call, state: State) -> Edit:
+def _finish_edit(interpreted: InterpretedProgram, call: Call, state: State, behind: _Behind) -> Edit:
     lines = (call.contour_first, call.contour_last)
     effects = effects_of_contour(interpreted, state, *lines)
     stays_on = _leaves_compensation(interpreted, call, state, effects[-1].after)
     _refuse_left_behind(state, effects[-1].after, {"motion", "compensation"} if stays_on else {"motion"})
-    _refuse_unsaid_behind(interpreted, call)
+    behind.refuse_unsaid(call)
     settings = interpreted.settings
     if any(words_of_corner(effect, settings) for effect in effects):
         blocks, ends = plain_contour(effects, state, settings)
@@ -605,18 +612,60 @@ def _refuse_left_behind(before: State, behind: State, may_differ: set[str]) -> N
         raise RefusalError(UNREAD_FORM, message, help_text)
 
 
-def _refuse_unsaid_behind(interpreted: InterpretedProgram, call: Call) -> None:
-    """F and S of the contour stay behind its written blocks; behind the cycle of the control they may not."""
-    said = set(interpreted.flow.finishes.get(call.last - 1, ()))
-    for effect in interpreted.effects_of(call.last, interpreted.program.source.body.stop):
-        if not said or effect.after.ended:
+class _Behind:
+    """Which blocks behind finishing cycles say F and S, and which cut: each is looked at once."""
+
+    def __init__(self, interpreted: InterpretedProgram) -> None:
+        self.interpreted = interpreted
+        self.first = -1
+        self.walk: Iterator[BlockEffect] = iter(())
+        self.cuts: list[Block] = []  # outside of contours, in order
+        self.saying: dict[str, list[int]] = {"F": [], "S": []}  # the lines, in order
+
+    def refuse_unsaid(self, call: Call) -> None:
+        """F and S of the contour stay behind its blocks; behind the cycle of the control they may not.
+
+        Errors: CYC007.
+        """
+        said = self.interpreted.flow.finishes.get(call.last - 1, ())
+        cut = self._cut_from(call.last) if said else None
+        if cut is None:
             return
-        said -= {word.address for word in effect.block.words} if not effect.in_contour else set()
-        if said and effect.move is not None and effect.move.is_cut and not effect.in_contour:
-            letters = " and ".join(sorted(said))
-            shown = effect.block.text.strip()[:40]
+        missing = [letter for letter in sorted(said) if not self._is_said(letter, call.last, cut.line)]
+        if missing:
+            letters = " and ".join(missing)
+            shown = cut.text.strip()[:40]
             message = f"{shown} behind this cycle says no {letters}, and which is in force there is not known"
             raise RefusalError(UNREAD_FORM, message, f"give {letters} on that block, or before it")
+
+    def _is_said(self, letter: str, first: int, last: int) -> bool:
+        lines = self.saying[letter]
+        at = bisect_left(lines, first)
+        return at < len(lines) and lines[at] <= last
+
+    def _cut_from(self, line: int) -> Block | None:
+        """The first block from a line on that cuts; None where the program ends before."""
+        if not 0 <= self.first <= line:
+            self.first = line
+            self.walk = self.interpreted.effects_of(line, self.interpreted.program.source.body.stop)
+            self.cuts.clear()
+            for lines in self.saying.values():
+                lines.clear()
+        while not self.cuts or self.cuts[-1].line < line:
+            effect = next(self.walk, None)
+            if effect is None or effect.after.ended:
+                self.walk = iter(())
+                return None
+            self._note(effect)
+        return self.cuts[bisect_left(self.cuts, line, key=attrgetter("line"))]
+
+    def _note(self, effect: BlockEffect) -> None:
+        if effect.in_contour:
+            return
+        for letter in self.saying.keys() & {word.address for word in effect.block.words}:
+            self.saying[letter].append(effect.block.line)
+        if effect.move is not None and effect.move.is_cut:
+            self.cuts.append(effect.block)
 
 
 def _copied(effect: BlockEffect, wish: str, settings: Settings) -> str:

@@ -14,7 +14,14 @@ from numpy.typing import NDArray
 
 from chipbreak.kinematics.floats import Floats
 from chipbreak.text.named_tuple import NamedTuple
-from chipbreak.trajectory.linuxcnc_planner import LEAST_PERIODS, NOTHING, STANDING, STILL_BLENDS, Clock
+from chipbreak.trajectory.linuxcnc_planner import (
+    LEAST_PERIODS,
+    LONG_CHANGE,
+    NOTHING,
+    STANDING,
+    STILL_BLENDS,
+    Clock,
+)
 
 Bools = NDArray[np.bool_]
 Places = NDArray[np.intp]
@@ -147,18 +154,28 @@ class _Blocks:
         return even
 
     def cruise(self, rows: _Rows, times: Floats) -> None:
-        """As many periods as pass at an even speed far from the end of a block."""
+        """As many periods as pass far from the end of a block: at one speed, or in one even change of it."""
         at = rows.row * self.count + rows.block
-        speed = rows.speed
-        idle = (speed == self.tops[at]) & ~rows.even & ~rows.leaves & (rows.alone == 0)
-        if not idle.any():
-            return
+        inside = ~rows.leaves & (rows.alone == 0)
+        end = np.where(rows.stops, 0.0, self.ends[at])
         left = self.lengths[at] - rows.done
+        speed = rows.speed
+        both = speed + end
+        change = (end - speed) * both / (2.0 * np.maximum(left, NOTHING))
+        glides = inside & rows.even & (end > STANDING) & (np.abs(change) <= self.acceleration[at])
+        cruises = inside & ~rows.even & (speed == self.tops[at])
+        if not (glides | cruises).any():
+            return
+        change = np.where(glides, change, 0.0)
         step = speed * self.period
-        count = np.floor((left - speed * speed / self.acceleration[at]) / step) - 2.0
-        count = np.where(idle, np.maximum(count, 0.0), 0.0)
-        rows.done = rows.done + count * step
-        times[at] += count * self.period
+        even = (left - speed * speed / self.acceleration[at]) / step
+        count = np.floor(np.where(glides, 2.0 * left / both / self.period, even)) - 2.0
+        count = np.where(count > np.where(glides, LONG_CHANGE, 0.0), count, 0.0)
+        count = np.where(glides | cruises, count, 0.0)
+        time = count * self.period
+        rows.done = rows.done + np.where(glides, (speed + change / 2.0 * time) * time, count * step)
+        rows.speed = speed + change * time
+        times[at] += time
 
     def advance(self, rows: _Rows, times: Floats) -> None:
         """One servo period, or what is left of it in the next block where one ends."""

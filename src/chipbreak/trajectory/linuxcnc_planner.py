@@ -20,6 +20,7 @@ NOTHING = 1e-12  # mm and s that count as none
 STANDING = 1e-8  # mm/s
 # A block that has come further than this before the next one is known ends at rest.
 STILL_BLENDS = 0.25
+LONG_CHANGE = 200  # periods of one even change of speed: more are not gone through one by one
 LEAST_PERIODS = 1.02  # a block that LinuxCNC runs into takes at least this many periods
 
 
@@ -128,9 +129,12 @@ class _Stretch:
         ]
 
     def advance(self) -> None:
-        """One servo period, or as many as pass at an even speed far from the end of the block."""
+        """One servo period, or as many as pass evenly far from the end of the block."""
         if self.leaving is None:
-            self._cruise()
+            if self.even:
+                self._glide()
+            else:
+                self._cruise()
             self._step(self.period, even=self.even)
             self._meet_next()
             self.leaving = self._end_in_sight()
@@ -174,7 +178,7 @@ class _Stretch:
     def _cruise(self) -> None:
         speed = self.speed
         left = self.lengths[self.block] - self.done
-        if self.even or self.alone or speed != self.speeds[self.block]:
+        if self.alone or speed != self.speeds[self.block]:
             return
         step = speed * self.period
         count = int((left - speed * speed / self.accelerations[self.block]) / step) - 2
@@ -182,6 +186,23 @@ class _Stretch:
             self.places.frombytes((self.before + self.done + step * np.arange(1, count + 1)).tobytes())
             self.times[self.block] += count * self.period
             self.done += count * step
+
+    def _glide(self) -> None:
+        """An even change of speed, which may take a slow block thousands of periods."""
+        end = self.ends[self.block]
+        left = self.lengths[self.block] - self.done
+        both = self.speed + end
+        change = (end - self.speed) * both / (2.0 * max(left, NOTHING))
+        if end <= STANDING or abs(change) > self.accelerations[self.block]:
+            return
+        count = int(2.0 * left / both / self.period) - 2
+        if count > LONG_CHANGE:
+            time = self.period * np.arange(1, count + 1)
+            ways = (self.speed + change / 2.0 * time) * time
+            self.places.frombytes((self.before + self.done + ways).tobytes())
+            self.times[self.block] += float(time[-1])
+            self.done += float(ways[-1])
+            self.speed += change * float(time[-1])
 
     def _step(self, time: float, *, even: bool) -> None:
         """Move on by ``time``: towards the end speed, or as fast as feed and braking allow."""
