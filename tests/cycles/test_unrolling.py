@@ -408,6 +408,29 @@ def test_a_cut_behind_a_finishing_cycle_says_its_own_feed(behind: str, why: str)
     assert not why or any(why in d.message for d in result.diagnostics)
 
 
+AGAIN = "G0 X52. Z2.\nG70 P10 Q20\n"
+
+
+@pytest.mark.parametrize(
+    ("behind", "written"),
+    [
+        (AGAIN * 3, 4),  # nothing cuts behind the last
+        (AGAIN * 3 + "G1 X60. F0.2\n", 4),
+        (AGAIN * 3 + "G1 X60.\n", 0),  # none of them has its F said
+        (AGAIN + "G1 X60. F0.2\n" + AGAIN + "G1 X60.\n", 2),
+        (AGAIN + "G1 X60.\n" + AGAIN + "G1 X60. F0.2\n", 1),
+        ("G1 X60. F0.2\n" + AGAIN + "F0.2\n" + AGAIN + "F0.2\nG1 X60.\n", 3),
+    ],
+)
+def test_what_cuts_behind_several_finishing_cycles(behind: str, written: int) -> None:
+    """Each is asked for what comes behind it, whatever another one was asked for."""
+    program = CYCLE.replace(b"G0 X100. Z100.", behind.encode() + b"G0 X100. Z100.")
+    result = chipbreak.rewrite(program, load("fanuc-lathe", ALWAYS))
+    assert result.data.count(b"UNROLLED G70") == written
+    stays = [d.message for d in result.diagnostics if "says no F" in d.message]
+    assert len(stays) == 1 + behind.count("G70") - written
+
+
 @pytest.mark.parametrize("options", [ALWAYS, ["vibration.n=1.5"]], ids=str)
 def test_a_long_comment_of_a_contour_is_no_reason_to_refuse_the_program(options: list[str]) -> None:
     """The block is written without it, for the control takes no longer one; the bracket keeps it."""

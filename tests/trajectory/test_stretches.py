@@ -11,6 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+import chipbreak.trajectory.linuxcnc_many as linuxcnc_many_module
+from chipbreak.trajectory import linuxcnc_planner
 from chipbreak.trajectory.junctions import Blocks, blocks_of
 from chipbreak.trajectory.linuxcnc import LinuxCnc, interpolated
 from chipbreak.trajectory.linuxcnc_feeds import Wanted, _one_factor, factors_for
@@ -52,6 +54,37 @@ def test_many_stretches_run_like_one(drawn: Stretches, clock: Clock, before: flo
         assert times[row].tolist() == pytest.approx(took, abs=1e-8)
         assert alone[row].tolist() == pytest.approx(took, abs=1e-8)
         assert places[row][~np.isnan(places[row])].tolist() == pytest.approx(ways, abs=1e-7)
+
+
+@pytest.mark.parametrize("override", [inf, 1.0])
+@pytest.mark.parametrize(
+    ("ways", "feeds"),
+    [
+        ((0.00021, 0.0012), (0.00027, 0.0016)),
+        ((0.00021, 0.001, 0.0013), (0.00027, 0.00067, 0.0016)),
+        ((0.00317, 0.0007), (0.0016, 0.0003)),
+    ],
+)
+def test_a_long_change_of_speed_is_gone_through_at_once(
+    ways: tuple[float, ...], feeds: tuple[float, ...], override: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As if each of its thousand periods were gone through."""
+    count = len(ways)
+    stretch = Stretch(ways, feeds, (40.0,) * count, (2000.0,) * count, inf)
+    clock = Clock(0.001, 0.01, override)
+    rows = Stretches(*(np.array([column]) for column in stretch[:4]), np.array([inf]))
+    linuxcnc.cache_clear()
+    took, places = linuxcnc(stretch, clock)
+    together = times_of_many(rows, clock, count)[0]
+    for module in (linuxcnc_planner, linuxcnc_many_module):
+        monkeypatch.setattr(module, "LONG_CHANGE", inf)
+    linuxcnc.cache_clear()
+    by_periods, every_place = linuxcnc(stretch, clock)
+    linuxcnc.cache_clear()
+    assert took == pytest.approx(by_periods, abs=1e-9)
+    assert together.tolist() == pytest.approx(by_periods, abs=1e-9)
+    assert len(places) == len(every_place) > 1000
+    assert places.tolist() == pytest.approx(every_place.tolist(), abs=1e-12)
 
 
 @settings(deadline=None)
