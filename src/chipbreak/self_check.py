@@ -274,8 +274,11 @@ def _check_speed(written: Written) -> None:
     region = written.region
     if edit.promise.leaves_speed or written.was_behind.ended:
         return
-    was, was_behind = (spindle_speed(written.original.before(line)) for line in (edit.first, edit.last))
-    now, now_behind = (spindle_speed(written.result.before(line)) for line in (region.first, region.last))
+    was, now = (
+        spindle_speed(state)
+        for state in (written.original.before(edit.first), written.result.before(region.first))
+    )
+    was_behind, now_behind = spindle_speed(written.was_behind), spindle_speed(written.now_behind)
     wanted = now if was == was_behind else was_behind
     if now_behind != wanted:
         raise SelfCheckError(f"behind line {edit.last + 1} the spindle speed differs from the original")

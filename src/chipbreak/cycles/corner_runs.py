@@ -111,7 +111,7 @@ def corner_edit(interpreted: InterpretedProgram, run: CornerRun) -> Edit:
     effects = _effects(interpreted, run, begin)
     if any(math.isnan(value) for value in (begin.position.x, begin.position.z)):
         raise RefusalError(BAD_CONTOUR, "where a corner begins is not known", "move there with G0 X Z")
-    if effects[-1].after.position != interpreted.before(run.last).position:
+    if effects[-1].after.position != interpreted.behind(run.last).position:
         message = "the block behind an angle does not name the axis that the angle gives"
         raise RefusalError(BAD_CONTOUR, message, "name both axes in it")
     writer = _Writer(effects, settings)

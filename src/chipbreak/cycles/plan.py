@@ -296,7 +296,7 @@ def _start_states(interpreted: InterpretedProgram, calls: Sequence[ContourCall])
 
 def _behind_cycle(interpreted: InterpretedProgram, line: int, stop: int, start: State) -> State:
     """The state before line ``stop``, from the cycle in ``line`` on, which ends where it began."""
-    state = interpreted.before(line + 1)._replace(position=start.position)
+    state = interpreted.behind(line + 1)._replace(position=start.position)
     for at in range(line + 1, stop):
         state = interpreted.interpreter.advance(state, interpreted.program.block(at)).after
     return state

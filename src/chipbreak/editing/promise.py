@@ -45,12 +45,12 @@ class Written(Record):
     @property
     def was_behind(self) -> State:
         """The state of the original behind the edit."""
-        return self.original.before(self.edit.last)
+        return self.original.behind(self.edit.last)
 
     @property
     def now_behind(self) -> State:
         """The state of the output behind the edit."""
-        return self.result.before(self.region.last)
+        return self.result.behind(self.region.last)
 
     def first_cut_behind(self) -> BlockEffect | None:
         """The first block of the original behind the edit that feeds; None where another edit comes first."""

@@ -59,6 +59,10 @@ class InterpretedProgram(NamedTuple):
         """The state before a line; that of its calls where a program begins with it."""
         if line in self.interpreter.entries:
             return self.interpreter.entries[line]
+        return self.behind(line)
+
+    def behind(self, line: int) -> State:
+        """The state in which what stands before a line leaves the control, whatever begins there."""
         at = bisect_right(self.lines, line) - 1
         return self.skip(self.states[at], self.lines[at], line)
 

@@ -42,7 +42,7 @@ from chipbreak.vibration.spindle_encoder import needs_encoder
 
 NOT_TRIED = "VIB098"
 _MOST_BEHIND = 200  # cuts are tried behind a refused one
-_MOST_REFUSED = 50  # are said: to mend them is enough for one go
+_MOST_REFUSED = 20  # are said: to mend them is enough for one go
 _MOST_ADVISED = 3  # what works is tried for the first refused cuts; the others fail alike
 SMOOTHED = "VIB063"
 _OFF = re.compile(r"[PQ]\s*0\b")

@@ -419,7 +419,7 @@ def _is_late(law: ControlLaw, duration_s: float, planned_s: float) -> bool:
 
 
 def _check_speed(result: InterpretedProgram, region: Region, plan: CutPlan) -> None:
-    state = result.before(region.last)
+    state = result.behind(region.last)
     wanted = plan.solution.speed_rpm
     speed = state.speed.value if state.speed else math.nan
     if state.modes.speed_mode != "rpm" or not abs(speed - wanted) <= 1e-6 * wanted:
