@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from hypothesis.internal.conjecture import providers
 
 from chipbreak.kinematics.remembered import forget
 from longer import short_where
@@ -74,6 +75,18 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_collection_finish() -> None:
     gc.freeze()
     gc.enable()
+    if settings.get_current_profile_name() != "fuzz":
+        _draw_the_same()
+
+
+def _draw_the_same() -> None:
+    """No number of our own source is drawn more often than others.
+
+    Hypothesis takes them from the modules that are loaded: which these are depends on what other tests have
+    run in this process, and so would the examples.
+    """
+    none = providers.Constants()
+    providers._get_local_constants = lambda: none
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
