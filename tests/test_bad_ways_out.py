@@ -110,6 +110,8 @@ WAYS: dict[str, list[Way]] = {
     "path-does-not-start-the-spindle": [("G0 X10.", "S2000 M3\nG0 X10."), (" N1.5", "")],
     "path-waits-for-another": [("!2L1", "!2L1\nS3000 M3"), (" N1.5", "")],
     "smoothing-in-the-block": [("R3 G1", "R3\nG1")],
+    "statement-in-the-block": [("GOTO5 ", "GOTO5\nG97 S1000 M3\nG0 X20. Z2.\n")],
+    "variable-set-in-the-block": [("#1=2 ", "#1=2\n")],
     "spindle-of-choice-by-m-code": [("G0 X20.", "S3000 M3\nG0 X20."), (" N1.5", "")],
     "spindle-of-choice-by-p": [(" P12", " P12\nS3000 M3"), (" N1.5", "")],
     "spindle-of-choice-by-mark": [("G0 X20.", "S1000 M3\nG0 X20."), (" N1.5", "")],

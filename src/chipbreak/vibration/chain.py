@@ -21,7 +21,7 @@ from chipbreak.model.paths import UNNAMED
 from chipbreak.model.points import WRITE_THE_POINT, moved_without_point
 from chipbreak.model.words import JUMPED, codes_of, length_mm
 from chipbreak.settings.axis_words import AXES, AxisWords
-from chipbreak.syntax.nodes import Block, Word
+from chipbreak.syntax.nodes import Assignment, Block, Control, Word
 from chipbreak.syntax.shapes import bits_of
 from chipbreak.text.diagnostics import Diagnostic, RefusalError
 from chipbreak.text.frozen_table import FrozenTable
@@ -214,11 +214,17 @@ def refusal_of(
 
 
 def _mark_refusal(effect: BlockEffect) -> tuple[RefusalError, tuple[int, int]] | None:
-    """A mark in front of the first of many new blocks would not hold for the others, or hold twice."""
-    for mark in effect.block.marks:
-        message = f"{mark.label} cannot stand in a block that vibrates"
+    """A mark in front of the first of many new blocks would not hold for the others, or hold twice.
+
+    A statement, or a variable that is set, would be lost: the words of a cut are written anew.
+    """
+    block = effect.block
+    foreign: list[Control | Assignment] = [*block.controls, *block.assignments]
+    for one in foreign:
+        shown = block.text[one.start : one.end].strip()
+        message = f"{shown} cannot stand in a block that vibrates"
         error = RefusalError("VIB048", message, "put it on a line of its own before this block")
-        return error, (mark.start, mark.end)
+        return error, (one.start, one.end)
     return None
 
 

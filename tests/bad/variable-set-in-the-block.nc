@@ -1,0 +1,6 @@
+(EXPECT VIB048 4:1 -p linuxcnc-lathe)
+G21 G7 G18 G90 G95 G97 S600 M3
+G0 X10. Z2.
+#1=2 G1 Z-4. F0.1 N1.5
+G0 Z3.
+M30
