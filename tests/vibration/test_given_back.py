@@ -130,3 +130,27 @@ def test_the_radius_of_an_arc_is_no_word_of_the_path_mode(block: str, back: str)
     lines = filtered(*LATHE, block, "G0 X30 Z2", *CUT, "M2")
     modes = [line for line in lines if line.startswith(("G61", "G64"))]
     assert modes[-2:] == ["G61", back]
+
+
+@pytest.mark.parametrize(
+    "comment", ["(MSG, LOOK)", "(log,#5420)", "( print, x)", "(LOGCLOSE)", "(PROBEOPEN x.txt)"]
+)
+def test_what_a_comment_does_is_done(comment: str) -> None:
+    """LinuxCNC shows or writes what stands in it, before the block moves."""
+    lines = filtered(*LATHE, "(VIB N1.5)", f"G1 Z-5 F0.1 {comment}", "M2")
+    begin = lines.index("(VIB N1.5)") + 1
+    assert lines[begin + 2] == comment, "behind the two lines with which the bracket begins"
+
+
+@pytest.mark.parametrize("behind", ["G1 Z-5 F0.1\nX34 (MSG, CORNER)", "G1 Z-5 F0.1\n(LOG,#5420)\nX34"])
+def test_a_chain_ends_before_a_comment_that_does_something(behind: str) -> None:
+    """It is done when the tool is there, not before both blocks."""
+    lines = filtered(*LATHE, "(VIB N1.5)", *behind.split("\n"), "M2")
+    acts = next(i for i, line in enumerate(lines) if line.startswith(("(MSG", "(LOG")))
+    assert any(line.startswith("Z-5") for line in lines[:acts])
+    assert any(line.startswith("X34") for line in lines[acts:])
+
+
+def test_another_comment_stays_in_the_bracket_alone() -> None:
+    lines = filtered(*LATHE, "(VIB N1.5)", "G1 Z-5 F0.1 (TO THE SHOULDER)", "M2")
+    assert "(TO THE SHOULDER)" not in lines

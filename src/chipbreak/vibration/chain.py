@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -119,6 +120,14 @@ _CORNER_LETTERS = frozenset("CRIKA")
 _ANGLES = frozenset({",A"})
 _CORNERS = bits_of(_CORNER_LETTERS)
 _MOST_BETWEEN = 20
+_ACTS = re.compile(
+    r"\s*(?:(?:MSG|DEBUG|PRINT|LOG|LOGOPEN|LOGAPPEND)\s*,|LOGCLOSE|PROBEOPEN|PROBECLOSE)", re.IGNORECASE
+)
+
+
+def acting_comments(block: Block) -> list[str]:
+    """Its comments that are more than comments: LinuxCNC shows ``(MSG, ...)`` and writes ``(LOG, ...)``."""
+    return [block.text[one.start : one.end] for one in block.comments if _ACTS.match(one.text)]
 
 
 def _preamble_words(block: Block) -> list[Word]:
@@ -170,7 +179,10 @@ def chains_of(
 def _joins(interpreted: InterpretedProgram, one: Request, other: Request) -> bool:
     """True when a cut goes on in the next block: nothing between them, nothing changed, the same wish."""
     between = range(one.effect.block.line + 1, other.effect.block.line)
-    if not all(interpreted.program.block(line).is_empty for line in between):
+    blocks = [interpreted.program.block(line) for line in between]
+    if not all(block.is_empty for block in blocks) or any(
+        map(acting_comments, [*blocks, other.effect.block])
+    ):
         return False
     if other.effect.block.line in interpreted.flow.targets or _preamble_words(other.effect.block):
         return False

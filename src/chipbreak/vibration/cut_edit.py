@@ -17,7 +17,7 @@ from chipbreak.settings.sections import Settings
 from chipbreak.syntax.numbers import print_number
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.vibration.blocks import Expansion
-from chipbreak.vibration.chain import Chain
+from chipbreak.vibration.chain import Chain, acting_comments
 from chipbreak.vibration.dwell import dwell_block
 from chipbreak.vibration.measure import CutMotion, CutReport, measure_cut, measured_motion
 from chipbreak.vibration.plan import CutPlan
@@ -141,9 +141,10 @@ def _line_count(content: Sequence[str | MoveTable]) -> int:
 
 
 def _comments(chain: Chain, interpreted: InterpretedProgram) -> list[str]:
-    """The comments between the blocks of a chain stay."""
+    """The comments between the blocks of a chain stay, and those of its first block that do something."""
     blocks = map(interpreted.program.block, range(chain.first, chain.last))
-    return [block.text for block in blocks if block.is_empty and block.comments]
+    between = [block.text for block in blocks if block.is_empty and block.comments]
+    return [*acting_comments(chain.requests[0].effect.block), *between]
 
 
 def _feed_modes(plan: CutPlan, settings: Settings, like: Collection[int]) -> tuple[str, list[str]]:
