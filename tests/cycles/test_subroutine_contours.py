@@ -79,3 +79,13 @@ def test_the_way_to_the_start_leads_over_the_stock_or_in_front_of_it(before: str
     said = filtered(SAID, "G71 Q100 X28 Z2 I2 R0.5", before)
     assert said.changed == is_free
     assert ["way to the start" in one.message for one in said.diagnostics] == ([] if is_free else [True])
+
+
+@pytest.mark.parametrize("cycle", CYCLES)
+def test_what_a_comment_of_the_cycle_does_is_done_before_it(cycle: str) -> None:
+    """What a comment in the contour says may be done each time that it is read; how often, nobody knows."""
+    lines = filtered(SAID, f"{cycle} (MSG, ROUGHING)").data.decode().splitlines()
+    assert "(MSG, ROUGHING)" in lines
+    stays = filtered(SAID.replace("X12", "X12 (LOG,#5420)"), cycle)
+    assert not stays.changed
+    assert any("(LOG,#5420) stands in the contour" in one.message for one in stays.diagnostics)

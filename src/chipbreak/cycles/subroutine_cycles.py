@@ -17,7 +17,7 @@ G71.1 leaves the pockets, G71.2 cuts nothing but them.
 from __future__ import annotations
 
 import math
-from itertools import takewhile
+from itertools import chain, takewhile
 
 from chipbreak.cycles.call import BAD_DEPTH, NO_CONTOUR, UNREAD_FORM, refuse_modes
 from chipbreak.cycles.contour import (
@@ -51,6 +51,7 @@ from chipbreak.model.modal import Position, State
 from chipbreak.model.motion import named_place
 from chipbreak.model.words import codes_of, length_mm
 from chipbreak.settings.sections import Settings
+from chipbreak.syntax.comments import acting_comments
 from chipbreak.syntax.nodes import Block
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
@@ -123,6 +124,7 @@ def subroutine_edit(interpreted: InterpretedProgram, line: int) -> Edit:
     started = state._replace(position=call.start)
     effects = effects_of_contour(interpreted, started, first, last)
     _refuse_modal_arcs(effects, interpreted.settings)
+    _refuse_acting_comments(interpreted, first, last)
     steps = steps_of(effects, interpreted.settings)
     if call.kind == "finish":
         return _finish(interpreted, block, call, steps)
@@ -200,6 +202,14 @@ def _refuse_modal_arcs(effects: list[BlockEffect], settings: Settings) -> None:
         if is_arc and not codes_of(effect.block, "motion", settings.dialect):
             message = "an arc of the contour does not say G2 or G3 itself, which this control reads as G2"
             raise RefusalError(BAD_CONTOUR, message, "write G2 or G3 into each arc of the contour")
+
+
+def _refuse_acting_comments(interpreted: InterpretedProgram, first: int, last: int) -> None:
+    """How often the control would do what they say is not known."""
+    blocks = map(interpreted.program.block, range(first, last + 1))
+    for text in chain.from_iterable(map(acting_comments, blocks)):
+        message = f"{text} stands in the contour, and when the control does it is not known"
+        raise RefusalError(UNREAD_FORM, message, "put it on a line before the cycle")
 
 
 def _rough(interpreted: InterpretedProgram, block: Block, call: _Call, steps: list[Step]) -> Edit:
@@ -303,6 +313,6 @@ def _edit(interpreted: InterpretedProgram, block: Block, cut: _Cut) -> Edit:
     first = cut.passes[0]._replace(moves=(*cut.ways, *cut.passes[0].moves))
     passes = [first, *cut.passes[1:]]
     blocks = blocks_of_passes(passes, cut.frame, state, interpreted.settings, "")
-    content = (*([" ".join(words)] if words else []), *blocks)
+    content = (*acting_comments(block), *([" ".join(words)] if words else []), *blocks)
     name = " ".join(block.text_of(word) for word in block.words_of("GQ"))
     return Edit(block.line, block.line + 1, content, name, cut.reason, cut.promise)

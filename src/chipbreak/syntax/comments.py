@@ -12,6 +12,9 @@ from chipbreak.text.diagnostics import Diagnostic, Severity
 OPEN_COMMENT = "SYN003"
 NESTED_COMMENT = "SYN004"
 _OPEN_TAIL = re.compile(r"\([^)]*$")
+_ACTS = re.compile(
+    r"\s*(?:(?:MSG|DEBUG|PRINT|LOG|LOGOPEN|LOGAPPEND)\s*,|LOGCLOSE|PROBEOPEN|PROBECLOSE)", re.IGNORECASE
+)
 
 
 def said_of_comments(program: Program, changes: Sequence[tuple[int, int]]) -> list[Diagnostic]:
@@ -111,3 +114,8 @@ def _nested_in(block: Block, program: Program) -> Iterator[Diagnostic]:
         yield program.diagnose(
             block.line, NESTED_COMMENT, message, help_text, at=at, severity=Severity.WARNING
         )
+
+
+def acting_comments(block: Block) -> list[str]:
+    """Its comments that are more than comments: LinuxCNC shows ``(MSG, ...)`` and writes ``(LOG, ...)``."""
+    return [block.text[one.start : one.end] for one in block.comments if _ACTS.match(one.text)]

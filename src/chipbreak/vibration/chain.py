@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,6 +21,7 @@ from chipbreak.model.paths import UNNAMED
 from chipbreak.model.points import WRITE_THE_POINT, moved_without_point
 from chipbreak.model.words import JUMPED, codes_of, length_mm
 from chipbreak.settings.axis_words import AXES, AxisWords
+from chipbreak.syntax.comments import acting_comments
 from chipbreak.syntax.nodes import Assignment, Block, Control, Word
 from chipbreak.syntax.shapes import bits_of
 from chipbreak.text.diagnostics import Diagnostic, RefusalError
@@ -120,14 +120,6 @@ _CORNER_LETTERS = frozenset("CRIKA")
 _ANGLES = frozenset({",A"})
 _CORNERS = bits_of(_CORNER_LETTERS)
 _MOST_BETWEEN = 20
-_ACTS = re.compile(
-    r"\s*(?:(?:MSG|DEBUG|PRINT|LOG|LOGOPEN|LOGAPPEND)\s*,|LOGCLOSE|PROBEOPEN|PROBECLOSE)", re.IGNORECASE
-)
-
-
-def acting_comments(block: Block) -> list[str]:
-    """Its comments that are more than comments: LinuxCNC shows ``(MSG, ...)`` and writes ``(LOG, ...)``."""
-    return [block.text[one.start : one.end] for one in block.comments if _ACTS.match(one.text)]
 
 
 def _preamble_words(block: Block) -> list[Word]:

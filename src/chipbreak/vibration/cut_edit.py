@@ -14,10 +14,11 @@ from chipbreak.model.giving_back import feed_blocks, path_mode_blocks
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of
 from chipbreak.settings.sections import Settings
+from chipbreak.syntax.comments import acting_comments
 from chipbreak.syntax.numbers import print_number
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.vibration.blocks import Expansion
-from chipbreak.vibration.chain import Chain, acting_comments
+from chipbreak.vibration.chain import Chain
 from chipbreak.vibration.dwell import dwell_block
 from chipbreak.vibration.measure import CutMotion, CutReport, measure_cut, measured_motion
 from chipbreak.vibration.plan import CutPlan
