@@ -111,3 +111,14 @@ def test_i_and_k_together_are_no_deeper_than_a_pass() -> None:
     program = program_of("G1 Z-10.", "X30.").replace(CYCLE.encode(), one.encode())
     result = chipbreak.rewrite(program, load("fanuc-lathe", [ALWAYS]))
     assert [d.code for d in result.diagnostics if d.code.startswith("CYC")] == ["CYC004"]
+
+
+@pytest.mark.parametrize("behind", ["X70.\n", "X70. Z-30. ,A135.\n"])
+def test_two_angles_with_no_place_are_refused(behind: str) -> None:
+    """Only that which stands right before a move meets its line: the one before it has no place."""
+    contour = f"N10 G0 X16.\nG1 ,A180. F0.1\nG1 ,A135.\nG1 X60. Z-20. ,A90.\n{behind}N20 X80.\n"
+    program = f"G99\nT0101\nG97 S600 M3\nG0 X52. Z2.\nG71 U2. R0.5\nG71 P10 Q20 U0.4 F0.3\n{contour}M30\n"
+    settings = chipbreak.load("fanuc-lathe", ['cycles.unroll="always"'])
+    result = chipbreak.rewrite(program.encode(), settings)
+    assert not result.changed
+    assert any("has an angle beside" in one.message for one in result.diagnostics)

@@ -121,7 +121,7 @@ def add_placed(effects: list[BlockEffect], effect: BlockEffect, settings: Settin
     A block with nothing but an angle ends where its line meets that of the next one, which says X, Z and its
     own angle: ``G1 ,A90`` and ``G1 X40. Z-2. ,A135``.  Errors: CYC002.
     """
-    at = next((i for i in range(len(effects) - 1, -1, -1) if _is_lone_angle(effects[i], settings)), None)
+    at = _lone_angle_at_end(effects, settings)
     if at is not None and effect.move is not None:
         effects[at], placed = _meeting(effects[at], effect, settings)
     elif _is_lone_angle(effect, settings):
@@ -130,6 +130,16 @@ def add_placed(effects: list[BlockEffect], effect: BlockEffect, settings: Settin
         placed = with_angle(effect, settings)
     effects.append(placed)
     return placed
+
+
+def _lone_angle_at_end(effects: Sequence[BlockEffect], settings: Settings) -> int | None:
+    """The place of an angle behind the last move."""
+    for at in range(len(effects) - 1, -1, -1):
+        if effects[at].move is not None:
+            return None
+        if _is_lone_angle(effects[at], settings):
+            return at
+    return None
 
 
 def refuse_lone_angle(effects: Sequence[BlockEffect], settings: Settings) -> None:
