@@ -132,9 +132,7 @@ def test_the_radius_of_an_arc_is_no_word_of_the_path_mode(block: str, back: str)
     assert modes[-2:] == ["G61", back]
 
 
-@pytest.mark.parametrize(
-    "comment", ["(MSG, LOOK)", "(log,#5420)", "( print, x)", "(LOGCLOSE)", "(PROBEOPEN x.txt)"]
-)
+@pytest.mark.parametrize("comment", ["(MSG, LOOK)", "(log,#5420)", "( print, x)", "(LOGCLOSE)", ";py,x=1"])
 def test_what_a_comment_does_is_done(comment: str) -> None:
     """LinuxCNC shows or writes what stands in it, before the block moves."""
     lines = filtered(*LATHE, "(VIB N1.5)", f"G1 Z-5 F0.1 {comment}", "M2")
