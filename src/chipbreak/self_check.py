@@ -16,6 +16,7 @@ from chipbreak.editing.edits import Edit, in_order
 from chipbreak.editing.promise import Promise, Written
 from chipbreak.editing.restore import Region, regions, restores
 from chipbreak.editing.unroll import unrolled
+from chipbreak.model.deeds import deeds_in
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
 from chipbreak.model.modal import State
 from chipbreak.model.paths import begins_program
@@ -58,6 +59,7 @@ def verify(interpreted: InterpretedProgram, output: bytes, edits: Sequence[Edit]
         if promise.leaves_motion:
             motion_from = _next_motion_code(interpreted, written.edit.last)
         _check_stops(written)
+        _check_deeds(written)
         _check_borders(written, motion_from)
         _check_motion(written, motion_from)
         _check_return(written)
@@ -94,7 +96,9 @@ def verify_unrolled(
     source = source._replace(user_lines=_user_lines(original, ordered, found, kept, sources))
     result = interpret(parse_changed(source, interpreted.program, kept), interpreted.settings, interpreted)
     for edit, region in zip(ordered, found, strict=True):
-        _report(Written(edit, region, interpreted, result, original.body.stop))
+        written = Written(edit, region, interpreted, result, original.body.stop)
+        _check_deeds(written)
+        _report(written)
     return result
 
 
@@ -186,6 +190,19 @@ def _check_stops(written: Written) -> None:
     found = stops(written.result, range(region.first, region.last))
     if found:
         raise SelfCheckError(f"{found[0].message}, and it stands in a new block")
+
+
+def _check_deeds(written: Written) -> None:
+    """What the blocks did beside moving, those that stand for them do, too."""
+    edit = written.edit
+    region = written.region
+    wanted = deeds_in(written.original, edit.first, edit.last)
+    if not wanted:
+        return
+    done = deeds_in(written.result, region.body, region.last)
+    for deed, line in wanted.items():
+        if deed not in done:
+            raise SelfCheckError(f"{deed} of line {line + 1} is lost in the new blocks")
 
 
 def _next_motion_code(interpreted: InterpretedProgram, first: int) -> int:

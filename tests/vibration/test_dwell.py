@@ -112,6 +112,21 @@ def test_it_breaks_where_it_stands_a_revolution_and_is_refused_elsewhere(
     assert {move.span_s > 0.0 for move in run_program(done.data.decode()).moves} == {True}
 
 
+@pytest.mark.parametrize("form", [(), ("output.form=loop",)])
+@pytest.mark.parametrize("size", [3.0, 6.0, 0.36])
+def test_a_stand_at_the_end_takes_in_that_of_the_last_vibration(size: float, form: tuple[str, ...]) -> None:
+    """The cut is a whole number of moves long, so it ends with one of its stands, and that is long enough."""
+    program = f"G97 S1200 M3\nG98\nG0 X60. Z2.\nG1 Z{2.0 - size:.2f} F120. E2.5\nG0 X80.\nM30\n"
+    done = result(program, "fanuc-lathe", DWELL, "vibration.end=dwell", *form)
+    (cut,) = done.cuts
+    each_s = cut.each_dwell_s
+    count = round(size / 0.12)
+    assert list(cut.expansion.dwell_s) == [each_s] * count
+    assert cut.plan.end_dwell_s < each_s
+    assert cut.expansion.planned_s == pytest.approx(count * 0.124)
+    assert cut.duration_s == pytest.approx(count * 0.124, abs=1e-9)
+
+
 @pytest.mark.few(10)
 @given(
     size=st.floats(3.0, 20.0).map(lambda d: round(d, 3)),

@@ -140,6 +140,13 @@ def test_what_a_comment_does_is_done(comment: str) -> None:
     assert lines[begin + 2] == comment, "behind the two lines with which the bracket begins"
 
 
+def test_of_several_comments_the_control_chooses_the_last_one_still() -> None:
+    """LinuxCNC acts on the last one alone: here it shows nothing, and it must not begin to."""
+    lines = filtered(*LATHE, "(VIB N1.5)", "G1 Z-5 F0.1 (MSG, LOOK) (TO THE SHOULDER)", "M2")
+    assert "(MSG, LOOK) (TO THE SHOULDER)" in lines
+    assert "(MSG, LOOK)" not in lines
+
+
 @pytest.mark.parametrize("behind", ["G1 Z-5 F0.1\nX34 (MSG, CORNER)", "G1 Z-5 F0.1\n(LOG,#5420)\nX34"])
 def test_a_chain_ends_before_a_comment_that_does_something(behind: str) -> None:
     """It is done when the tool is there, not before both blocks."""

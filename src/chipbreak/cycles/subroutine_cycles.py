@@ -17,7 +17,7 @@ G71.1 leaves the pockets, G71.2 cuts nothing but them.
 from __future__ import annotations
 
 import math
-from itertools import chain, takewhile
+from itertools import takewhile
 
 from chipbreak.cycles.call import BAD_DEPTH, NO_CONTOUR, UNREAD_FORM, refuse_modes
 from chipbreak.cycles.contour import (
@@ -207,7 +207,7 @@ def _refuse_modal_arcs(effects: list[BlockEffect], settings: Settings) -> None:
 def _refuse_acting_comments(interpreted: InterpretedProgram, first: int, last: int) -> None:
     """How often the control would do what they say is not known."""
     blocks = map(interpreted.program.block, range(first, last + 1))
-    for text in chain.from_iterable(map(acting_comments, blocks)):
+    for text in filter(None, map(acting_comments, blocks)):
         message = f"{text} stands in the contour, and when the control does it is not known"
         raise RefusalError(UNREAD_FORM, message, "put it on a line before the cycle")
 
@@ -313,6 +313,6 @@ def _edit(interpreted: InterpretedProgram, block: Block, cut: _Cut) -> Edit:
     first = cut.passes[0]._replace(moves=(*cut.ways, *cut.passes[0].moves))
     passes = [first, *cut.passes[1:]]
     blocks = blocks_of_passes(passes, cut.frame, state, interpreted.settings, "")
-    content = (*acting_comments(block), *([" ".join(words)] if words else []), *blocks)
+    content = (*filter(None, (acting_comments(block), " ".join(words))), *blocks)
     name = " ".join(block.text_of(word) for word in block.words_of("GQ"))
     return Edit(block.line, block.line + 1, content, name, cut.reason, cut.promise)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import field
 from functools import cached_property
 
 from chipbreak.dialects.modes import Group
@@ -15,6 +16,7 @@ from chipbreak.insertion.obstacles import Obstacles
 from chipbreak.insertion.overwritten import coolant_is_overwritten, feed_is_said, spindle_is_overwritten
 from chipbreak.insertion.position_dependencies import (
     PositionDependencies,
+    QuietRuns,
     position_dependencies,
     relies_on_speed,
 )
@@ -30,15 +32,16 @@ from chipbreak.insertion.ways_out import (
 from chipbreak.model.giving_back import feed_text
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.words import codes_of
-from chipbreak.text.named_tuple import NamedTuple
+from chipbreak.text.record import Record
 
 
-class Surroundings(NamedTuple):
+class Surroundings(Record):
     """What is the same for all candidates of a program.
 
     ``clearance``  None for mills: their way home is up
     ``calls_end_offset``  the calls may end the length offset, as some makers' cycles do
     ``calls_in_line``  the blocks are the check itself, and set F, modes and the work offset
+    ``quiet_runs``  the runs of blocks that other candidates have looked at in vain
     """
 
     interpreted: InterpretedProgram
@@ -47,6 +50,7 @@ class Surroundings(NamedTuple):
     clearance: Clearance | None
     calls_end_offset: bool
     calls_in_line: bool = False
+    quiet_runs: QuietRuns = field(default_factory=dict)
 
 
 class Case:
@@ -79,6 +83,7 @@ class Case:
             self.interpreted,
             self.line,
             self.candidate.homed,
+            self.surroundings.quiet_runs,
             has_offset=self.has_offset,
             home_ends_offset=not self.surroundings.calls_end_offset,
         )

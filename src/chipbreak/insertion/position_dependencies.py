@@ -9,7 +9,7 @@ start elsewhere.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Hashable
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 
@@ -47,10 +47,15 @@ class PositionDependencies(NamedTuple):
     length_offset: bool
 
 
+# What a walk has found out so far, and from which to which line (exclusive) no block adds to that.
+QuietRuns = dict[Hashable, tuple[int, int]]
+
+
 def position_dependencies(
     interpreted: InterpretedProgram,
     line: int,
     homed: Collection[str],
+    quiet_runs: QuietRuns,
     *,
     has_offset: bool,
     home_ends_offset: bool = True,
@@ -60,18 +65,17 @@ def position_dependencies(
     ``homed`` are axes the program itself has sent to a fixed place: a tool change and the end of the
     program may count on that.  ``has_offset`` is True where a length offset is in force that the retract
     would end.  ``home_ends_offset`` is False for calls that end it also on a control whose own way home does
-    not: blocks after that way home may then still rely on it.
+    not: blocks after that way home may then still rely on it.  ``quiet_runs``, which grows here, is that of
+    all the walks in this program.
     """
     walk = _Walk(
         interpreted, frozenset(homed), offset_is_decided=not has_offset, home_ends_offset=home_ends_offset
     )
     last = min(line + HORIZON, interpreted.program.source.body.stop)
-    for effect in interpreted.effects_of(line, last):
-        if walk.is_decided_by(effect):
-            break
-    else:
-        if last < interpreted.program.source.body.stop:
-            walk.rely_on_all()
+    while line < last and not walk.is_decided:
+        line = walk.through_quiet_run(line, last, quiet_runs)
+    if not walk.is_decided and last < interpreted.program.source.body.stop:
+        walk.rely_on_all()
     return PositionDependencies(frozenset(walk.axes), walk.length_offset)
 
 
@@ -137,14 +141,45 @@ class _Walk:
         self.words = self.interpreted.settings.axis_words
         self.all_axes = frozenset("XZ" if self.dialect.is_lathe else "XYZ")
 
-    def is_decided_by(self, effect: BlockEffect) -> bool:
-        """True when this and the blocks before it say all there is to know."""
-        if not effect.block.is_empty:
-            if not self.offset_is_decided:
-                self._look_at_offset(effect)
-            if not self.axes_are_decided:
-                self.axes_are_decided = self._look_at_axes(effect)
+    @property
+    def is_decided(self) -> bool:
+        """True when the blocks so far say all there is to know."""
         return self.offset_is_decided and self.axes_are_decided
+
+    def through_quiet_run(self, line: int, last: int, known: QuietRuns) -> int:
+        """Look at blocks up to the first that says something, that one too; the line behind it.
+
+        Candidates stand close together, and where nothing is decided for long each would walk the same way.
+        """
+        found = self._found()
+        first = line
+        begin, end = known.get(found, (last, last))
+        if begin <= line <= end:
+            first, line, begin = begin, end, last
+        for effect in self.interpreted.effects_of(line, last):
+            if line == begin:
+                known[found] = (first, end)
+                return min(end, last)
+            self._look_at(effect)
+            if self._found() != found:
+                known[found] = (first, line)
+                return line + 1
+            line += 1
+        known[found] = (first, line)
+        return line
+
+    def _found(self) -> Hashable:
+        """All that the next blocks are judged by, and what they add to."""
+        sets = (frozenset(self.axes), frozenset(self.placed), self.homed)
+        return *sets, self.offset_is_decided, self.home_ends_offset, self.axes_are_decided, self.length_offset
+
+    def _look_at(self, effect: BlockEffect) -> None:
+        if effect.block.is_empty:
+            return
+        if not self.offset_is_decided:
+            self._look_at_offset(effect)
+        if not self.axes_are_decided:
+            self.axes_are_decided = self._look_at_axes(effect)
 
     def rely_on_all(self) -> None:
         """Whatever is still open."""

@@ -15,7 +15,6 @@ of it: another file may call it.  So does a part of a program from N1000 to M99 
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_left
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
@@ -24,7 +23,7 @@ from chipbreak.model.arrivals import Place
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.flow import Flow, sequence_lines
 from chipbreak.model.giving_back import is_same
-from chipbreak.model.modal import NOWHERE, UNKNOWN, Position, State
+from chipbreak.model.modal import NOWHERE, UNKNOWN, Position, State, one_unknown
 from chipbreak.model.paths import begins_program
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block
@@ -334,7 +333,7 @@ def _in_any_offset(state: State) -> State:
 
 def _with_one_unknown(state: State) -> State:
     """The state with one object for all places that are not known, so that it equals itself."""
-    return state._replace(position=Position(*(UNKNOWN if math.isnan(at) else at for at in state.position)))
+    return state._replace(position=Position(*map(one_unknown, state.position)))
 
 
 def _but_values(state: State) -> State:

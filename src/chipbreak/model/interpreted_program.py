@@ -21,7 +21,7 @@ from chipbreak.model.callers import Program as Called
 from chipbreak.model.callers import entry_states, lines_of_calls, local_programs, programs_of
 from chipbreak.model.flow import Flow, read_flow
 from chipbreak.model.interpret import Interpreter, initial_state
-from chipbreak.model.modal import Position, State
+from chipbreak.model.modal import Position, State, one_unknown
 from chipbreak.model.quiet_calls import SAYS_FEED, SAYS_SPEED, calls_that_may_say
 from chipbreak.model.repeated_dwells import effects_of, repeated_dwells
 from chipbreak.model.words import feed_of, is_diameter, length_mm
@@ -34,6 +34,7 @@ from chipbreak.text.named_tuple import NamedTuple
 _MOTION: tuple[Motion, ...] = ("rapid", "line", "cw", "ccw")
 _SHORT_RUN = 8
 _MOST_ROUNDS = 8
+_RECENT = 1000  # more than anybody looks ahead
 
 
 class InterpretedProgram(NamedTuple):
@@ -43,7 +44,7 @@ class InterpretedProgram(NamedTuple):
     after it (behind comments only where moves stand between), so that the state anywhere is a short walk
     away.  ``effects`` are those of blocks that do something.  ``reached`` holds by their line the effects of
     those lines, and the state in which the program reaches them: who walks there in that state need not
-    interpret them again.
+    interpret them again.  ``recent`` holds the same of the lines walked last, whatever they are.
     """
 
     program: Program
@@ -54,6 +55,7 @@ class InterpretedProgram(NamedTuple):
     states: list[State]
     effects: list[BlockEffect]
     reached: dict[int, tuple[State, BlockEffect]]
+    recent: dict[int, tuple[State, BlockEffect]]
 
     def before(self, line: int) -> State:
         """The state before a line; that of its calls where a program begins with it."""
@@ -78,10 +80,14 @@ class InterpretedProgram(NamedTuple):
 
     def _advance(self, state: State, line: int) -> BlockEffect:
         """The effect of a line that is reached in a state."""
-        known = self.reached.get(line)
-        if known is not None and (known[0] is state or known[0] == state):
-            return known[1]
-        return self.interpreter.advance(state, self.program.block(line))
+        for known in (self.reached.get(line), self.recent.get(line)):
+            if known is not None and (known[0] is state or known[0] == state):
+                return known[1]
+        effect = self.interpreter.advance(state, self.program.block(line))
+        if len(self.recent) >= _RECENT:
+            self.recent.clear()
+        self.recent[line] = (state, effect)
+        return effect
 
     def effect(self, line: int) -> BlockEffect:
         """The effect of one line."""
@@ -150,7 +156,9 @@ class InterpretedProgram(NamedTuple):
                 scale /= 2.0
             is_distance = letter in words.distances or state.modes.distance == "incremental"
             total = numbers[:, column].sum() if is_distance else numbers[-1, column]
-            ends[axis.lower()] = (ends[axis.lower()] if is_distance else 0.0) + float(total) * scale
+            ends[axis.lower()] = one_unknown(
+                (ends[axis.lower()] if is_distance else 0.0) + float(total) * scale
+            )
         feed = word_of.get("F")
         if feed is not None:
             state = state._replace(feed=feed_of(feed, state, self.settings.number_rule, last - 1))
@@ -178,7 +186,7 @@ class InterpretedProgram(NamedTuple):
             value = length_mm(word, state, self.settings) * words.signs[axis]
             if axis == "X" and is_diameter(state, control):
                 value /= 2.0
-            position[axis.lower()] = value
+            position[axis.lower()] = one_unknown(value)
         return state._replace(position=state.position._replace(**position))
 
 
@@ -339,7 +347,7 @@ def _interpreted(
     program: Program, settings: Settings, flow: Flow, entries: Mapping[int, State], carried: CarriedTo
 ) -> InterpretedProgram:
     interpreter = Interpreter(settings, flow, program.source, entries, carried)
-    interpreted = InterpretedProgram(program, settings, flow, interpreter, [], [], [], {})
+    interpreted = InterpretedProgram(program, settings, flow, interpreter, [], [], [], {}, {})
     state = initial_state(settings)
     line = program.source.body.start
     begins = sorted(entries)

@@ -20,6 +20,13 @@ class Position(NamedTuple):
 
 
 NOWHERE = Position(UNKNOWN, UNKNOWN, UNKNOWN)
+
+
+def one_unknown(value: float) -> float:
+    """The value; NaN always as the same object, so that a state that holds it equals itself."""
+    return UNKNOWN if math.isnan(value) else value
+
+
 # Why nothing is known at the ends of a loop or a branch, and behind a line (the number stands before it).
 LOOPED = "a loop or a branch arrives here"
 UNREAD = "cannot be read"

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from chipbreak.dialects.modes import Modes, Motion
 from chipbreak.model.block_effect import Move, MoveKind
-from chipbreak.model.modal import Position, State
+from chipbreak.model.modal import Position, State, one_unknown
 from chipbreak.model.words import is_diameter, length_mm, plain_value
 from chipbreak.settings.axis_words import AXES, CENTRES
 from chipbreak.settings.sections import Settings
@@ -48,7 +48,7 @@ def move_of(
     ends = _ends_of_other(state, named, non_modal) if goes_elsewhere else named.ends
     if block.has(ANGLE):  # it gives the other axis of the plane its place
         ends = {axis: math.nan if axis in _TURNED - {*named.axes} else end for axis, end in ends.items()}
-    move_end = Position(*(ends[axis] for axis in AXES))
+    move_end = Position(*(one_unknown(ends[axis]) for axis in AXES))
     move = Move(kind, state.position, move_end, named.axes, named.relative)
     return _as_arc(move, block, state, settings) if kind in _OTHER_WAY else move
 

@@ -6,7 +6,7 @@ from chipbreak.dialects import Dialect
 from chipbreak.dialects.modes import UNSAID, Group, SpeedMode, Units
 from chipbreak.dialects.numbers import NumberRule
 from chipbreak.model.evaluate import constant
-from chipbreak.model.modal import UNKNOWN, Setting, State
+from chipbreak.model.modal import UNKNOWN, Setting, State, one_unknown
 from chipbreak.settings.sections import Control, Settings
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.units import surface_speed_m_min, typed_surface_speed
@@ -70,7 +70,7 @@ def feed_of(word: Word, state: State, rule: NumberRule, line: int) -> Setting:
     """
     value = plain_value(word)
     if state.modes.feed_mode != "inverse":
-        value *= state.mm_per_unit
+        value = one_unknown(value * state.mm_per_unit)
     may_count_increments = state.modes.feed_mode == "rev" and not rule.reads_whole
     if may_count_increments and word.number is not None and not word.has_point and value != 0.0:
         value = UNKNOWN
@@ -81,7 +81,7 @@ def speed_of(word: Word, state: State, line: int) -> Setting:
     """What an S sets: rpm, or m/min under constant surface speed."""
     value = plain_value(word)
     if state.modes.speed_mode == "surface":
-        value = surface_speed_m_min(value, is_inch=state.is_inch)
+        value = one_unknown(surface_speed_m_min(value, is_inch=state.is_inch))
     return Setting(value, word.value_text, line, state.modes.units)
 
 

@@ -116,6 +116,11 @@ def _nested_in(block: Block, program: Program) -> Iterator[Diagnostic]:
         )
 
 
-def acting_comments(block: Block) -> list[str]:
-    """Its comments that are more than comments: LinuxCNC shows ``(MSG, ...)`` and writes ``(LOG, ...)``."""
-    return [block.text[one.start : one.end] for one in block.comments if _ACTS.match(one.text)]
+def acting_comments(block: Block) -> str:
+    """The comments of a block in a row, where one is more than a comment: LinuxCNC shows ``(MSG, ...)``.
+
+    All of them, for of several it acts on the last one.  Empty where all are plain.
+    """
+    if not any(_ACTS.match(one.text) for one in block.comments):
+        return ""
+    return " ".join(block.text[one.start : one.end] for one in block.comments)

@@ -57,14 +57,16 @@ class Expansion:
     ``distance_mm`` is where on the path each block ends, ``time_s`` when it should, both of shape (blocks,);
     a block of a loop counts in every pass.  ``loops`` are those of ``content``, None where none were asked.
     ``dwell_s`` is how long the tool dwells behind each block, which belongs to its time but at the end; empty
-    where it never does.  ``printed`` are the moves as the blocks will say them, None where nobody asks any
-    more.  ``from_stand``: the control must stand before it, with nothing left to do.
+    where it never does.  ``planned_s``: how long all of it should take.  ``printed`` are the moves as the
+    blocks will say them, None where nobody asks any more.  ``from_stand``: the control must stand before it,
+    with nothing left to do.
     """
 
     content: tuple[str | MoveTable, ...]
     distance_mm: Floats
     time_s: Floats
     dwell_s: Floats
+    planned_s: float
     loops: Sequence[Loop] | None = None
     printed: ReadBack | None = None
     from_stand: bool = False
@@ -81,7 +83,7 @@ def moves_of(cut: CutPlan, settings: Settings, names: LoopNames | None = None) -
     """
     form = form_with(names)
     ends = _ends(cut, form, settings)
-    dwell_s = _dwells(cut, ends.dwells, settings)
+    dwell_s, end_dwell_s = _dwells(cut, ends.dwells, settings)
     columns = Columns(ends.words, dwell_s, form)
     from_stand = False
     if not cut.expander.keeps_feed:
@@ -93,7 +95,8 @@ def moves_of(cut: CutPlan, settings: Settings, names: LoopNames | None = None) -
     _check_bytes(text, float(ends.time_s[-1] - ends.time_s[0]), settings)
     printed = _printed(cut, columns, settings)
     loops = form.told(ends.words.loops)
-    return Expansion(text, distance_mm, ends.time_s[1:], dwell_s, loops, printed, from_stand)
+    planned_s = cut.wave.duration_s + end_dwell_s
+    return Expansion(text, distance_mm, ends.time_s[1:], dwell_s, planned_s, loops, printed, from_stand)
 
 
 def _check_bytes(text: Sequence[str | MoveTable], time_s: float, settings: Settings) -> None:
@@ -229,15 +232,19 @@ def _ending_exactly(words: Words, cut: CutPlan, settings: Settings) -> Words:
     return words
 
 
-def _dwells(cut: CutPlan, counts: NDArray[np.intp], settings: Settings) -> Floats:
-    """How long the tool dwells behind each block, (n,); empty where it never does."""
+def _dwells(cut: CutPlan, counts: NDArray[np.intp], settings: Settings) -> tuple[Floats, float]:
+    """How long the tool dwells behind each block, (n,); empty where it never does.
+
+    Also how much longer it dwells at the end than its last vibration makes it.
+    """
     if not cut.expander.keeps_feed and cut.end_dwell_s <= 0.0:
-        return np.empty(0)
+        return np.empty(0), 0.0
     law = control_along(settings, cut.path, cut.chain.before)
     each_s = cut.expander.dwell_s(cut.wave, law, cut.edges, cut.solution.per_rev)
     dwell_s = np.where(counts[1:] > 0, each_s, 0.0)
-    dwell_s[-1] = max(dwell_s[-1], printed_s(cut.end_dwell_s, law.dwell_step_s))
-    return dwell_s
+    last_s = float(dwell_s[-1])
+    dwell_s[-1] = max(last_s, printed_s(cut.end_dwell_s, law.dwell_step_s))
+    return dwell_s, float(dwell_s[-1]) - last_s
 
 
 def _check_end(cut: CutPlan, words: Words) -> None:

@@ -145,7 +145,7 @@ def _comments(chain: Chain, interpreted: InterpretedProgram) -> list[str]:
     """The comments between the blocks of a chain stay, and those of its first block that do something."""
     blocks = map(interpreted.program.block, range(chain.first, chain.last))
     between = [block.text for block in blocks if block.is_empty and block.comments]
-    return [*acting_comments(chain.requests[0].effect.block), *between]
+    return [acting_comments(chain.requests[0].effect.block), *between]
 
 
 def _feed_modes(plan: CutPlan, settings: Settings, like: Collection[int]) -> tuple[str, list[str]]:

@@ -90,7 +90,7 @@ def _missed(judged: Judged) -> Diagnostic | None:
     plan = judged.report.plan
     if not report.misses_plan:
         return None
-    planned_s = plan.wave.duration_s + plan.end_dwell_s
+    planned_s = report.expansion.planned_s
     message = (
         f"the control would take {report.duration_s:z.2f} s for this cut of {planned_s:z.2f} s"
         f" and make N {report.verdict.per_rev:z.3f} of {plan.solution.per_rev:z.3f}"

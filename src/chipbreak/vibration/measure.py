@@ -109,8 +109,7 @@ class CutReport:
     @property
     def is_early(self) -> bool:
         """True where the control runs the cut in less time than planned: it makes no move so slow."""
-        planned_s = self.plan.wave.duration_s + self.plan.end_dwell_s
-        return self.duration_s < planned_s * (1.0 - TIME_SHARE)
+        return self.duration_s < self.expansion.planned_s * (1.0 - TIME_SHARE)
 
     @property
     def holds(self) -> bool:
@@ -271,7 +270,7 @@ def _report(plan: CutPlan, expansion: Expansion, timed: _Timed) -> CutReport:
     moves, law, blocks, motion, *_ = timed
     _check_dwells(moves.dwell_s, expansion.dwell_s)
     time_s = _ends_s(motion, moves)
-    is_late = _is_late(law, float(time_s[-1]), plan.wave.duration_s + plan.end_dwell_s)
+    is_late = _is_late(law, float(time_s[-1]), expansion.planned_s)
     largest_mm, smallest_mm = _diameters(np.append(plan.path.legs[0].start[0], moves.points_mm[:, 0]))
     verdict = _judged(plan, expansion, time_s, motion, largest_mm if largest_mm > 0.0 else None)
     margin_off = _margin_off(plan, expansion, timed, verdict.margin)
