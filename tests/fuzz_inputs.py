@@ -1,4 +1,4 @@
-"""Throws what nobody would write at the filter: ``python tests/fuzz_inputs.py [SECONDS [SEED]]``.
+"""Throws what nobody would write at the filter: ``python tests/fuzz_inputs.py [SECONDS [SEED [KIND]]]``.
 
 Programs, profiles, ``--set``, templates of calls, rules of operations, files of tools, traces, machine files
 and whole commands are taken from the tests and samples and spoilt.  Nothing may end in a traceback, in a
@@ -45,6 +45,7 @@ from chipbreak.text.diagnostics import Diagnostic, ProgramRejectedError, Refusal
 from chipbreak.tools.data import ToolFileError
 from chipbreak.tools.files import read_tools
 from chipbreak.tools.lists import read_traces
+from round_numbers import drawn_profile, drawn_program, drawn_sets
 
 TESTS = Path(__file__).parent
 SAMPLES = TESTS.parent / "samples"
@@ -323,6 +324,30 @@ def a_program(draw: random.Random) -> int:
             shown(result.diagnostics)
             return len(data) + len(result.data)
     return len(data)
+
+
+def a_round_program(draw: random.Random) -> int:
+    """One that a shop could run, on a machine that could be: what is written goes back, and stays."""
+    profile, sets = drawn_profile(draw), drawn_sets(draw)
+    data, allow_unbroken = drawn_program(draw), draw.random() < 0.5
+    seen.extend([profile, sets, allow_unbroken, data])
+    try:
+        settings = chipbreak.load(profile, sets)
+        check_sets(settings)
+    except (SettingsError, RefusalError):
+        return len(data)
+    try:
+        result = chipbreak.rewrite(data, settings, allow_unbroken=allow_unbroken)
+    except ProgramRejectedError as error:
+        shown(error.diagnostics)
+        return len(data)
+    shown(result.diagnostics)
+    if chipbreak.restore(result.data) != data:
+        raise FoundError("it does not go back")
+    if chipbreak.rewrite(result.data, settings, allow_unbroken=allow_unbroken).data != result.data:
+        raise FoundError("it becomes another one when it is filtered again")
+    chipbreak.verify(result.data, settings)
+    return len(data) + 3 * len(result.data)
 
 
 def a_profile(draw: random.Random) -> int:
@@ -605,6 +630,7 @@ def expected(work: Callable[[], object]) -> None:
 
 CASES: dict[str, tuple[Case, int]] = {
     "program": (a_program, 10),
+    "round program": (a_round_program, 2),
     "profile": (a_profile, 3),
     "set": (a_set, 6),
     "template": (a_template, 2),
@@ -668,23 +694,23 @@ def tried_again(name: str, seed: int) -> str:
     return tried(name, seed)
 
 
-def search(seconds: float, first_seed: int | None) -> int:
-    """Try cases for so long; 1 where something was found."""
+def search(seconds: float, first_seed: int | None, kind: str = "") -> int:
+    """Try cases for so long, of one kind where it is named; 1 where something was found."""
     end = time.monotonic() + seconds
     seed = random.SystemRandom().randrange(2**32) if first_seed is None else first_seed
     draw = random.Random(seed)
     counts: Counter[str] = Counter()
     kinds: Counter[str] = Counter()
     while time.monotonic() < end:
-        name = draw.choices(list(CASES), [weight for _, weight in CASES.values()])[0]
+        name = kind or draw.choices(list(CASES), [weight for _, weight in CASES.values()])[0]
         one = draw.randrange(2**63)
         wrong = tried(name, one)
         wrong = again(name, one) if _SLOW.search(wrong) else wrong
         counts[name] += 1
         if wrong:
-            kind = f"{name}: {wrong.strip().splitlines()[-1][:150]}"
-            kinds[kind] += 1
-            if kinds[kind] == 1:
+            last = f"{name}: {wrong.strip().splitlines()[-1][:150]}"
+            kinds[last] += 1
+            if kinds[last] == 1:
                 print(f"--- {name}, seed {one}\n{wrong}\n{seen!r}"[:6000], flush=True)
         if sum(counts.values()) % 20_000 == 0:
             print(f"{sum(counts.values())} cases", flush=True)
@@ -725,4 +751,5 @@ if __name__ == "__main__":
     else:
         sys.stdout = io.TextIOWrapper(sys.stdout.buffer, "utf-8", "backslashreplace", line_buffering=True)
         given = sys.argv[1:]
-        sys.exit(search(float(given[0]) if given else 60.0, int(given[1]) if given[1:] else None))
+        first_seed = int(given[1]) if given[1:] else None
+        sys.exit(search(float(given[0]) if given else 60.0, first_seed, " ".join(given[2:])))

@@ -117,6 +117,7 @@ def corner_edit(interpreted: InterpretedProgram, run: CornerRun) -> Edit:
     writer = _Writer(effects, settings)
     for effect in effects:
         writer.write(effect)
+    writer.give_motion_back(effects[-1].after.modes.motion)
     said = [e.block.text_of(w) for e in effects for w in words_of_corner(e, settings)]
     title = f"CORNERS {' '.join(said[:_MOST_SAID])}"
     return Edit(
@@ -174,6 +175,7 @@ class _Writer:
         self.pieces = iter(pieces_of(steps, _LATHE))
         self.lines: list[str] = []
         self.motions: list[Motion] = []
+        self.is_round = False  # the last block is the arc of a corner
 
     def write(self, effect: BlockEffect) -> None:
         """The blocks that stand for one block."""
@@ -184,18 +186,24 @@ class _Writer:
             said = self._move(effect, said)
         self.lines += [said] if said else []
 
+    def give_motion_back(self, motion: str) -> None:
+        """Where a corner takes in all of the last move, no block has left the code of that move in force."""
+        if self.is_round:
+            self.lines.append(self.blocks.settings.dialect.code("motion", motion))
+
     def _move(self, effect: BlockEffect, said: str) -> str:
         """A move and the corner behind it; the other words, where no block took them."""
         assert effect.move is not None
         cuts = effect.move.kind != "rapid"
         wish = _joined(effect.block, effect.vibration) if cuts else ""
-        for piece in next(self.pieces):
+        for number, piece in enumerate(next(self.pieces)):
             motion = Motion(cuts, piece.end, piece.centre, piece.turn)
             self.motions.append(motion)
             text = block_of_motion(self.blocks, _LATHE, piece.start, motion)
             if text:
                 self.lines.append(" ".join(filter(None, (said, text, wish))))
                 said = ""
+                self.is_round = number > 0 and piece.centre is not None
         return said
 
 

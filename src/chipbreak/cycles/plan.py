@@ -188,11 +188,35 @@ def _add_pecks(plan: UnrollPlan, interpreted: InterpretedProgram, wanted: set[in
 
 
 def _add_contours(plan: UnrollPlan, interpreted: InterpretedProgram, wanted: set[int]) -> None:
-    """Cycles that call a contour: all of a group, or none."""
+    """Cycles that call a contour: all of a group, or none.
+
+    Where the profile does not know where a cycle ends, one behind it needs it to be written out as well: it
+    is planned once more where that one has turned out to stay.
+    """
     calls = contour_calls(interpreted.program, interpreted.settings.dialect)
-    starts = _start_states(interpreted, calls)
+    starts = _start_states(interpreted, calls, frozenset())
+    while True:
+        planned = UnrollPlan([], [], [])
+        staying = _add_groups(planned, interpreted, _groups(calls), starts, wanted)
+        before, starts = starts, _start_states(interpreted, calls, staying)
+        if starts == before:
+            break
+    plan.edits.extend(planned.edits)
+    plan.refused.extend(planned.refused)
+    plan.notes.extend(planned.notes)
+
+
+def _add_groups(
+    plan: UnrollPlan,
+    interpreted: InterpretedProgram,
+    groups: Sequence[Sequence[ContourCall]],
+    starts: Mapping[int, State],
+    wanted: set[int],
+) -> frozenset[int]:
+    """Add what becomes of the cycles of each contour; the lines of the cycles that stay."""
     behind = _Behind(interpreted)
-    for group in _groups(calls):
+    staying = {one.line for group in groups for one in group}
+    for group in groups:
         lines = [one.line for one in group if one.line in wanted]
         if not lines:
             continue
@@ -204,11 +228,13 @@ def _add_contours(plan: UnrollPlan, interpreted: InterpretedProgram, wanted: set
                 refused = _because_of_another(interpreted, refused, lines[0])
             plan.refused.append(refused._replace(others=tuple(lines)))
             continue
+        staying -= {one.line for one in group} - {one.line for one in stay}
         plan.edits.extend(edits)
         plan.refused.extend(one for one in stay if one.line in wanted)
         plan.notes.extend(_deeper_than_all(edits))
         plan.notes.extend(_repeated(interpreted, group))
         plan.notes.extend(_under_compensation(interpreted, group, starts))
+    return frozenset(staying)
 
 
 def _deeper_than_all(edits: Iterable[UnrolledEdit]) -> Iterator[Refused]:
@@ -279,15 +305,25 @@ def _shares(one: ContourCall, other: ContourCall) -> bool:
     return one.first <= other.last and other.first <= one.last
 
 
-def _start_states(interpreted: InterpretedProgram, calls: Sequence[ContourCall]) -> dict[int, State]:
-    """The state before each cycle, where the tool is back at the start behind the cycle before it."""
+def _start_states(
+    interpreted: InterpretedProgram, calls: Sequence[ContourCall], staying: Container[int]
+) -> dict[int, State]:
+    """The state before each cycle, where the tool is back at the start behind the cycle before it.
+
+    Not behind one that is ``staying``, from which it is not known where the control takes the tool.
+    """
     found: dict[int, State] = {}
     last: ContourCall | None = None
     for one in calls:
         first = _first_line(interpreted, one)
         state = interpreted.effect(first).before  # which a program that begins there has begun
         near = last is not None and first - last.line <= _MOST_LINES_BETWEEN
-        if last is not None and near and math.isnan(state.position.x + state.position.z):
+        if (
+            last is not None
+            and last.line not in staying
+            and near
+            and math.isnan(state.position.x + state.position.z)
+        ):
             state = _behind_cycle(interpreted, last.line, first, found[last.line])
         found[one.line] = state
         last = one

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -164,21 +165,28 @@ class UnrolledRoughing(UnrolledCycle, kw_only=True):
         super().check(written)
         settings = written.original.settings
         step_mm = settings.output.step_mm(is_inch=written.now_behind.is_inch)
-        left = _Left(self.cycle, step_mm)
-        for move in _moves(written):
-            # A control that goes to the start from a place that is not known does so by itself, too.
-            if not math.isnan(move.start.x + move.start.z):
-                left.run(self._way(move), is_cut=move.is_cut)
-        left.compare()
+        _check_stock(self.cycle, self.contour.frame, step_mm, tuple(_moves(written)))
 
-    def _way(self, move: Move) -> Floats:
-        """Places on a move in the axes of the passes, (n, 2)."""
-        if move.kind in ("rapid", "line"):
-            ends = (move.start, move.end)
-            return np.array([self.contour.frame.inside(end.z, end.x) for end in ends])
-        path = path_of([leg_of(move)])
-        points = path.points(np.linspace(0.0, path.length_mm, _POINTS_OF_ARC))
-        return np.array([self.contour.frame.inside(z, x) for x, _, z in points.tolist()])
+
+# Programs rough the same contour from the same start for one part after the other.
+@lru_cache(maxsize=4)
+def _check_stock(cycle: Roughing, frame: Frame, step_mm: float, moves: tuple[Move, ...]) -> None:
+    """Run moves against the stock of a cycle.  Raises SelfCheckError."""
+    left = _Left(cycle, step_mm)
+    for move in moves:
+        # A control that goes to the start from a place that is not known does so by itself, too.
+        if not math.isnan(move.start.x + move.start.z):
+            left.run(_way(move, frame), is_cut=move.is_cut)
+    left.compare()
+
+
+def _way(move: Move, frame: Frame) -> Floats:
+    """Places on a move in the axes of the passes, (n, 2)."""
+    if move.kind in ("rapid", "line"):
+        return np.array([frame.inside(end.z, end.x) for end in (move.start, move.end)])
+    path = path_of([leg_of(move)])
+    points = path.points(np.linspace(0.0, path.length_mm, _POINTS_OF_ARC))
+    return np.array([frame.inside(z, x) for x, _, z in points.tolist()])
 
 
 class _Left:

@@ -239,7 +239,8 @@ def _steady_part(
     period_s = math.inf
     if crest.size > 1:
         period_s = mean_step_s(motion.time_s[crest])
-        speed_mm_s = float(np.ptp(motion.distance_mm[crest[[0, -1]]]) / np.ptp(motion.time_s[crest[[0, -1]]]))
+        moved_mm = float(np.ptp(motion.distance_mm[crest[[0, -1]]]))
+        speed_mm_s = moved_mm / float(np.ptp(motion.time_s[crest[[0, -1]]])) or speed_mm_s
     # After one pass, every pass of full stroke follows one of full stroke; a shorter part is taken whole.
     begin_s = start_s + motion.pass_s
     if end_s - begin_s < min(period_s, motion.pass_s):
@@ -259,12 +260,15 @@ def _as_meant(
 
 
 def _mean_speed_mm_s(motion: Motion, steady: _Steady, vibration_s: float) -> float:
-    """The mean speed over as many whole vibrations as there are; the programmed one where there is none."""
+    """The mean speed over as many whole vibrations as there are.
+
+    The programmed one where there is none, or the tool only stands there: what is fed is told by neither.
+    """
     whole_s = math.floor((steady.end_s - steady.start_s) / vibration_s + _EDGE) * vibration_s
     if whole_s <= 0.0:
         return steady.speed_mm_s
     ends_mm = motion.at(np.array([steady.end_s - whole_s, steady.end_s]))
-    return float(ends_mm[1] - ends_mm[0]) / whole_s
+    return max(float(ends_mm[1] - ends_mm[0]), 0.0) / whole_s or steady.speed_mm_s
 
 
 def _margin(motion: Motion, steady: _Steady) -> float:

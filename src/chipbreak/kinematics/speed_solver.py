@@ -67,7 +67,9 @@ class CommandGroup:
             periods = [Period(1.0 / p, p, max(2, round(p / self.base_period_s))) for p in self.periods_s]
         else:
             last = self.max_multiple or MOST_TICKS
-            middle = min(max(1.0 / (frequency_hz * self.base_period_s), self.min_multiple), last)
+            shares = frequency_hz * self.base_period_s
+            wanted = 1.0 / shares if shares > 0.0 else math.inf  # a spindle that is held at 0 rpm
+            middle = min(max(wanted, self.min_multiple), last)
             low = max(self.min_multiple, math.floor(middle) - count)
             multiples = self.multiples or range(low, min(math.ceil(middle) + count, last) + 1)
             periods = [Period(1.0 / (n * self.base_period_s), n * self.base_period_s, n) for n in multiples]

@@ -30,8 +30,7 @@ class Ideal(ControlLaw):
     ) -> Floats:
         """See :meth:`ControlLaw.block_times`."""
         lengths, feeds = self.checked(lengths_mm, feeds_mm_s)
-        times_s: Floats = np.maximum(np.abs(lengths) / np.minimum(feeds, self.velocity_mm_s), self.read_s)
-        return times_s
+        return self._times_s(lengths, feeds)
 
     def shortest_time(self, length_mm: float) -> float:
         """See :meth:`ControlLaw.shortest_time`."""
@@ -47,8 +46,12 @@ class Ideal(ControlLaw):
     def motion_between_dwells(self, distance_mm: Floats, blocks: Blocks, feeds_mm_s: Floats) -> Motion:
         """See :meth:`ControlLaw.commanded_motion`; the knots are the ends of the blocks."""
         self.refuse_lost_strokes(blocks.lengths_mm)
-        spans_s = np.abs(blocks.lengths_mm) / np.minimum(feeds_mm_s, self.velocity_mm_s)
+        spans_s = self._times_s(blocks.lengths_mm, feeds_mm_s)
         return Motion(spans_s, np.append(0.0, np.cumsum(spans_s)), distance_mm)
+
+    def _times_s(self, lengths_mm: Floats, feeds_mm_s: Floats) -> Floats:
+        times_s: Floats = np.abs(lengths_mm) / np.minimum(feeds_mm_s, self.velocity_mm_s)
+        return times_s
 
     def _feed_for(self, length_mm: float, time_s: float) -> float:
         return length_mm / time_s

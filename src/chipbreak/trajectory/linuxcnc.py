@@ -128,7 +128,7 @@ class LinuxCnc(ControlLaw):
         parts = parts_of(~stops)
         if len(parts.starts) == size and self.merge_mm == 0.0:
             # From rest to rest each: how long they take is known without the places of every period.
-            return np.maximum(single_times(columns, self._clock), self.read_s)
+            return single_times(columns, self._clock)
         return self._runs(columns, parts, before_mm_s).times
 
     def feeds_for_spans(self, blocks: Blocks, spans_s: Floats, plain_from: int) -> Floats:
@@ -184,8 +184,7 @@ class LinuxCnc(ControlLaw):
         """How the blocks run; where points on a line are joined, those of one feed are one."""
         if self.merge_mm > 0.0:
             return self._joined_runs(columns, parts)
-        runs = run_all(columns, parts, self._clock, before_mm_s)
-        return runs._replace(times=np.maximum(runs.times, self.read_s))
+        return run_all(columns, parts, self._clock, before_mm_s)
 
     def _joined_runs(self, columns: Columns, parts: Parts) -> Runs:
         starts = np.union1d(parts.starts, np.flatnonzero(np.diff(columns.speeds) != 0.0) + 1)
@@ -196,7 +195,7 @@ class LinuxCnc(ControlLaw):
         own = Columns(joined, columns.speeds[starts], tops, accelerations)
         runs = run_all(own, whole, self._clock)
         shares = np.repeat(runs.times / joined, np.diff(np.append(starts, len(columns.lengths))))
-        return runs._replace(times=np.maximum(shares * columns.lengths, self.read_s))
+        return runs._replace(times=shares * columns.lengths)
 
     def _knots(
         self, distance_mm: Floats, lengths_mm: Floats, parts: Parts, runs: Runs

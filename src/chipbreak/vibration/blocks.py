@@ -92,11 +92,21 @@ def moves_of(cut: CutPlan, settings: Settings, names: LoopNames | None = None) -
     distance_mm = ends.distance_mm[1:].copy()
     distance_mm[-1] = cut.path.length_mm
     text = block_text(columns, cut.chain, settings, plain_end=_tail_is_programmed(cut, settings))
+    planned_s = cut.wave.duration_s + end_dwell_s
+    _check_rate(len(ends.time_s) - 1 + int(np.count_nonzero(dwell_s)), planned_s, settings)
     _check_bytes(text, float(ends.time_s[-1] - ends.time_s[0]), settings)
     printed = _printed(cut, columns, settings)
     loops = form.told(ends.words.loops)
-    planned_s = cut.wave.duration_s + end_dwell_s
     return Expansion(text, distance_mm, ends.time_s[1:], dwell_s, planned_s, loops, printed, from_stand)
+
+
+def _check_rate(count: int, time_s: float, settings: Settings) -> None:
+    """Refuse a cut of more blocks than the control reads in its time; laws look at each of them besides."""
+    most = settings.planner.max_blocks_per_s
+    if most is not None and count > most * time_s * (1.0 + 1e-9):
+        message = f"needs {count / time_s:z.0f} blocks per second, the control reads {most:g}"
+        help_text = 'ask for a lower frequency, or take output.segments = "stroke"'
+        raise RefusalError("VIB032", message, help_text)
 
 
 def _check_bytes(text: Sequence[str | MoveTable], time_s: float, settings: Settings) -> None:
@@ -271,17 +281,23 @@ def _knots(cut: CutPlan, chord_mm: float) -> tuple[Floats, Floats]:
     return np.interp(place, knots, time_s), np.interp(place, knots, distance_mm)
 
 
-def _check_feed_digits(cut: CutPlan, spans: Floats, exact: Floats, feeds: Floats, digits: int) -> None:
-    """Refuse feeds that lose so many digits that the cut would take another time.
+def _check_digits(cut: CutPlan, by_feed_s: float, end_s: float, settings: Settings) -> None:
+    """Refuse numbers that lose so many digits that the cut would take another time.
 
-    ``feeds`` are the ``exact`` ones, but none below the smallest number that F can say.
+    ``by_feed_s`` is how long it takes with the digits of F.  ``end_s`` is how much longer its plain end then
+    takes, which begins at a rounded place and has a feed of its own.
     """
     planned_s = cut.wave.duration_s
-    with np.errstate(divide="ignore"):
-        took_s = float((spans * exact / np.round(feeds, digits)).sum())
-    if abs(took_s - planned_s) > PLANNED_TIME_SHARE * planned_s:
-        message = f"with {digits} decimals of F this cut of {planned_s:z.3f} s would take {took_s:z.3f} s"
-        raise RefusalError(TOO_FINE, message, "raise output.feed_decimals, or take another output.feed_mode")
+    digits = _feed_decimals(cut, settings)
+    took_s = by_feed_s + end_s
+    if abs(took_s - planned_s) <= PLANNED_TIME_SHARE * planned_s:
+        return
+    takes = f"this cut of {planned_s:z.3f} s would take {took_s:z.3f} s"
+    if abs(end_s) > abs(took_s - planned_s) / 2.0:
+        places = settings.output.decimals_of(is_inch=cut.chain.before.is_inch)
+        raise RefusalError(TOO_FINE, f"with {places} decimals of a place {takes}", "raise output.decimals")
+    help_text = "raise output.feed_decimals, or take another output.feed_mode"
+    raise RefusalError(TOO_FINE, f"with {digits} decimals of F {takes}", help_text)
 
 
 def _axis_words(
@@ -319,6 +335,7 @@ def _axis_words(
     places_mm = (rounded + origin) / scale
     if axis_steps_mm(settings, state).any():
         places_mm[:-1] = reached(places_mm[:-1], axis_steps_mm(settings, state), origin / scale)
+    places_mm[0] = points[0]  # the tool stands where the program has put it, whatever the digits
     return Words(tuple(letters), rounded[:, axes], places_mm, decimals, incremental, distance_letters, loops)
 
 
@@ -351,11 +368,17 @@ def _feed_words(cut: CutPlan, ends: _Ends, settings: Settings) -> tuple[Floats, 
     same_feeds(feeds_mm_s, ends.words.loops, blocks, law, cut.wave.period_s)
     state = cut.chain.before
     exact = _typed_feeds(cut, feeds_mm_s, blocks.lengths_mm, settings)
+    end_s = 0.0
     if _tail_is_programmed(cut, settings):
         assert state.feed is not None
         exact[plain_from:] = typed_feed(state.feed.value, is_inch=state.is_inch)
+        if law.keeps_time:
+            end_mm = float(np.abs(blocks.lengths_mm[plain_from:]).sum())
+            end_s = end_mm / cut.wave.feed_speed_mm_s - float(spans[plain_from:].sum())
     feeds: Floats = np.maximum(exact, 10.0**-digits)
-    _check_feed_digits(cut, spans, exact, feeds, digits)
+    with np.errstate(divide="ignore"):
+        by_feed_s = float((spans * exact / np.round(feeds, digits)).sum())
+    _check_digits(cut, by_feed_s, end_s, settings)
     return feeds, law.must_stand_before(blocks, feeds_mm_s)
 
 

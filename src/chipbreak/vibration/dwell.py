@@ -105,7 +105,7 @@ class DwellExpander(Expander):
         moves_s = wave.period_s - dwell_s
         way_mm = feed_mm_s * moves_s
         for _ in range(_TRIES):
-            if way_mm > 0.0:
+            if way_mm > _STILL_MM:
                 took_s = float(law.block_times([way_mm], [feed_mm_s])[0]) + law.dwell_delay_s
                 way_mm += feed_mm_s * (moves_s - took_s)
         share = way_mm / wave.feed_speed_mm_s / wave.period_s
