@@ -60,6 +60,16 @@ def test_a_corner_is_drawn(blocks: str, wanted: list[str]) -> None:
     assert drawn(blocks) == [wanted]
 
 
+def test_the_code_of_a_move_that_a_corner_takes_in_stays_in_force() -> None:
+    """The radius ends where the last move does, so no block of it is left to say G1 for the move behind."""
+    (found,) = drawn("G1 Z-20. F0.2 ,R2.\nX24.\nX40. Z-30.\n")
+    assert found == ["F0.2 G1 Z-18.", "G2 X24. Z-20. I2. K0.", "G1"]
+    (chamfer,) = drawn("G1 Z-20. F0.2 ,C2.\nX24.\nX40. Z-30.\n")
+    assert chamfer == ["F0.2 G1 Z-18.", "G1 X24. Z-20."], "it is a G1 itself"
+    (arc,) = drawn("G1 Z-20. F0.2 ,R2.\nX30.\nX40. Z-30.\n")
+    assert arc[-1] == "G1 X30."
+
+
 def test_a_corner_is_drawn_behind_thousands_of_plain_blocks() -> None:
     """They say none of the letters of a corner, so they are not among those that are looked at."""
     before = "G1 Z1. F0.2\n" + "Z1.5\nZ1.\n" * 1100

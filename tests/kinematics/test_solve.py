@@ -234,6 +234,12 @@ def test_around_lists_the_nearest_first() -> None:
     assert [p.ticks for p in CommandGroup(max_multiple=5).around(1)] == [5, 4]
 
 
+@pytest.mark.parametrize("frequency_hz", [0.0, 1e-320])
+def test_the_slowest_periods_are_nearest_to_standing(frequency_hz: float) -> None:
+    """What a program with ``G50 S0`` leaves for a vibration."""
+    assert [p.ticks for p in CommandGroup(max_multiple=5).around(frequency_hz)] == [5, 4]
+
+
 @given(
     frequency=st.floats(0.05, 500),
     low=st.integers(2, 9),

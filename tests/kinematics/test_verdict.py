@@ -346,6 +346,23 @@ def test_one_missing_vibration_of_a_thousand_is_found() -> None:
     assert (got.breaks, got.margin < 1) == (False, True)
 
 
+@pytest.mark.parametrize("vibration_s", [0.02, None])
+def test_a_part_in_which_the_tool_only_stands_breaks_nothing(vibration_s: float | None) -> None:
+    """No mean speed can be told from it; the programmed feed is the measure."""
+    time_s, distance_mm = np.array([0.0, 1.0, 1.5, 3.0]), np.array([0.0, 4.0, 4.0, 4.0])
+    verdict = judge(
+        time_s,
+        distance_mm,
+        speed_rpm=2500.0,
+        feed_mm_rev=FEED_MM,
+        steady_s=(2.0, 2.5),
+        vibration_s=vibration_s,
+        waveform="triangle",
+    )
+    assert not verdict.breaks
+    assert verdict.margin == 0.0
+
+
 def test_a_vibration_that_is_missing_in_the_last_revolution_is_found() -> None:
     """No later pass meets the place where it is missing, and its neighbour touches the last pass."""
     time_s, distance_mm = steady_wave("triangle", 1.5, 1.2)

@@ -77,6 +77,15 @@ def test_the_worked_example() -> None:
     assert cut.verdict.chips_per_rev == pytest.approx(1 / 2.4, rel=1e-3)
 
 
+def test_a_dwell_as_long_as_the_vibration_is_refused() -> None:
+    """In 50 ms there is one of 50 ms, and nothing is left to feed in: not even a way of 1e-18 mm."""
+    program = "G97 S3000 M3\nG98\nG0 X60. Z1.\nG1 Z-5. F120. f20.\nG0 X80.\nM30\n"
+    sets = (DWELL, "planner.dwell_step_ms=50", "command.base_period_ms=10")
+    with pytest.raises(chipbreak.ProgramRejectedError, match="leaves no time to feed in 50 ms") as caught:
+        result(program, "linuxcnc-lathe", *sets)
+    assert "VIB086" in [one.code for one in caught.value.diagnostics]
+
+
 @pytest.mark.few(8)
 @given(
     turns=st.floats(0.6, 6.0).map(lambda e: round(e, 2)),

@@ -36,6 +36,16 @@ def test_the_worked_example_runs_as_promised() -> None:
     assert times(cut)[-1] == pytest.approx(32.0 / (0.05 * 2500.0) * 60.0, rel=1e-4)
 
 
+def test_the_first_block_begins_where_the_tool_stands() -> None:
+    """Z0.0787 lies between two steps of the output: its way, and so its F, is that from there."""
+    program = "G20\nG97 S300 M3\nG95\nG0 X.7874 Z.0787\nG1 Z-.0394 F.0039 E2.5 f50.\nM30\n"
+    sets = ("output.decimals=2", "vibration.ramp_vibrations=0", "vibration.alpha=0.75")
+    text = filtered(program, "fanuc-lathe", *sets)
+    cut = run_program(text).cuts[0]
+    first, second = cut[:2]
+    assert second.span_s + first.span_s == pytest.approx(0.02, rel=1e-3)
+
+
 @pytest.mark.parametrize(
     ("words", "sets", "speed_rpm", "per_rev"),
     [

@@ -282,7 +282,10 @@ def _margin(motion: Motion, steady: _Steady) -> float:
     for corner_s, gap_mm in chain.from_iterable(motion.corner_gaps()):
         inside = slice(np.searchsorted(corner_s, bounds[0]), np.searchsorted(corner_s, bounds[-1], "right"))
         _lower(least, bounds[1:-1], corner_s[inside], gap_mm[inside])
-    margin = 1.0 - float(least.max()) / (steady.speed_mm_s * pass_s)
+    worst_mm = float(least.max())
+    if math.isinf(worst_mm):
+        return 0.0  # nothing turns back there
+    margin = 1.0 - worst_mm / (steady.speed_mm_s * pass_s)
     # A stretch without a crest is a missing vibration; the touch that ends it elsewhere does not excuse it.
     stretch_s = np.diff(np.insert(window_s, 1, crest_s)).max()
     missing = crest_s.size == 0 or stretch_s > 1.5 * steady.period_s

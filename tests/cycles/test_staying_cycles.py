@@ -1,0 +1,56 @@
+"""A cycle that stays where the profile does not know its end leaves the start of the next one open."""
+
+from __future__ import annotations
+
+import pytest
+
+import chipbreak
+from chipbreak.settings import load
+
+BAD = "X29. ,R9.\n"
+CYCLE = (
+    "G71 U1. R0.5\nG71 P{p} Q{q} U0.4 W0.1 F0.25\n"
+    "N{p} G0 X24.\nG1 Z-5. F0.25\n{corner}Z-10.\nN{q} X30.\n{finish}"
+)
+HEAD = "G21\nG97 S900 M3\nG95\nG0 X30. Z2.\n"
+TAIL = "G0 X80.\nM30\n"
+
+
+def _cycle(number: int, corner: str = "", *, finish: bool = True) -> str:
+    call = f"G70 P{number} Q{number + 5}\n" if finish else ""
+    return CYCLE.format(p=number, q=number + 5, corner=corner, finish=call)
+
+
+def _unrolled(profile: str, *cycles: str) -> tuple[list[str], list[str]]:
+    """What is written out, and what is said of those that stay."""
+    settings = load(profile, ["cycles.unroll=always"])
+    result = chipbreak.rewrite((HEAD + "".join(cycles) + TAIL).encode(), settings)
+    lines = result.data.decode().splitlines()
+    said = [one.message for one in result.diagnostics if one.code.startswith("CYC")]
+    return [line.split("UNROLLED ")[1].rstrip(")") for line in lines if "UNROLLED G7" in line], said
+
+
+@pytest.mark.parametrize("finish", [True, False])
+def test_on_a_control_that_is_known_the_next_one_is_written_out(finish: bool) -> None:
+    written, said = _unrolled("fanuc-lathe", _cycle(10, BAD), _cycle(20, finish=finish))
+    assert written == ["G71 P20 Q25", "G70 P20 Q25"][: 1 + finish]
+    assert "larger than the moves beside it" in said[0]
+
+
+@pytest.mark.parametrize("finish", [True, False])
+def test_on_one_that_is_not_the_next_ones_stay_too(finish: bool) -> None:
+    cycles = [_cycle(10, BAD), _cycle(20, finish=finish), _cycle(30, finish=finish)]
+    written, said = _unrolled("generic-lathe", *cycles)
+    assert written == []
+    assert [text for text in said if "where this cycle starts is not known" in text]
+
+
+def test_where_the_place_is_said_again_it_is_known() -> None:
+    written, _ = _unrolled("generic-lathe", _cycle(10, BAD), "G0 X30. Z2.\n", _cycle(20))
+    assert written == ["G71 P20 Q25", "G70 P20 Q25"]
+
+
+def test_behind_one_that_is_written_out_it_is_known() -> None:
+    written, said = _unrolled("generic-lathe", _cycle(10), _cycle(20))
+    assert written == ["G71 P10 Q15", "G70 P10 Q15", "G71 P20 Q25", "G70 P20 Q25"]
+    assert not [text for text in said if "not known" in text]
