@@ -54,3 +54,39 @@ def test_behind_one_that_is_written_out_it_is_known() -> None:
     written, said = _unrolled("generic-lathe", _cycle(10), _cycle(20))
     assert written == ["G71 P10 Q15", "G70 P10 Q15", "G71 P20 Q25", "G70 P20 Q25"]
     assert not [text for text in said if "not known" in text]
+
+
+ARC_BETWEEN = (
+    "G97 S1200 M3\nG95\nG0 X30. Z5.\n"
+    "G70 P10 Q20\n"
+    "G3 X30.4 Z4.8 R0.2 F0.2\n"
+    "G71 U2. R0.5\nG71 P10 Q20 U0.4 W0.1 F0.2\n"
+    "N10 G0 X28.4\nG1 Z-0.2 F0.2\nZ-5.2\nN20 X30.4\n"
+    "G0 X80.\nM30\n"
+)
+
+
+def test_a_contour_behind_an_arc_leaves_what_its_roughing_leaves() -> None:
+    """G70 stands before the arc and shares the contour; the blocks of G71 give no G3 back behind it."""
+    settings = load("mitsubishi-lathe", ["cycles.unroll=always"])
+    result = chipbreak.rewrite(ARC_BETWEEN.encode(), settings)
+    assert result.data.count(b"UNROLLED G7") == 2
+    assert chipbreak.restore(result.data) == ARC_BETWEEN.encode()
+
+
+BETWEEN_CYCLES = (
+    "G97 S600 M3\nG94\nG0 X20. Z1.\n(VIB OFF)\n"
+    + _cycle(10).replace("X30.", "X20.").replace("X24.", "X17.").replace("F0.25", "F120.")
+    + "(VIB N1.5)\n"
+    + _cycle(10, finish=False).replace("X30.", "X20.").replace("X24.", "X1.").replace("F0.25", "F120.")
+    + TAIL
+)
+
+
+def test_a_program_of_which_no_cycle_stays_written_out_is_verified() -> None:
+    """Its passes are too short to vibrate at 120 mm a revolution, which is a warning where that is allowed."""
+    model = ("axes.X.max_acceleration_mm_s2=2000", "axes.Z.max_acceleration_mm_s2=2000")
+    settings = load("mitsubishi-lathe", ["planner.model=trapezoid", "vibration.air=vibrate", *model])
+    result = chipbreak.rewrite(BETWEEN_CYCLES.encode(), settings, allow_unbroken=True)
+    assert result.data == BETWEEN_CYCLES.encode()
+    assert chipbreak.verify(result.data, settings).data == BETWEEN_CYCLES.encode()

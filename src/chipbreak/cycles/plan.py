@@ -380,7 +380,7 @@ def _edits_of_group(
         raise _GroupError(stay[0].line, stay[0].error)
     line = group[0].line
     try:
-        edits += _contour_edits(interpreted, group, starts[line], stay)
+        edits += _contour_edits(interpreted, group, [starts[one.line] for one in group], stay)
         _refuse_lines(interpreted, [one.edit for one in edits])
     except RefusalError as error:
         raise _GroupError(line, error) from None
@@ -388,7 +388,10 @@ def _edits_of_group(
 
 
 def _contour_edits(
-    interpreted: InterpretedProgram, group: Sequence[ContourCall], start: State, stay: Sequence[Refused]
+    interpreted: InterpretedProgram,
+    group: Sequence[ContourCall],
+    starts: Sequence[State],
+    stay: Sequence[Refused],
 ) -> list[UnrolledEdit]:
     """The contour is taken out of the way; for those that stay it goes behind the end of the program.
 
@@ -397,10 +400,10 @@ def _contour_edits(
     """
     first = group[0].first
     if not stay:
-        return [_contour_edit(interpreted, group, start)]
+        return [_contour_edit(interpreted, group, starts)]
     if first is not None and interpreted.before(first).ended:
         return []
-    removed = _contour_edit(interpreted, group, start)
+    removed = _contour_edit(interpreted, group, starts)
     if any((one.first, one.last) != (first, group[0].last) for one in group):
         raise _GroupError(stay[0].line, stay[0].error)  # one of them would find only a part of it
     try:
@@ -442,9 +445,9 @@ def _is_called(interpreted: InterpretedProgram, lines: set[int]) -> bool:
 
 
 def _contour_edit(
-    interpreted: InterpretedProgram, group: Sequence[ContourCall], start: State
+    interpreted: InterpretedProgram, group: Sequence[ContourCall], starts: Sequence[State]
 ) -> UnrolledEdit:
-    """The contour of cycles, the first of them from ``start``, is taken out of the way.
+    """The contour of cycles, each of them from its start, is taken out of the way.
 
     The control passes over what cycles before it call.  A finishing cycle behind it may call less or more:
     to what more it calls the control comes by itself.
@@ -458,7 +461,7 @@ def _contour_edit(
     numbers = [interpreted.program.block(line).sequence for line in (first, last)]
     names = " to ".join(f"N{number.value_text}" for number in numbers if number is not None)
     reason = "nothing calls this contour any more"
-    promise = RemovedContour(leaves_motion=leaves_motion(start))
+    promise = RemovedContour(leaves_motion=any(map(leaves_motion, starts)))
     return UnrolledEdit(Edit(first, last + 1, (), f"CONTOUR {names}", reason, promise), None)
 
 

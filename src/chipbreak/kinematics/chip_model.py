@@ -30,6 +30,7 @@ _FULL = 0.98  # return strokes of at least this share of the longest belong to t
 _EDGE = 0.01  # a crest that rounding has moved this share of a pass out of the steady part is still in it
 _SAMPLE_UNITS = 200  # vibrations or revolutions worked out in full
 _SAMPLE_POINTS = 60_000  # corners in them
+_MOST_GAPS = 1_000_000  # in one vibration or revolution, to each older pass from each corner
 _CRESTS_AT_ONCE = 1 << 12
 _ROUGHNESS_PASSES = 60
 _ROUGHNESS_ANGLES = 1025
@@ -127,11 +128,12 @@ def weakest_margin(
     steady_s: tuple[float, float] | None = None,
     waveform: str | None = None,
     vibration_s: float | None = None,
+    meant_s: tuple[Floats, Floats] | None = None,
 ) -> float:
     """The margin of :func:`judge` alone, for who tries one stroke after the other."""
     _check(time_s, distance_mm, speed_rpm, feed_mm_rev, edges)
     turning = _Turning(speed_rpm, feed_mm_rev, edges)
-    return _seen(time_s, distance_mm, turning, _Wave(waveform, 0.0, vibration_s, steady_s, None)).margin()
+    return _seen(time_s, distance_mm, turning, _Wave(waveform, 0.0, vibration_s, steady_s, meant_s)).margin()
 
 
 class _Turning(NamedTuple):
@@ -166,6 +168,7 @@ def _judged(time_s: Floats, distance_mm: Floats, turning: _Turning, wave: _Wave)
     reach_mm = _reach(motion, steady)
     stroke_mm = reach_mm if rests is not None else _stroke(motion, steady, reach_mm)
     passes = math.floor(reach_mm / feed_mm) + 1  # an older pass lies wholly behind the tool
+    passes = min(passes, _most_passes(motion, steady))
     if rests is None and bool((distance_mm[1:] >= distance_mm[:-1]).all()):
         passes = 1  # it never turns back, so every pass lies behind the one that follows it
     chips_per_s, cut_share, longest_s, peak_mm = _chips(motion, _sampled_part(motion, steady, passes), passes)
@@ -346,11 +349,26 @@ def _ahead_mm(motion: Motion, steady: _Steady, knots: slice) -> Floats:
     return ahead_mm
 
 
+def _most_passes(motion: Motion, steady: _Steady) -> int:
+    """As many as can be looked at: a tool that is late at corners may reach thousands of feeds far.
+
+    Where older ones are left out, metal counts that they have taken: chips are said to be thicker than they
+    are, and never thinner.
+    """
+    low, high = np.searchsorted(motion.time_s, [steady.end_s - _unit_s(motion, steady), steady.end_s])
+    return max(math.isqrt(_MOST_GAPS // int(high - low + 1)), 1)
+
+
+def _unit_s(motion: Motion, steady: _Steady) -> float:
+    """A revolution or a vibration, whichever is longer: behind it all comes again."""
+    return max(motion.pass_s, steady.period_s if steady.crest.size > 1 else 0.0)
+
+
 def _sampled_part(motion: Motion, steady: _Steady, passes: int) -> tuple[float, float]:
     """The end of the steady part that is worked out in full: its start and end [s]."""
     begin_s = steady.begin_s
     end_s = steady.end_s
-    unit_s = max(motion.pass_s, steady.period_s if steady.crest.size > 1 else 0.0)
+    unit_s = _unit_s(motion, steady)
     settled_s = begin_s + (passes - 1) * motion.pass_s
     if end_s - settled_s > 3.0 * unit_s:  # room enough to wait until all older passes were full too
         begin_s = settled_s

@@ -164,6 +164,8 @@ def _ends(cut: CutPlan, form: OutputForm, settings: Settings) -> _Ends:
     keep = np.append(np.any(np.diff(words.absolute, axis=0) != 0.0, axis=1), True)
     keep[-2:-1] &= not _is_at_end(cut, words, settings)
     keep[1 : 1 + _left_out_first(cut, time_s, distance_mm, settings)] = False
+    # What was left out there may have been all that stood at the start.
+    keep[0] |= bool((words.absolute[keep.argmax()] != words.absolute[0]).any())
     times = time_s[keep]
     counts = dwells[keep].astype(np.intp)
     if dwells.any():

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from chipbreak.editing.restore import Region
-from chipbreak.kinematics.chip_model import Verdict, judge
+from chipbreak.kinematics.chip_model import Verdict, judge, weakest_margin
 from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.machine_demand import flank_clearance_deg, least_acceleration_mm_s2
 from chipbreak.kinematics.remembered import remembered
@@ -354,8 +354,19 @@ def _margin_off(plan: CutPlan, expansion: Expansion, timed: _Timed, margin: floa
         law = timed.law.slower(one)
         blocks = law.blocks(timed.blocks.moved_mm, timed.blocks.lengths_mm)
         motion = law.motion(timed.distance_mm, blocks, moves.feed_mm_s, moves.dwell_s)
-        judged = _judged(plan, expansion, _ends_s(motion, moves), motion, None)
-        off.append(abs(judged.margin - margin))
+        time_s = _ends_s(motion, moves)
+        weakest = weakest_margin(
+            motion.time_s,
+            motion.distance_mm,
+            speed_rpm=plan.solution.speed_rpm,
+            feed_mm_rev=plan.wave.feed_mm_rev,
+            edges=plan.edges,
+            steady_s=_steady_s(plan, expansion, time_s, motion),
+            waveform=plan.wave.waveform,
+            vibration_s=plan.wave.period_s,
+            meant_s=(time_s, _planned_s(expansion)),
+        )
+        off.append(abs(weakest - margin))
     return max(off)
 
 
