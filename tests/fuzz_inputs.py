@@ -631,7 +631,7 @@ def expected(work: Callable[[], object]) -> None:
 
 CASES: dict[str, tuple[Case, int]] = {
     "program": (a_program, 10),
-    "round program": (a_round_program, 2),
+    "round program": (a_round_program, 1),
     "profile": (a_profile, 3),
     "set": (a_set, 6),
     "template": (a_template, 2),

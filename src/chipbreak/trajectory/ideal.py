@@ -51,7 +51,7 @@ class Ideal(ControlLaw):
 
     def _times_s(self, lengths_mm: Floats, feeds_mm_s: Floats) -> Floats:
         times_s: Floats = np.abs(lengths_mm) / np.minimum(feeds_mm_s, self.velocity_mm_s)
-        return times_s
+        return np.maximum(times_s, self.read_s)
 
     def _feed_for(self, length_mm: float, time_s: float) -> float:
         return length_mm / time_s

@@ -128,8 +128,10 @@ class LinuxCnc(ControlLaw):
         parts = parts_of(~stops)
         if len(parts.starts) == size and self.merge_mm == 0.0:
             # From rest to rest each: how long they take is known without the places of every period.
-            return single_times(columns, self._clock)
-        return self._runs(columns, parts, before_mm_s).times
+            times_s = single_times(columns, self._clock)
+        else:
+            times_s = self._runs(columns, parts, before_mm_s).times
+        return np.maximum(times_s, self.read_s)
 
     def feeds_for_spans(self, blocks: Blocks, spans_s: Floats, plain_from: int) -> Floats:
         """See :meth:`ControlLaw.feeds_for_spans`."""

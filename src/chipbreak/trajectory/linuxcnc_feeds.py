@@ -21,6 +21,10 @@ from chipbreak.trajectory.linuxcnc_runs import Counts, times_by_clock
 _TRIED = np.geomspace(0.5, 20.0, 75)
 _TRIED_BETWEEN = 40
 _COARSE = 5
+_MANY_BLOCKS = 25  # the times of fewer jump by whole periods, up and down, as factors grow
+_HUGE_BLOCKS = 1_000
+_HALVINGS = 16
+_EDGE_HALVINGS = 4
 _ROWS_AT_ONCE = 1 << 13
 _FAR_PERIODS = 3.5
 _SAME_S = 1e-9
@@ -90,6 +94,77 @@ def factors_for(wanted: Wanted, clocks: Sequence[Clock]) -> Found:
 
 def _one_factor(wanted: Wanted, clocks: Sequence[Clock]) -> tuple[Floats, Floats, Bools]:
     """One factor for each stretch, by how much it misses its time, and whether any factor does."""
+    if wanted.fitted < _MANY_BLOCKS:
+        return _factor_of_all(wanted, clocks)
+    factors, missed = _halved(wanted, clocks)
+    never = np.zeros(len(factors), np.bool_)
+    # Where none of these does, one of all may; where they are of thousands of blocks, that takes too long.
+    is_open = np.isnan(missed) | ((missed != 0.0) & (wanted.fitted < _HUGE_BLOCKS))
+    rows = np.flatnonzero(is_open)
+    if len(rows):
+        factors[rows], missed[rows], never[rows] = _factor_of_all(wanted.rows(rows), clocks)
+    return factors, missed, never
+
+
+def _halved(wanted: Wanted, clocks: Sequence[Clock]) -> tuple[Floats, Floats]:
+    """:func:`_one_factor` of stretches of many blocks, for which a larger factor takes less time.
+
+    A round wave that never turns back has thousands of blocks, and every try runs through all of them.  NaN
+    where no factor is slow enough, or fast enough.
+    """
+    slack = clocks[0].period_s / 2.0
+    time = wanted.time
+    every = np.arange(len(time))
+    ends = np.log(_TRIED[[0, -1]])
+    took = np.array([_late(wanted, every, np.full(len(time), np.exp(end)), clocks) + time for end in ends])
+    places = np.repeat(ends, len(time)).reshape(2, -1)  # of what is too slow, and of what is too fast
+    within = (took[0] > time + slack) & (took[1] < time - slack)
+    factors, missed = np.ones(len(time)), np.where(within, np.inf, np.nan)
+    rows = np.flatnonzero(within)
+    for _ in range(_HALVINGS):
+        if not len(rows):
+            break
+        # Time is about one over the factor, so both are taken as logarithms; never too near to an end.
+        share = np.log(took[0, rows] / time[rows]) / np.log(took[0, rows] / took[1, rows])
+        tried = places[0, rows] + np.clip(share, 0.1, 0.9) * (places[1, rows] - places[0, rows])
+        late = _late(wanted, rows, np.exp(tried), clocks)
+        better = np.abs(late) < np.abs(missed[rows])
+        factors[rows[better]], missed[rows[better]] = np.exp(tried[better]), late[better]
+        side = (late < 0.0).astype(np.intp)
+        hit = np.abs(late) <= slack
+        places[side[~hit], rows[~hit]] = tried[~hit]
+        took[side[~hit], rows[~hit]] = (late + time[rows])[~hit]
+        rows = rows[~hit]
+    hits = np.flatnonzero(np.abs(missed) <= slack)
+    if len(hits):
+        middle = _middle_of_hits(
+            wanted, hits, (places[0, hits], np.log(factors[hits]), places[1, hits]), clocks
+        )
+        is_one = np.abs(_late(wanted, hits, np.exp(middle), clocks)) <= slack
+        factors[hits[is_one]] = np.exp(middle[is_one])
+        missed[hits] = 0.0
+    return factors, missed
+
+
+def _middle_of_hits(
+    wanted: Wanted, rows: Counts, around: tuple[Floats, Floats, Floats], clocks: Sequence[Clock]
+) -> Floats:
+    """The middle of the factors that do: ``around`` are one that is too slow, one that does, one too fast."""
+    slow, found, fast = around
+    slack = clocks[0].period_s / 2.0
+    inside = np.concatenate([found, found])
+    outside = np.concatenate([slow, fast])
+    both = np.concatenate([rows, rows])
+    for _ in range(_EDGE_HALVINGS):
+        middle = (inside + outside) / 2.0
+        hit = np.abs(_late(wanted, both, np.exp(middle), clocks)) <= slack
+        inside, outside = np.where(hit, middle, inside), np.where(hit, outside, middle)
+    ends = inside.reshape(2, -1)
+    return np.asarray(ends.mean(axis=0))
+
+
+def _factor_of_all(wanted: Wanted, clocks: Sequence[Clock]) -> tuple[Floats, Floats, Bools]:
+    """:func:`_one_factor` from the times with every factor."""
     late = _late_of_all(wanted, clocks)
     slack = clocks[0].period_s / 2.0
     ends = np.array([_between(misses, slack) for misses in late]).reshape(-1, 2)

@@ -178,10 +178,12 @@ def _ends(cut: CutPlan, form: OutputForm, settings: Settings) -> _Ends:
         message = f"the cut rounds to nothing at {words.decimals} decimals"
         raise RefusalError("VIB023", message, "a vibrated cut needs a distance to travel")
     times[0] = time_s[0]
+    points_mm = words.points_mm[keep]
+    points_mm[0] = words.points_mm[0]
     kept = replace(
         words,
         absolute=words.absolute[keep],
-        points_mm=words.points_mm[keep],
+        points_mm=points_mm,
         loops=among_kept(words.loops, keep),
     )
     return _Ends(times, distance_mm[keep], _ending_exactly(kept, cut, settings), counts)

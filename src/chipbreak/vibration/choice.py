@@ -137,12 +137,19 @@ class Chooser:
         """The first choice with margin to spare, else that with the most."""
         tried: list[_Tried] = []
         why: RefusalError | None = None
-        for conditions in self._ever_slower(cut):
+        slower = _Slower()
+        for conditions in self._candidates(cut):
+            # What the control makes of a stroke takes long to find, so that is asked last.
+            if not slower.takes(conditions) or not _runs(conditions, cut):
+                continue
             try:
                 tried.append(self._try(cut, conditions, make))
             except RefusalError as error:
+                slower.behind(conditions, error.code)
                 why = why or (None if error.code == NOTHING_FITS else error)
-            if tried and self._is_enough(cut, tried):
+            else:
+                slower.behind(conditions, "" if tried[-1].margin > 0.0 else NOTHING_FITS)
+            if slower.is_over or (tried and self._is_enough(cut, tried)):
                 break
         best = max(tried, key=lambda one: one.margin, default=None)
         if best is None or best.margin < 1.0:
@@ -209,18 +216,29 @@ class Chooser:
             raise _too_short(cut, found[0])
         return iter(long_enough)
 
-    def _ever_slower(self, cut: _Cut) -> Iterator[Conditions]:
-        """What the control can run, each much slower than all before it, down to the least frequency."""
-        below_hz = math.inf
-        for conditions in self._candidates(cut):
-            frequency_hz = conditions.period.frequency_hz
-            # What the control makes of a stroke takes long to find, so that is asked last.
-            if frequency_hz > below_hz or not _runs(conditions, cut):
-                continue
-            yield conditions
-            if frequency_hz < _LEAST_HZ:
-                return
-            below_hz = _SLOWER * frequency_hz
+
+class _Slower:
+    """Which conditions are tried: each much slower than all before it, down to the least frequency.
+
+    Where one is refused for the same reason as the one before it, the next is slower still.
+    """
+
+    def __init__(self) -> None:
+        self.below_hz = math.inf
+        self.share = _SLOWER
+        self.code = ""
+        self.is_over = False
+
+    def takes(self, conditions: Conditions) -> bool:
+        """True for one that is worth a try."""
+        return conditions.period.frequency_hz <= self.below_hz
+
+    def behind(self, conditions: Conditions, code: str) -> None:
+        """One was tried; ``code`` says why it was refused."""
+        self.share = self.share * _SLOWER if code and code == self.code else _SLOWER
+        self.code = code
+        self.below_hz = self.share * conditions.period.frequency_hz
+        self.is_over = conditions.period.frequency_hz < _LEAST_HZ
 
 
 def _cut_of(chain: Chain, settings: Settings) -> _Cut:
