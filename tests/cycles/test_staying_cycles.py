@@ -84,7 +84,7 @@ BETWEEN_CYCLES = (
 
 
 def test_a_program_of_which_no_cycle_stays_written_out_is_verified() -> None:
-    """Its passes are too short to vibrate at 120 mm a revolution, which is a warning where that is allowed."""
+    """Its passes are too short to vibrate at 120 mm a revolution: a warning, where that is allowed."""
     model = ("axes.X.max_acceleration_mm_s2=2000", "axes.Z.max_acceleration_mm_s2=2000")
     settings = load("mitsubishi-lathe", ["planner.model=trapezoid", "vibration.air=vibrate", *model])
     result = chipbreak.rewrite(BETWEEN_CYCLES.encode(), settings, allow_unbroken=True)

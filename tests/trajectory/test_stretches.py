@@ -15,7 +15,7 @@ import chipbreak.trajectory.linuxcnc_many as linuxcnc_many_module
 from chipbreak.trajectory import linuxcnc_planner
 from chipbreak.trajectory.junctions import Blocks, blocks_of
 from chipbreak.trajectory.linuxcnc import LinuxCnc, interpolated
-from chipbreak.trajectory.linuxcnc_feeds import Wanted, _one_factor, factors_for
+from chipbreak.trajectory.linuxcnc_feeds import Wanted, _factor_of_all, _halved, _one_factor, factors_for
 from chipbreak.trajectory.linuxcnc_joints import bends_of
 from chipbreak.trajectory.linuxcnc_many import Stretches, linuxcnc_many, times_of_many
 from chipbreak.trajectory.linuxcnc_planner import NOTHING, Clock, Stretch, linuxcnc
@@ -148,6 +148,49 @@ def test_the_factor_gives_the_wanted_time(override: float, before: float) -> Non
         rates = wanted.stretches.speeds * found.factors * near
         took = times_of_many(wanted.stretches._replace(speeds=rates), clock, 8).sum(axis=1)
         assert took == pytest.approx(wanted.time, abs=0.000501 if near == 1.0 else 0.001001)
+
+
+def long_wanted(times_s: list[float], blocks: int = 60) -> Wanted:
+    """A rise of so many blocks, which is wanted to take each of the times."""
+    share = np.linspace(0.0, 1.0, blocks + 1)
+    ways = np.tile(np.diff(0.2 * share + 0.1 * (1.0 - np.cos(np.pi * share))), (len(times_s), 1))
+    rows = len(times_s)
+    span_s = 0.004
+    kinds = Stretches(
+        ways, ways / span_s, np.full(ways.shape, 100.0), np.full(ways.shape, 2000.0), np.zeros(rows)
+    )
+    return Wanted(kinds, np.full(ways.shape, span_s), blocks, np.array(times_s))
+
+
+@pytest.mark.parametrize("override", [1.0, 2.0, inf])
+def test_one_factor_of_many_blocks_is_found_as_well_by_halving(override: float) -> None:
+    clock = Clock(0.001, 0.01, override)
+    wanted = long_wanted([0.22, 0.24, 0.25, 0.301, 0.4])
+    factors, missed = _halved(wanted, [clock])
+    assert np.abs(missed).tolist() == [0.0] * 5
+    everyones, *_ = _factor_of_all(wanted, [clock])
+    assert factors == pytest.approx(everyones, rel=0.02)
+    rates = wanted.stretches._replace(speeds=wanted.stretches.speeds * factors[:, np.newaxis])
+    took = times_of_many(rates, clock, 60).sum(axis=1)
+    assert took == pytest.approx(wanted.time, abs=0.000501)
+
+
+def test_what_no_factor_does_is_not_found_by_halving() -> None:
+    """From rest to rest it takes 28 ms at least; twenty times as fast as wanted is the most that is tried."""
+    factors, missed = _halved(long_wanted([0.01, 0.25, 20.0]), [Clock(0.001)])
+    assert np.isnan(missed).tolist() == [True, False, True]
+    assert factors[[0, 2]].tolist() == [1.0, 1.0]
+
+
+def test_where_steps_of_the_feed_are_too_wide_the_nearest_is_taken() -> None:
+    """Feeds in steps of 1 mm/s: with none of them does the stretch take 250 ms."""
+    wanted = long_wanted([0.25])
+    wide = wanted._replace(steps=np.full(wanted.spans.shape, 1.0))
+    (factor,), (missed,) = _halved(wide, [Clock(0.001)])
+    speeds = wide.typed_speeds(wide.stretches.speeds * factor)
+    took = times_of_many(wide.stretches._replace(speeds=speeds), Clock(0.001), 60).sum()
+    assert took - 0.25 == pytest.approx(missed, abs=1e-9)
+    assert 0.0005 < abs(missed) < 0.05
 
 
 def test_between_two_factors_that_do_may_be_some_that_do_not() -> None:
