@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import json
 import os
 import random
 import re
@@ -347,6 +348,7 @@ def a_round_program(draw: random.Random) -> int:
     if chipbreak.rewrite(result.data, settings, allow_unbroken=allow_unbroken).data != result.data:
         raise FoundError("it becomes another one when it is filtered again")
     chipbreak.verify(result.data, settings)
+    json.dumps(chipbreak.explain(result, settings).as_dict())
     # It was filtered twice and verified, and each may take as long as one alone.
     return len(data) + 3 * len(result.data) + int(2 * _LEAST_S / _PER_MB_S * 1e6)
 
@@ -512,6 +514,10 @@ _COMMANDS = (
     "advise -p {p} {n} {n}",
     "macros -p {p} -o macros",
     "hooks write cam -p {p} -o hooks",
+    "resume in.nc -n {line} -p {p}",
+    "resume in.nc -n {line} -p {p} -o out.nc",
+    "machine-test write -p {p} -o mt",
+    "machine-test read t.toml -p {p} -o new.toml",
     "batch programs in.nc -p {p} -o out --jobs 1",
     "batch programs -p t.toml -o out --jobs 1 --json",
 )
@@ -523,7 +529,7 @@ def a_command(draw: random.Random) -> int:
     commands = _RARE if draw.random() < 0.01 else _COMMANDS
     suffix = draw.choice(["csv", "toml", "json", "tbl", "tools", "fctl", "fctb", "ini"])
     line = draw.choice(commands).format(
-        p=draw.choice(profile_names()), suffix=suffix, n=draw.choice(_NUMBERS)
+        p=draw.choice(profile_names()), suffix=suffix, n=draw.choice(_NUMBERS), line=draw.randint(1, 40)
     )
     arguments = line.split()
     if draw.random() < 0.3:
@@ -555,11 +561,11 @@ def in_this_process(tasks: Iterable[Task], _jobs: int) -> Iterator[Finished]:
 
 def _spoilt_files(draw: random.Random, suffix: str) -> dict[str, bytes]:
     """What the commands name, by file."""
-    one = draw.choice(programs())
+    one = drawn_program(draw) if draw.random() < 0.3 else draw.choice(programs())
     _, tools = draw.choice(tool_files())
     return {
         **{f"programs/{name}": spoilt(draw, draw.choice(programs()), _PIECES) for name in _IN_FOLDER},
-        "in.nc": spoilt(draw, one, _PIECES),
+        "in.nc": spoilt(draw, one, _PIECES, draw.choice([0, 6])),
         "other.nc": spoilt(draw, one, _PIECES),
         f"t.{suffix}": spoilt(draw, tools, _PIECES),
         "t.toml": spoilt(draw, draw.choice(profiles()).encode(), _VALUES, 2),

@@ -22,7 +22,7 @@ from chipbreak.model.modal import State
 from chipbreak.model.paths import begins_program
 from chipbreak.model.state_difference import difference, is_same_place, moved, spindle_speed
 from chipbreak.model.stops import stops
-from chipbreak.model.words import codes_of
+from chipbreak.model.words import settles_motion
 from chipbreak.syntax.parse import parse_changed
 from chipbreak.text.diagnostics import ChipbreakError, SelfCheckError
 from chipbreak.text.frozen_table import FrozenTable
@@ -210,7 +210,7 @@ def _next_motion_code(interpreted: InterpretedProgram, first: int) -> int:
     stop = interpreted.program.source.body.stop
     path = interpreted.before(first).path
     for effect in interpreted.effects_of(first, stop):
-        if effect.after.path == path and codes_of(effect.block, "motion", interpreted.settings.dialect):
+        if effect.after.path == path and settles_motion(effect.block, interpreted.settings.dialect):
             return effect.block.line
     return stop
 
@@ -259,9 +259,9 @@ def _check_motion(written: Written, motion_from: int) -> None:
     if written.edit.last > motion_from or not is_left:
         return
     for effect in written.blocks_behind():
-        if codes_of(effect.block, "motion", written.original.settings.dialect):
+        if settles_motion(effect.block, written.original.settings.dialect):
             return
-        if effect.move is not None:
+        if effect.move is not None and effect.after.modes.motion != "cycle":
             raise SelfCheckError(f"line {effect.block.line + 1} moves under another motion code")
 
 

@@ -61,7 +61,8 @@ def turn_s(state: State, start_radius_mm: float, end_radius_mm: float, settings:
     if state.speed_limit is not None and state.speed_limit.value > 0.0:
         limit = min(limit, state.speed_limit.value)
     radii = np.array([start_radius_mm]), np.array([end_radius_mm])
-    return float(surface_turn_s(*radii, speed.value, limit)[0])
+    found_s = float(surface_turn_s(*radii, speed.value, limit)[0])
+    return found_s if found_s > 0.0 else math.nan  # on the axis, without a limit
 
 
 def feed_time_s(state: State, move: Move, way: float, settings: Settings) -> float:

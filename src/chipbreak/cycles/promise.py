@@ -22,6 +22,7 @@ from chipbreak.kinematics.toolpath import path_of
 from chipbreak.model.block_effect import Move
 from chipbreak.model.modal import Position, State
 from chipbreak.model.state_difference import difference, moved
+from chipbreak.model.words import settles_motion
 from chipbreak.text.diagnostics import SelfCheckError
 
 _MOST_PLACES = 200_001
@@ -44,10 +45,12 @@ class UnrolledCycle(Promise, kw_only=True):
         """Compare the states before and behind the blocks.  Raises SelfCheckError."""
         before = written.result.before(written.region.first)
         wrong = self._moved(written, before)
-        pairs = (
-            (written.original.before(written.edit.first), before),
-            (written.was_behind, written.now_behind),
-        )
+        was = written.original.before(written.edit.first)
+        if settles_motion(
+            written.original.program.block(written.edit.first), written.original.settings.dialect
+        ):
+            was = was.with_motion(before.modes.motion)  # a cycle right before it may have left another
+        pairs = ((was, before), (written.was_behind, written.now_behind))
         wrong = wrong or next((said for was, now in pairs if (said := self._difference(was, now))), "")
         if wrong:
             raise SelfCheckError(f"{wrong} differs at the cycle in line {written.edit.first + 1}")

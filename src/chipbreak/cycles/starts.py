@@ -9,7 +9,7 @@ from chipbreak.cycles.corners import BAD_CONTOUR
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
 from chipbreak.model.points import WRITE_THE_POINT, moved_without_point
-from chipbreak.model.words import codes_of
+from chipbreak.model.words import settles_motion
 from chipbreak.text.diagnostics import RefusalError
 
 _MOST_LINES = 2000
@@ -54,8 +54,10 @@ def refuse_next_move(interpreted: InterpretedProgram, line: int) -> None:
     for effect in interpreted.effects_of(line + 1, stop):
         if effect.in_contour:
             continue
-        if codes_of(effect.block, "motion", interpreted.settings.dialect) or effect.non_modal:
+        if settles_motion(effect.block, interpreted.settings.dialect) or effect.non_modal:
             return
+        if effect.after.modes.motion == "cycle":
+            continue
         if effect.move is not None:
             message = "the next move behind this cycle says no motion code of its own"
             raise RefusalError(UNREAD_FORM, message, "write G0 or G1 into it")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from chipbreak.dialects import Dialect
+from chipbreak.dialects.base import CYCLE_END
 from chipbreak.dialects.modes import UNSAID, Group, SpeedMode, Units
 from chipbreak.dialects.numbers import NumberRule
 from chipbreak.model.evaluate import constant
@@ -14,6 +15,7 @@ from chipbreak.units import surface_speed_m_min, typed_surface_speed
 NO_POINT = "a number without a decimal point; this control may read it as increments"
 
 
+_G80 = 800  # ten times the number, as in the table of codes
 # Why nothing is known at the target of a jump.
 JUMPED = "a jump (GOTO) can arrive at this block"
 
@@ -30,6 +32,17 @@ def codes_of(block: Block, group: Group, dialect: Dialect) -> list[int]:
     """The codes of a modal group that a block says, ten times the G number each."""
     numbers = [round(number * 10) for number in block.numbers("G")]
     return [n for n in numbers if n in dialect.g_codes and dialect.g_codes[n].group == group]
+
+
+def settles_motion(block: Block, dialect: Dialect) -> bool:
+    """True for a motion code that holds whatever was in force before.
+
+    A canned cycle does not on a control whose G80 brings back what was before it.
+    """
+    end = dialect.g_codes.get(_G80)
+    gives_back = end is not None and end.group == CYCLE_END
+    said = (dialect.g_codes[code].value for code in codes_of(block, "motion", dialect))
+    return any(value != "cycle" or not gives_back for value in said)
 
 
 def makes_a_limit(block: Block, dialect: Dialect) -> bool:

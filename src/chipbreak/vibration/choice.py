@@ -50,6 +50,7 @@ _MANY = 10  # vibrations, of which the ramps are a small part
 _WITH_ROUNDING = 1.05
 _STANDS = (1.25, 1.5, 2.0, 3.0, 5.0)  # revolutions per edge
 _SLOWER = 0.85  # of a frequency that did not work, the next that is tried at most
+_FEW = 4  # tries of a cut of which each may take a second
 _MOST_OTHERS = 5  # of other speeds, and feeds, that are tried to the verdict
 _STEP = 0.9  # from one speed or feed that is tried for a way out to the next
 _FEED_STEP_MM = 0.001
@@ -137,7 +138,7 @@ class Chooser:
         """The first choice with margin to spare, else that with the most."""
         tried: list[_Tried] = []
         why: RefusalError | None = None
-        slower = _Slower()
+        slower = _Slower(_FEW if _is_dear(cut, self.settings) else math.inf)
         for conditions in self._candidates(cut):
             # What the control makes of a stroke takes long to find, so that is asked last.
             if not slower.takes(conditions) or not _runs(conditions, cut):
@@ -220,10 +221,12 @@ class Chooser:
 class _Slower:
     """Which conditions are tried: each much slower than all before it, down to the least frequency.
 
-    Where one is refused for the same reason as the one before it, the next is slower still.
+    Where one is refused for the same reason as the one before it, the next is slower still.  ``most`` are
+    tried.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, most: float) -> None:
+        self.left = most
         self.below_hz = math.inf
         self.share = _SLOWER
         self.code = ""
@@ -238,7 +241,8 @@ class _Slower:
         self.share = self.share * _SLOWER if code and code == self.code else _SLOWER
         self.code = code
         self.below_hz = self.share * conditions.period.frequency_hz
-        self.is_over = conditions.period.frequency_hz < _LEAST_HZ
+        self.left -= 1
+        self.is_over = conditions.period.frequency_hz < _LEAST_HZ or self.left <= 0
 
 
 def _cut_of(chain: Chain, settings: Settings) -> _Cut:
@@ -333,6 +337,13 @@ def _vibrations(conditions: Conditions, cut: _Cut, settings: Settings) -> int:
     dwells = settings.vibration.end == "dwell"
     turns = cut.length_mm / cut.wanted.feed_mm_rev - (0.0 if dwells else settings.vibration.end_revolutions)
     return math.floor(turns * conditions.per_rev + 1e-9)
+
+
+def _is_dear(cut: _Cut, settings: Settings) -> bool:
+    """True where strokes of several blocks each are run through to find their feeds."""
+    is_even = expander_named(cut.chain.requests[0].waveform).wave.is_even
+    has_several = not is_even or settings.output.segments == "tick"
+    return has_several and cut.law.unlike_stroke_costs > 1
 
 
 def _may_shorten(chain: Chain) -> bool:

@@ -14,7 +14,7 @@ from chipbreak.kinematics.sourced_value import shown
 from chipbreak.kinematics.toolpath import BAD_ARC, path_of
 from chipbreak.kinematics.waveform import TOO_SHORT
 from chipbreak.model.interpreted_program import InterpretedProgram
-from chipbreak.model.words import codes_of
+from chipbreak.model.words import settles_motion
 from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
@@ -401,8 +401,11 @@ def _check_motion_mode(interpreted: InterpretedProgram, chain: Chain) -> None:
         return
     behind = interpreted.effects_of(chain.last, interpreted.program.source.body.stop)
     own = (effect for effect in behind if effect.after.path == chain.after.path)
-    effect = next((effect for effect in own if effect.move is not None), None)
-    if effect is not None and not codes_of(effect.block, "motion", interpreted.settings.dialect):
+    dialect = interpreted.settings.dialect
+    # A canned cycle has a code of its own, and behind its G80 the one from before it may be in force again.
+    decides = (one for one in own if one.move is not None or settles_motion(one.block, dialect))
+    effect = next((one for one in decides if one.after.modes.motion != "cycle"), None)
+    if effect is not None and not settles_motion(effect.block, dialect):
         line = interpreted.program.source.place(effect.block.line).line
         message = f"line {line} goes on as an arc without saying G2 or G3, but this cut will end in G1"
         raise RefusalError("VIB056", message, f"write the motion code in line {line}")

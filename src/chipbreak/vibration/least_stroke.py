@@ -13,12 +13,21 @@ from chipbreak.vibration.axis_steps import axis_steps_mm
 TOO_FINE = "VIB059"
 
 _LEAST_STEPS = 4
+_LEAST_FEED_MM_REV = 0.001  # less is rubbed off, and was meant to be another unit
 
 
 def refuse_too_fine(
     wave: WaveformParameters, path: Path, state: State, larger: str, settings: Settings
 ) -> None:
-    """Refuse a stroke of few steps, before a million blocks are made of it.  Errors: VIB059."""
+    """Refuse a stroke of few steps, or a feed of next to none, before a million blocks are made of it.
+
+    Errors: VIB059.
+    """
+    if wave.feed_mm_rev < _LEAST_FEED_MM_REV:
+        said = with_feed_per_minute("no chip is that thin", "give a higher feed", state, wave.feed_mm_rev)
+        if state.feed is None or state.modes.feed_mode != "minute":
+            said = f"no chip is as thin as {wave.feed_mm_rev:.3g} mm per revolution", said[1]
+        raise RefusalError(TOO_FINE, *said)
     if wave.stroke_mm < _LEAST_STEPS * _step_mm(path, state, settings):
         raise too_fine(wave, path, state, larger, settings)
 
