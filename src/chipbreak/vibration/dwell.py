@@ -72,8 +72,9 @@ class DwellExpander(Expander):
         still = np.diff(distance_mm, append=np.inf) <= _STILL_MM
         still &= np.diff(distance_mm, append=np.inf) >= -_STILL_MM
         kept = ~np.append(False, still[:-1])
-        time_s = np.where(still, np.append(time_s[1:], 0.0), time_s)
-        return time_s[kept], distance_mm[kept], still[kept]
+        # A corner where it dwells has a knot of its own: the dwell goes on to the last knot of one place.
+        ends = np.append(np.flatnonzero(kept)[1:], len(kept)) - 1
+        return time_s[ends], distance_mm[kept], still[kept]
 
     def dwell_s(self, wave: WaveformParameters, law: ControlLaw, edges: int, per_rev: float) -> float:
         """What this control leaves of a vibration behind its move."""
