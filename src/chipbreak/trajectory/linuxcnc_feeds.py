@@ -23,6 +23,7 @@ _TRIED_BETWEEN = 40
 _COARSE = 5
 _MANY_BLOCKS = 25  # the times of fewer jump by whole periods, up and down, as factors grow
 _HUGE_BLOCKS = 150
+_LONG_SHARE = 1e-4  # of a time of many seconds, which it may be off
 _HALVINGS = 16
 _EDGE_HALVINGS = 4
 _ROWS_AT_ONCE = 1 << 13
@@ -112,8 +113,9 @@ def _halved(wanted: Wanted, clocks: Sequence[Clock]) -> tuple[Floats, Floats]:
     A round wave that never turns back has thousands of blocks, and every try runs through all of them.  NaN
     where no factor is slow enough, or fast enough.
     """
-    slack = clocks[0].period_s / 2.0
+    half = clocks[0].period_s / 2.0
     time = wanted.time
+    slack = np.maximum(half, _LONG_SHARE * time)
     every = np.arange(len(time))
     ends = np.log(_TRIED[[0, -1]])
     took = np.array([_late(wanted, every, np.full(len(time), np.exp(end)), clocks) + time for end in ends])
@@ -131,16 +133,16 @@ def _halved(wanted: Wanted, clocks: Sequence[Clock]) -> tuple[Floats, Floats]:
         better = np.abs(late) < np.abs(missed[rows])
         factors[rows[better]], missed[rows[better]] = np.exp(tried[better]), late[better]
         side = (late < 0.0).astype(np.intp)
-        hit = np.abs(late) <= slack
+        hit = np.abs(late) <= slack[rows]
         places[side[~hit], rows[~hit]] = tried[~hit]
         took[side[~hit], rows[~hit]] = (late + time[rows])[~hit]
         rows = rows[~hit]
-    hits = np.flatnonzero(np.abs(missed) <= slack)
+    hits = np.flatnonzero((np.abs(missed) <= half) & (slack <= half))
     if len(hits):
         middle = _middle_of_hits(
             wanted, hits, (places[0, hits], np.log(factors[hits]), places[1, hits]), clocks
         )
-        is_one = np.abs(_late(wanted, hits, np.exp(middle), clocks)) <= slack
+        is_one = np.abs(_late(wanted, hits, np.exp(middle), clocks)) <= half
         factors[hits[is_one]] = np.exp(middle[is_one])
         missed[hits] = 0.0
     return factors, missed
