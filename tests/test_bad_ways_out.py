@@ -82,7 +82,7 @@ WAYS: dict[str, list[Way]] = {
     "dwell-stands-too-short": [("N0.75", "E2"), ("N0.75", "N0.75 ALPHA0.2")],
     "end-is-a-variable": [("Z#1", "Z-30.")],
     "end-without-point": [("Z-30", "Z-30."), 'control.decimal_point="calculator"'],
-    "feed-is-per-minute": [("G7", "G7 G95"), ("F0.1 N0.5", "F0.1 N0.5 Q20"), "output.decimals=6"],
+    "feed-is-per-minute": [("G7", "G7 G95"), ("F0.1 N0.5", "F50. N0.5")],
     "feed-missing-since-mode-change": [("N1.5", "F0.05 N1.5"), ("G95", "G95 F0.05")],
     "feed-missing": [("N1.5", "F0.05 N1.5"), ("G0 X20.", "G0 F0.05 X20.")],
     "feed-without-point": [("F5", "F0.05")],

@@ -85,15 +85,16 @@ def moves_of(cut: CutPlan, settings: Settings, names: LoopNames | None = None) -
     ends = _ends(cut, form, settings)
     dwell_s, end_dwell_s = _dwells(cut, ends.dwells, settings)
     columns = Columns(ends.words, dwell_s, form)
+    planned_s = cut.wave.duration_s + end_dwell_s
+    _check_rate(len(ends.time_s) - 1 + int(np.count_nonzero(dwell_s)), planned_s, settings)
     from_stand = False
     if not cut.expander.keeps_feed:
+        _check_bytes_without_feeds(cut, columns, planned_s, settings)
         feeds, from_stand = _feed_words(cut, ends, settings)
         columns = replace(columns, feeds=feeds, feed_decimals=_feed_decimals(cut, settings))
     distance_mm = ends.distance_mm[1:].copy()
     distance_mm[-1] = cut.path.length_mm
     text = block_text(columns, cut.chain, settings, plain_end=_tail_is_programmed(cut, settings))
-    planned_s = cut.wave.duration_s + end_dwell_s
-    _check_rate(len(ends.time_s) - 1 + int(np.count_nonzero(dwell_s)), planned_s, settings)
     _check_bytes(text, float(ends.time_s[-1] - ends.time_s[0]), settings)
     printed = _printed(cut, columns, settings)
     loops = form.told(ends.words.loops)
@@ -107,6 +108,15 @@ def _check_rate(count: int, time_s: float, settings: Settings) -> None:
         message = f"needs {count / time_s:z.0f} blocks per second, the control reads {most:g}"
         help_text = 'ask for a lower frequency, or take output.segments = "stroke"'
         raise RefusalError("VIB032", message, help_text)
+
+
+def _check_bytes_without_feeds(cut: CutPlan, columns: Columns, time_s: float, settings: Settings) -> None:
+    """Refuse blocks that are too long even with the shortest F: to find the right ones takes far longer."""
+    if settings.planner.max_bytes_per_s is None:
+        return
+    ones = np.ones(len(columns.words.absolute) - 1)
+    shortest = replace(columns, feeds=ones, feed_decimals=_feed_decimals(cut, settings))
+    _check_bytes(block_text(shortest, cut.chain, settings, plain_end=False), time_s, settings)
 
 
 def _check_bytes(text: Sequence[str | MoveTable], time_s: float, settings: Settings) -> None:

@@ -55,6 +55,7 @@ _MOST_OTHERS = 5  # of other speeds, and feeds, that are tried to the verdict
 _STEP = 0.9  # from one speed or feed that is tried for a way out to the next
 _FEED_STEP_MM = 0.001
 _PLENTY = 0.5  # of the asked margin beyond 1 must be left for a choice to be taken at once
+_ENOUGH_OF_DEAR = 0.25  # the same where every try takes long
 
 MakeCut = Callable[[Chain], tuple[CutPlan, Expansion]]
 
@@ -159,7 +160,8 @@ class Chooser:
 
     def _is_enough(self, cut: _Cut, tried: Sequence[_Tried]) -> bool:
         """True where the last one has margin to spare; where blocks of a chain are better tried alone."""
-        if tried[-1].margin >= 1.0 + _PLENTY * (cut.wanted.margin - 1.0):
+        plenty = _ENOUGH_OF_DEAR if _is_dear(cut, self.settings) else _PLENTY
+        if tried[-1].margin >= 1.0 + plenty * (cut.wanted.margin - 1.0):
             return True
         return len(cut.chain.requests) > 1 and self._cost_of(tried) > _MOST_COST_OF_A_CHAIN
 
@@ -341,9 +343,8 @@ def _vibrations(conditions: Conditions, cut: _Cut, settings: Settings) -> int:
 
 def _is_dear(cut: _Cut, settings: Settings) -> bool:
     """True where strokes of several blocks each are run through to find their feeds."""
-    is_even = expander_named(cut.chain.requests[0].waveform).wave.is_even
-    has_several = not is_even or settings.output.segments == "tick"
-    return has_several and cut.law.unlike_stroke_costs > 1
+    form = expander_named(cut.chain.requests[0].waveform).form(settings.output.segments)
+    return form == "tick" and cut.law.unlike_stroke_costs > 1
 
 
 def _may_shorten(chain: Chain) -> bool:

@@ -24,9 +24,9 @@ def refuse_too_fine(
     Errors: VIB059.
     """
     if wave.feed_mm_rev < _LEAST_FEED_MM_REV:
-        said = with_feed_per_minute("no chip is that thin", "give a higher feed", state, wave.feed_mm_rev)
+        said = with_feed_per_minute("no chip is that thin", "or give a higher feed", state, wave.feed_mm_rev)
         if state.feed is None or state.modes.feed_mode != "minute":
-            said = f"no chip is as thin as {wave.feed_mm_rev:.3g} mm per revolution", said[1]
+            said = f"no chip is as thin as {wave.feed_mm_rev:.3g} mm per revolution", "give a higher feed"
         raise RefusalError(TOO_FINE, *said)
     if wave.stroke_mm < _LEAST_STEPS * _step_mm(path, state, settings):
         raise too_fine(wave, path, state, larger, settings)

@@ -8,6 +8,7 @@ from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.plan import CutPlan
 
 _LEAST_UNLIKE = 40  # blocks that any cut costs whose strokes are hardly alike
+_STROKES_OF_SEVERAL = 60_000  # what finding the feeds of strokes of several moves costs, few as they may be
 _FILTERED = 5
 _FILTERED_ON_BENDS = 10
 _FEW_CORNERS = 8
@@ -20,6 +21,8 @@ def cost_of(plan: CutPlan, settings: Settings) -> int:
     law = control_along(settings, plan.path, plan.chain.before)
     if law.unlike_stroke_costs > 1 and _has_unlike_strokes(plan, moves):
         return law.unlike_stroke_costs * max(moves, _LEAST_UNLIKE) * len(law.variants())
+    if law.runs_whole_periods and plan.wave.form == "tick":
+        return max(moves, _STROKES_OF_SEVERAL)
     if all(axis.filter == NO_FILTER for axis in law.axes):
         return moves
     is_straight = len(plan.path.legs) == 1 and plan.path.arcs[0] is None
