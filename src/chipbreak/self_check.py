@@ -210,6 +210,8 @@ def _next_motion_code(interpreted: InterpretedProgram, first: int) -> int:
     stop = interpreted.program.source.body.stop
     path = interpreted.before(first).path
     for effect in interpreted.effects_of(first, stop):
+        if effect.in_contour:
+            continue  # the control passes over it
         if effect.after.path == path and settles_motion(effect.block, interpreted.settings.dialect):
             return effect.block.line
     return stop

@@ -199,3 +199,12 @@ def test_cuts_that_nothing_asks_are_named() -> None:
     (one,) = report.unasked
     assert (one.first_line, one.last_line, one.blocks) == (7, 8, 2)
     assert one.reason == "neither the block, nor a comment, nor the profile asks"
+
+
+def test_a_hole_on_the_axis_at_surface_speed_has_no_known_time() -> None:
+    """Without a limit the spindle would turn ever faster."""
+    program = LATHE + "G96 S150\nG0 X0. Z2.\nG83 Z-18. R2. Q5. F0.1\nG80\nG1 Z1. F0.1\nG0 X50.\nM30\n"
+    settings = chipbreak.load("fanuc-lathe", FAST)
+    assert chipbreak.explain(chipbreak.rewrite(program.encode(), settings), settings).time is None
+    limited = time_of(program.replace("G96", "G50 S3000\nG96"))
+    assert parts_of(limited)["cutting"] == pytest.approx(20 / 0.1 / 3000 * 60)

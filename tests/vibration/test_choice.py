@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import chipbreak
-from chipbreak.kinematics.conditions import LEAST_PER_REV, Limits, Wanted, best_first, least_demand
+from chipbreak.kinematics.conditions import (
+    LEAST_PER_REV,
+    Conditions,
+    Limits,
+    Wanted,
+    best_first,
+    least_demand,
+)
 from chipbreak.kinematics.speed_solver import CommandGroup, SolverRules
 from chipbreak.kinematics.waveform import WaveformParameters, least_stroke_mm
+from chipbreak.vibration.choice import Chooser, _Tried
 from chipbreak.vibration.measure import CutReport
 
 MACHINE = (
@@ -190,3 +199,27 @@ def test_what_worked_for_a_long_cut_is_judged_again_where_a_short_one_is_mostly_
     long, short, again = (cut.plan.solution.per_rev for cut in result.cuts)
     assert short != long
     assert again == long, "the short one changes nothing for others"
+
+
+@pytest.mark.parametrize(("waveform", "most"), [("sine", 4), ("triangle", 99)])
+def test_waves_of_several_blocks_a_stroke_are_tried_a_few_times(
+    waveform: str, most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """None breaks the chips here; to find their feeds on LinuxCNC takes a second for each try."""
+    tried: list[float] = []
+
+    def fails(_self: object, _cut: object, conditions: Conditions, _make: object) -> _Tried:
+        tried.append(conditions.period.frequency_hz)
+        return _Tried(0.0, conditions, None)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Chooser, "_try", fails)
+    settings = chipbreak.load("linuxcnc-lathe", ["vibration.n=auto", f"vibration.waveform={waveform}"])
+    program = b"G21 G97 S1500 M3\nG95\nG0 X50. Z2.\nG1 Z-30. F0.1\nG0 X60.\nM2\n"
+    chipbreak.rewrite(program, settings, allow_unbroken=True)
+    shares = [after / before for before, after in pairwise(tried)]
+    shares = shares[: next(at for at, share in enumerate(shares) if share >= 1.0)]  # then other speeds follow
+    assert 2 <= len(shares) < most
+    assert all(share < 0.86 for share in shares)
+    assert shares[-1] < shares[0], (
+        "each that fails like the one before is followed by one that is slower still"
+    )

@@ -327,3 +327,21 @@ def test_a_dwell_cut_is_timed_in_the_feed_mode_of_its_program(unit: str) -> None
         return cut.duration_s
 
     assert duration_s("rev") == duration_s("minute")
+
+
+@pytest.mark.parametrize("form", ["expanded", "loop"])
+def test_a_dwell_at_a_corner_is_as_long_as_others(form: str) -> None:
+    """Z-2.4 is fifty moves of 0.048 mm away and X35.2 a hundred more, so the tool dwells at both corners."""
+    program = "G97 S1200 M3\nG94\nG0 X40. Z0.\n(VIB N0.5)\nG1 Z-2.4 F60.\nX35.2\nZ-3.36\nG0 X80.\nM30\n"
+    sets = (DWELL, "vibration.edges=4", "output.feed_mode=minute", f"output.form={form}")
+    done = result(program, "haas-mill", *sets)
+    (cut,) = done.cuts
+    # One revolution at the end is cut plainly.
+    assert np.diff(cut.expansion.time_s, prepend=0.0)[:-1] == pytest.approx(np.full(168, 0.1))
+    assert cut.expansion.dwell_s[:-1] == pytest.approx(np.full(168, cut.each_dwell_s))
+    if form == "loop":
+        assert done.data.count(b"WHILE") == 3
+        return
+    places = [move.end for move in run_program(done.data.decode()).cuts[0] if move.span_s > 0.0]
+    corner = min(places, key=lambda end: abs(end[2] + 2.4) + abs(end[0] - 20.0))
+    assert corner == pytest.approx((20.0, 0.0, -2.4), abs=1e-6)

@@ -282,3 +282,21 @@ def test_a_spindle_that_hardly_turns_is_refused_before_its_control_is_followed()
     (said,) = chipbreak.check(program, chipbreak.load("linuxcnc-lathe", sets))
     assert said.code == "VIB021"
     assert "3840000000 servo periods of the control" in said.message
+
+
+@pytest.mark.parametrize(
+    ("mode", "feed", "words"),
+    [
+        ("G94", "F0.2", "the feed F0.2 is per minute: 0.0002 mm per revolution"),
+        ("G95", "F0.0002", "no chip is as thin as 0.0002 mm per revolution"),
+    ],
+)
+def test_no_chip_is_thinner_than_a_thousandth(mode: str, feed: str, words: str) -> None:
+    """It was meant in another unit; all that is worked out for such a cut takes seconds."""
+    program = f"G97 S1000 M3\n{mode}\nG0 X20. Z2.\nG1 Z1.9 {{}} N1.5\nM30\n"
+    sets = ("output.decimals=6", "output.feed_decimals=8")
+    with pytest.raises(chipbreak.ProgramRejectedError, match=words) as caught:
+        filtered(program.format(feed), "generic-lathe", *sets)
+    assert [one.code for one in caught.value.diagnostics if one.place and one.place.line == 4] == ["VIB059"]
+    enough = "F1.2" if mode == "G94" else "F0.0012"
+    assert "CHIPBREAK BEGIN" in filtered(program.format(enough), "generic-lathe", *sets)

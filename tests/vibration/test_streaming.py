@@ -60,3 +60,26 @@ def test_a_slow_line_is_refused_with_what_works() -> None:
     (cut,) = cuts_at(9600, PROGRAM.replace(b"N1.5", b"N1.5 f" + works[1].encode()))
     assert cut.verdict.breaks
     assert cut.plan.solution.per_rev == pytest.approx(1.5, abs=0.001)
+
+
+def test_blocks_that_are_too_long_anyway_are_refused_before_their_feeds_are_looked_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """On LinuxCNC that takes a second, and shorter they do not get."""
+    program = b"G21 G97 S1200 M3\nG95\nG0 X20. Z2.\nG1 Z-20. F0.1 N0.5\nG0 X30.\nM30\n"
+    sets = ("vibration.waveform=sine", "output.segments=tick")
+
+    def refused(most: float) -> str:
+        settings = chipbreak.load("linuxcnc-lathe", [*sets, f"planner.max_bytes_per_s={most}"])
+        with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+            chipbreak.rewrite(program, settings, allow_unbroken=True)
+        (error,) = (one for one in caught.value.diagnostics if one.severity is chipbreak.Severity.ERROR)
+        assert error.code == "VIB032"
+        return error.message
+
+    needed = float(re.findall(r"needs (\d+) bytes", refused(100.0))[0])
+    assert needed > 1000.0
+    monkeypatch.setattr("chipbreak.vibration.blocks._feed_words", None)
+    refused(0.9 * needed)
+    with pytest.raises(TypeError):
+        refused(1.1 * needed)

@@ -60,12 +60,15 @@ class Written(Record):
         return None
 
     def blocks_behind(self) -> Iterator[BlockEffect]:
-        """What the original does in the same path from the edit to the next one, or to the program's end."""
+        """What the original does in the same path from the edit to the next one, or to the program's end.
+
+        Without the shapes of cycles, over which the control passes.
+        """
         path = self.was_behind.path
         for effect in self.original.effects_of(self.edit.last, self.stop):
             if effect.after.ended:
                 return
-            if effect.after.path == path:
+            if effect.after.path == path and not effect.in_contour:
                 yield effect
 
     def line_in_result(self, line: int) -> int:

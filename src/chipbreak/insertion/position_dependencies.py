@@ -112,6 +112,8 @@ def reads_position(effect: BlockEffect, dialect: Dialect) -> bool:
 def relies_on_speed(interpreted: InterpretedProgram, line: int) -> bool:
     """True when the spindle is started after ``line`` without a new S."""
     for effect in interpreted.effects_of(line, min(line + HORIZON, interpreted.program.source.body.stop)):
+        if effect.in_contour:
+            continue  # roughing passes over its S
         if effect.block.has("S") or effect.after.ended:
             return False
         if effect.does("spindle", "cw", "ccw"):

@@ -400,7 +400,7 @@ def _check_motion_mode(interpreted: InterpretedProgram, chain: Chain) -> None:
     if chain.after.modes.motion == "line":
         return
     behind = interpreted.effects_of(chain.last, interpreted.program.source.body.stop)
-    own = (effect for effect in behind if effect.after.path == chain.after.path)
+    own = (one for one in behind if one.after.path == chain.after.path and not one.in_contour)
     dialect = interpreted.settings.dialect
     # A canned cycle has a code of its own, and behind its G80 the one from before it may be in force again.
     decides = (one for one in own if one.move is not None or settles_motion(one.block, dialect))
