@@ -412,3 +412,32 @@ def test_the_wish_in_force_is_said_again(line: int, wishes: list[str]) -> None:
     rest = b"".join(program.splitlines(keepends=True)[line - 1 :])
     start = result.data.removesuffix(rest).decode().splitlines()
     assert [text for text in start if text.startswith("(VIB")] == wishes
+
+
+BEHIND_FINISHING = (
+    "G97 S600 M3\nG99\nG0 X30. Z5.\nG71 U1. R0.5\nG71 P10 Q20 U0.4 W0.1 F0.12\n"
+    "N10 G0 X28.\nG1 Z0. F0.1\nZ-5.\nN20 X30.\nG70 P10 Q20\nG0 X80.\nZ10.\n{}G1 Z5.{}\nG0 X80.\nM30\n"
+)
+
+
+@pytest.mark.parametrize("profile", ["fanuc-lathe", "haas-lathe", "mitsubishi-lathe", "generic-lathe"])
+@pytest.mark.parametrize(
+    ("before", "feed", "is_safe"),
+    [
+        ("", " F0.3", True),
+        ("F0.3\n", "", True),
+        ("", "", False),
+        # The F of a contour is that of its G70; roughing passes over it.
+        ("G71 U1. R0.5\nG71 P30 Q40\nN30 G0 X78.\nG1 Z0. F0.2\nN40 X80.\n", "", False),
+    ],
+)
+def test_which_f_finishing_leaves_is_not_known_and_need_not_be(
+    profile: str, before: str, feed: str, is_safe: bool
+) -> None:
+    program = BEHIND_FINISHING.format(before, feed).encode()
+    try:
+        resumed = resume(program, chipbreak.load(profile), 11)
+    except chipbreak.ProgramRejectedError:
+        assert not is_safe
+        return
+    assert (resumed.line == 11) == is_safe

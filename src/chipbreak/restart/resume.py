@@ -6,6 +6,7 @@ the state and at the place of the program from its start.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Sequence
 
 from chipbreak.editing.beside import Parted, parted
@@ -194,6 +195,8 @@ def _wanted(case: RestartCase, now: State) -> State:
     state = state._replace(spindle=spindle, coolant=case.coolant)
     if state.modes.feed_mode == "inverse":  # each block says its own
         state = state._replace(feed=None)
+    elif state.feed is not None and math.isnan(state.feed.value):  # then no block counts on it
+        state = state._replace(feed=now.feed)
     if case.calls_tool:
         state = state._replace(tool=now.tool)
     if not case.offset_words:
