@@ -24,8 +24,9 @@ _COARSE = 5
 _MANY_BLOCKS = 25  # the times of fewer jump by whole periods, up and down, as factors grow
 _HUGE_BLOCKS = 150
 _LONG_SHARE = 1e-4  # of a time of many seconds, which it may be off
+_LIKELY = (0.97, 1.6)
 _HALVINGS = 16
-_EDGE_HALVINGS = 4
+_EDGE_HALVINGS = 2
 _ROWS_AT_ONCE = 1 << 13
 _FAR_PERIODS = 3.5
 _SAME_S = 1e-9
@@ -116,10 +117,16 @@ def _halved(wanted: Wanted, clocks: Sequence[Clock]) -> tuple[Floats, Floats]:
     half = clocks[0].period_s / 2.0
     time = wanted.time
     slack = np.maximum(half, _LONG_SHARE * time)
-    every = np.arange(len(time))
-    ends = np.log(_TRIED[[0, -1]])
-    took = np.array([_late(wanted, every, np.full(len(time), np.exp(end)), clocks) + time for end in ends])
-    places = np.repeat(ends, len(time)).reshape(2, -1)  # of what is too slow, and of what is too fast
+    # Most factors are a little above 1, so the ends of all are tried only where these do not do.
+    places = np.repeat(np.log(_LIKELY), len(time)).reshape(
+        2, -1
+    )  # of what is too slow, and of what is too fast
+    took = np.array([_late(wanted, np.arange(len(time)), np.exp(end), clocks) + time for end in places])
+    for end, is_open in ((0, took[0] <= time + slack), (1, took[1] >= time - slack)):
+        rows = np.flatnonzero(is_open)
+        if len(rows):
+            places[end, rows] = np.log(_TRIED[-end])
+            took[end, rows] = _late(wanted, rows, np.exp(places[end, rows]), clocks) + time[rows]
     within = (took[0] > time + slack) & (took[1] < time - slack)
     factors, missed = np.ones(len(time)), np.where(within, np.inf, np.nan)
     rows = np.flatnonzero(within)
