@@ -586,7 +586,8 @@ def _nothing_after_an_error(done: click.testing.Result, command: str, folder: Pa
 
 
 def _clean_screen(done: click.testing.Result, command: str, _folder: Path) -> str:
-    screen = done.stderr if command in ("filter", "restore", "textconv") else done.stderr + done.stdout
+    prints_programs = ("filter", "restore", "textconv", "resume")
+    screen = done.stderr if command in prints_programs else done.stderr + done.stdout
     found = _CONTROL.search(screen)
     return f"control character {found[0]!r} on the screen: {screen[:300]!r}" if found else ""
 

@@ -8,7 +8,7 @@ from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.plan import CutPlan
 
 _LEAST_UNLIKE = 40  # blocks that any cut costs whose strokes are hardly alike
-_STROKES_OF_SEVERAL = 60_000  # what finding the feeds of strokes of several moves costs, few as they may be
+_STROKES_OF_SEVERAL = 100_000  # what finding the feeds of strokes of several moves costs, few as they may be
 _FILTERED = 5
 _FILTERED_ON_BENDS = 10
 _FEW_CORNERS = 8
