@@ -19,10 +19,11 @@ def cost_of(plan: CutPlan, settings: Settings) -> int:
     """What it costs to make the blocks of a plan and to judge them, in blocks of a straight stroke."""
     moves = plan.wave.vibrations * plan.wave.moves_per_vibration
     law = control_along(settings, plan.path, plan.chain.before)
+    least = _STROKES_OF_SEVERAL if law.runs_whole_periods and plan.wave.form == "tick" else moves
     if law.unlike_stroke_costs > 1 and _has_unlike_strokes(plan, moves):
-        return law.unlike_stroke_costs * max(moves, _LEAST_UNLIKE) * len(law.variants())
-    if law.runs_whole_periods and plan.wave.form == "tick":
-        return max(moves, _STROKES_OF_SEVERAL)
+        return max(least, law.unlike_stroke_costs * max(moves, _LEAST_UNLIKE) * len(law.variants()))
+    if least > moves:
+        return least
     if all(axis.filter == NO_FILTER for axis in law.axes):
         return moves
     is_straight = len(plan.path.legs) == 1 and plan.path.arcs[0] is None
