@@ -24,6 +24,7 @@ _COARSE = 5
 _MANY_BLOCKS = 25  # the times of fewer jump by whole periods, up and down, as factors grow
 _HUGE_BLOCKS = 150
 _LONG_SHARE = 1e-4  # of a time of many seconds, which it may be off
+_HUGE_SHARE = 1e-3  # the same with so many blocks: the digits of their feeds make the time jump about as far
 _LIKELY = (0.97, 1.6)
 _HALVINGS = 16
 _EDGE_HALVINGS = 2
@@ -116,7 +117,8 @@ def _halved(wanted: Wanted, clocks: Sequence[Clock]) -> tuple[Floats, Floats]:
     """
     half = clocks[0].period_s / 2.0
     time = wanted.time
-    slack = np.maximum(half, _LONG_SHARE * time)
+    share = _HUGE_SHARE if wanted.fitted >= _HUGE_BLOCKS else _LONG_SHARE
+    slack = np.maximum(half, share * time)
     # Most factors are a little above 1, so the ends of all are tried only where these do not do.
     places = np.repeat(np.log(_LIKELY), len(time)).reshape(
         2, -1

@@ -13,7 +13,7 @@ from chipbreak.vibration.chain import Chain
 from chipbreak.vibration.diameter_steps import diameter_steps
 from chipbreak.vibration.measure import CutReport, measure_planned
 from chipbreak.vibration.plan import CutPlan, plan_cut
-from chipbreak.vibration.try_cost import cost_of
+from chipbreak.vibration.try_cost import cost_of_way_out
 
 # What a try costs counts in blocks of a straight stroke: 100,000 of these take about half a second.
 _MOST_COST = 100_000
@@ -56,14 +56,14 @@ class Trials:
             return None
         failure = failure_of(plan, settings)
         if failure is not None:
-            self.left += cost_of(plan, self.settings) - BEGINNINGS_COST
+            self.left += cost_of_way_out(plan, self.settings) - BEGINNINGS_COST
             self.refusal = failure.message if isinstance(failure, RefusalError) else ""
             return None
         try:
             report = measure_planned(settings, plan, moves_of(plan, settings))
         except RefusalError as error:
             self.refusal = error.message
-            self.left += round(_REFUSED_EARLY * cost_of(plan, settings))
+            self.left += round(_REFUSED_EARLY * cost_of_way_out(plan, settings))
             return None
         except SelfCheckError:
             return None
@@ -71,7 +71,7 @@ class Trials:
 
     def affords(self, plan: CutPlan) -> bool:
         """Take what a try of this plan costs; False where that is more than is left."""
-        self.left -= cost_of(plan, self.settings)
+        self.left -= cost_of_way_out(plan, self.settings)
         return self.left >= 0
 
 
