@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from chipbreak.machine_test.findings import Findings
     from chipbreak.text.diagnostics import RefusalError
 
+_LEAST_FEED_MM_MIN = 300.0
 _CLOCK_ERROR_MS = 1.0
 _HAND_ERROR_MS = 100.0
 
@@ -36,7 +37,9 @@ def machine_test() -> None:
     show_default=True,
     help="How far each axis goes in plus direction, mm.",
 )
-@click.option("--feed", type=click.FloatRange(300.0, 60000.0), help="The highest F, mm/min; usually 3000.")
+@click.option(
+    "--feed", type=click.FloatRange(_LEAST_FEED_MM_MIN, 60000.0), help="The highest F, mm/min; usually 3000."
+)
 @click.option(
     "--repeats",
     type=click.IntRange(1, 100),
@@ -78,7 +81,13 @@ def write(
     # Where no clock times a group and no record of the motion is usual, a hand with a watch does.
     has_record = "max_feed_override" in LAW_KEYS[settings.planner.model]
     count = repeats or (1 if settings.dialect.clock or has_record else 10)
-    groups = groups_for(letters, travel, feed or usual_feed_mm_min(settings, letters), count)
+    highest = feed or usual_feed_mm_min(settings, letters)
+    if highest < _LEAST_FEED_MM_MIN:
+        message = (
+            f"the slowest of {letters} makes {highest:g} mm/min (axes.*.max_velocity_mm_min), and a test"
+        )
+        raise click.UsageError(f"{message} needs {_LEAST_FEED_MM_MIN:g}: give others with --axes")
+    groups = groups_for(letters, travel, highest, count)
     variables = variables_for(settings, groups)
     try:
         text = program_text(settings, groups, variables)

@@ -200,3 +200,13 @@ def test_a_control_that_cannot_be_asked(tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.setattr("chipbreak.machine_test.program._has_minutes", lambda settings: False)
     code, said = run("write", "-p", "linuxcnc-lathe", "-o", str(tmp_path / "t.nc"))
     assert (code, "MTS001" in said) == (2, True)
+
+
+def test_axes_that_are_too_slow_for_the_strokes_are_said(tmp_path: Path) -> None:
+    program = tmp_path / "t.nc"
+    slow = ("--set", "axes.Y.max_velocity_mm_min=2")
+    code, said = run("write", "-p", "klipper", "-o", str(program), *slow)
+    assert code == 2
+    assert "the slowest of XYZ makes 2 mm/min" in said
+    assert not program.exists()
+    assert run("write", "-p", "klipper", "-o", str(program), *slow, "--axes", "XZ")[0] == 0
