@@ -215,26 +215,37 @@ def _add_groups(
 ) -> frozenset[int]:
     """Add what becomes of the cycles of each contour; the lines of the cycles that stay."""
     behind = _Behind(interpreted)
-    staying = {one.line for group in groups for one in group}
-    for group in groups:
-        lines = [one.line for one in group if one.line in wanted]
-        if not lines:
-            continue
-        try:
-            edits, stay = _edits_of_group(interpreted, group, starts, wanted, behind)
-        except _GroupError as error:
-            refused = error.refused
-            if refused.line not in wanted:
-                refused = _because_of_another(interpreted, refused, lines[0])
-            plan.refused.append(refused._replace(others=tuple(lines)))
-            continue
-        staying -= {one.line for one in group} - {one.line for one in stay}
-        plan.edits.extend(edits)
-        plan.refused.extend(one for one in stay if one.line in wanted)
-        plan.notes.extend(_deeper_than_all(edits))
-        plan.notes.extend(_repeated(interpreted, group))
-        plan.notes.extend(_under_compensation(interpreted, group, starts))
-    return frozenset(staying)
+    staying = (_add_group(plan, group, starts, wanted, behind) for group in groups)
+    return frozenset(line for lines in staying for line in lines)
+
+
+def _add_group(
+    plan: UnrollPlan,
+    group: Sequence[ContourCall],
+    starts: Mapping[int, State],
+    wanted: set[int],
+    behind: _Behind,
+) -> list[int]:
+    """Add what becomes of the cycles of one contour; the lines of those that stay."""
+    interpreted = behind.interpreted
+    lines = [one.line for one in group]
+    asked = [line for line in lines if line in wanted]
+    if not asked:
+        return lines
+    try:
+        edits, stay = _edits_of_group(interpreted, group, starts, wanted, behind)
+    except _GroupError as error:
+        refused = error.refused
+        if refused.line not in wanted:
+            refused = _because_of_another(interpreted, refused, asked[0])
+        plan.refused.append(refused._replace(others=tuple(asked)))
+        return lines
+    plan.edits.extend(edits)
+    plan.refused.extend(one for one in stay if one.line in wanted)
+    plan.notes.extend(_deeper_than_all(edits))
+    plan.notes.extend(_repeated(interpreted, group))
+    plan.notes.extend(_under_compensation(interpreted, group, starts))
+    return [one.line for one in stay]
 
 
 def _deeper_than_all(edits: Iterable[UnrolledEdit]) -> Iterator[Refused]:

@@ -164,35 +164,56 @@ class _Stretch:
 
         Nearly all periods pass here, by the million: one loop, and no calls.
         """
+        if self.even and self.ends[self.block] > STANDING:
+            self._ramp()
+            return
         block, period = self.block, self.period
         length, most, end, top = (
             column[block] for column in (self.lengths, self.accelerations, self.ends, self.speeds)
         )
         half = most * period / 2.0
-        ramps = self.even and end > STANDING
-        never_leaves = block == len(self.lengths) - 1
+        stop = top if stop_at_speed else -1.0
+        # The last block is run to its end; of another the end is in sight where twice the rest is near.
+        ahead = 0.0 if block == len(self.lengths) - 1 else period
         speed, done, took = self.speed, self.done, self.times[block]
         while True:
             left = length - done
-            if ramps:
-                change = (end - speed) * (speed + end) / (2.0 * max(left, NOTHING))
-            else:
-                room = end * end + most * (2.0 * left - speed * period)
-                braked = sqrt(room + half * half) - half if room > 0.0 else -half
-                change = (min(braked, top) - speed) / period
+            room = end * end + most * (2.0 * left - speed * period)
+            braked = sqrt(room + half * half) - half if room > 0.0 else -half
+            change = (min(braked, top) - speed) / period
             after = speed + max(-most, min(most, change)) * period
-            if after < 0.0:
+            if after < 0.0:  # the last, incomplete period goes to the end
                 after = 0.0
-                done += left if left < speed * period else 0.0
+                done += left * (left < speed * period)
             else:
                 done += min(left, (speed + after) / 2.0 * period)
             speed = after
             took += period
             self.places.append(self.before + done)
             left = length - done
-            if left <= NOTHING or (stop_at_speed and speed == top):
+            if left <= NOTHING or (speed + end) * ahead > left or speed == stop:
                 break
-            if not never_leaves and (speed + end) * period > left:  # twice what is left at most
+        self.speed, self.done, self.times[block] = speed, done, took
+
+    def _ramp(self) -> None:
+        """The same in one even change of speed."""
+        block, period = self.block, self.period
+        length, most, end = (column[block] for column in (self.lengths, self.accelerations, self.ends))
+        speed, done, took = self.speed, self.done, self.times[block]
+        while True:
+            left = length - done
+            change = (end - speed) * (speed + end) / (2.0 * max(left, NOTHING))
+            after = speed + max(-most, min(most, change)) * period
+            if after < 0.0:
+                after = 0.0
+                done += left * (left < speed * period)
+            else:
+                done += min(left, (speed + after) / 2.0 * period)
+            speed = after
+            took += period
+            self.places.append(self.before + done)
+            left = length - done
+            if left <= NOTHING or (speed + end) * period > left:
                 break
         self.speed, self.done, self.times[block] = speed, done, took
 

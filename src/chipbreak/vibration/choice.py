@@ -138,25 +138,36 @@ class Chooser:
     def _tried(self, cut: _Cut, make: MakeCut) -> _Tried:
         """The first choice with margin to spare, else that with the most."""
         tried: list[_Tried] = []
-        why: RefusalError | None = None
+        refused: list[RefusalError] = []
         slower = _Slower(_FEW if _is_dear(cut, self.settings) else math.inf)
         for conditions in self._candidates(cut):
             # What the control makes of a stroke takes long to find, so that is asked last.
             if not slower.takes(conditions) or not _runs(conditions, cut):
                 continue
-            try:
-                tried.append(self._try(cut, conditions, make))
-            except RefusalError as error:
-                slower.behind(conditions, error.code)
-                why = why or (None if error.code == NOTHING_FITS else error)
-            else:
-                slower.behind(conditions, "" if tried[-1].margin > 0.0 else NOTHING_FITS)
+            slower.behind(conditions, self._attempt(cut, conditions, make, tried, refused))
             if slower.is_over or (tried and self._is_enough(cut, tried)):
                 break
         best = max(tried, key=lambda one: one.margin, default=None)
         if best is None or best.margin < 1.0:
-            raise why or _nothing_fits(cut, self.settings)
+            why = (one for one in refused if one.code != NOTHING_FITS)
+            raise next(why, None) or _nothing_fits(cut, self.settings)
         return best
+
+    def _attempt(
+        self,
+        cut: _Cut,
+        conditions: Conditions,
+        make: MakeCut,
+        tried: list[_Tried],
+        refused: list[RefusalError],
+    ) -> str:
+        """Try a choice, and add what comes of it; why it is none, empty where it is one."""
+        try:
+            tried.append(self._try(cut, conditions, make))
+        except RefusalError as error:
+            refused.append(error)
+            return error.code
+        return "" if tried[-1].margin > 0.0 else NOTHING_FITS
 
     def _is_enough(self, cut: _Cut, tried: Sequence[_Tried]) -> bool:
         """True where the last one has margin to spare; where blocks of a chain are better tried alone."""
