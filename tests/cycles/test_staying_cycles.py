@@ -90,3 +90,13 @@ def test_a_program_of_which_no_cycle_stays_written_out_is_verified() -> None:
     result = chipbreak.rewrite(BETWEEN_CYCLES.encode(), settings, allow_unbroken=True)
     assert result.data == BETWEEN_CYCLES.encode()
     assert chipbreak.verify(result.data, settings).data == BETWEEN_CYCLES.encode()
+
+
+@pytest.mark.parametrize("profile", ["fanuc-lathe", "haas-lathe", "mitsubishi-lathe"])
+def test_a_mark_in_the_block_of_a_cycle_lets_it_stay(profile: str) -> None:
+    """From it on another path is meant, and its passes would stand in that one."""
+    program = HEAD + _cycle(10, finish=False).replace("Q15 ", "Q15$1 ") + TAIL
+    settings = load(profile, ["cycles.unroll=always"])
+    result = chipbreak.rewrite(program.encode(), settings)
+    assert result.data == program.encode()
+    assert [one.code for one in result.diagnostics if "$1" in one.message] == ["CYC007"]
