@@ -93,10 +93,22 @@ def test_a_program_of_which_no_cycle_stays_written_out_is_verified() -> None:
 
 
 @pytest.mark.parametrize("profile", ["fanuc-lathe", "haas-lathe", "mitsubishi-lathe"])
-def test_a_mark_in_the_block_of_a_cycle_lets_it_stay(profile: str) -> None:
-    """From it on another path is meant, and its passes would stand in that one."""
-    program = HEAD + _cycle(10, finish=False).replace("Q15 ", "Q15$1 ") + TAIL
+@pytest.mark.parametrize("place", ["Q15 ", "R0.5", "X24.", "Z-10.", "G70 P10 Q15"])
+@pytest.mark.parametrize("mark", ["$1", " !2L1"])
+def test_a_mark_in_a_cycle_or_its_contour_lets_it_stay(profile: str, place: str, mark: str) -> None:
+    """Another path is meant from there on, or this one waits for it: written anew, that would be lost."""
+    program = HEAD + _cycle(10).replace(place, f"{place.strip()}{mark} ", 1) + TAIL
     settings = load(profile, ["cycles.unroll=always"])
-    result = chipbreak.rewrite(program.encode(), settings)
-    assert result.data == program.encode()
-    assert [one.code for one in result.diagnostics if "$1" in one.message] == ["CYC007"]
+    result = chipbreak.rewrite(program.encode(), settings, allow_unbroken=True)
+    runs = [line for line in result.data.decode().splitlines() if "CHIPBREAK WAS" not in line]
+    assert any(mark.strip() in line for line in runs)
+    assert chipbreak.restore(result.data) == program.encode()
+    assert [one for one in result.diagnostics if one.code in ("CYC002", "CYC007")]
+
+
+def test_a_cycle_that_stays_and_one_whose_start_is_not_known_are_planned_to_an_end() -> None:
+    """A place that is not known equals nothing, itself neither: the rounds end by what stays."""
+    mark = "G71 U1. !2L1 R0.5\nG71 P30 Q35 U0.4 F0.25\nN30 G0 X24.\nG1 Z-5. F0.25\nN35 X30.\n"
+    for profile in ("generic-lathe", "fanuc-lathe"):
+        written, _ = _unrolled(profile, _cycle(10, BAD), mark, _cycle(40))
+        assert written == ([] if profile == "generic-lathe" else ["G71 P40 Q45", "G70 P40 Q45"])

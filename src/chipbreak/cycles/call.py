@@ -114,12 +114,6 @@ def read_call(interpreted: InterpretedProgram, contour: ContourCall) -> Call:
         help_text = with_alarm(NUMBER_THE_SHAPE, alarms.NO_SUCH_BLOCK)
         raise RefusalError(NO_CONTOUR, missing.message, help_text)
     _refuse_words(block, _WORDS_OF_CALL[kind])
-    if block.marks:
-        shown = block.text[block.marks[0].start : block.marks[0].end].strip()
-        message = (
-            f"{shown} stands in the block of this cycle, and would not hold for the blocks of its passes"
-        )
-        raise RefusalError(UNREAD_FORM, message, "put it on a line of its own before the cycle")
     codes = [f"G{number:g}" for number in block.numbers("G")]
     name = f"{codes[0]} P{block.number('P'):g} Q{block.number('Q'):g}"
     call = Call(kind, contour.line, contour.line + 1, contour.first, contour.last, name)

@@ -194,13 +194,14 @@ def _add_contours(plan: UnrollPlan, interpreted: InterpretedProgram, wanted: set
     is planned once more where that one has turned out to stay.
     """
     calls = contour_calls(interpreted.program, interpreted.settings.dialect)
-    starts = _start_states(interpreted, calls, frozenset())
+    staying: frozenset[int] = frozenset()
     while True:
         planned = UnrollPlan([], [], [])
-        staying = _add_groups(planned, interpreted, _groups(calls), starts, wanted)
-        before, starts = starts, _start_states(interpreted, calls, staying)
-        if starts == before:
+        starts = _start_states(interpreted, calls, staying)
+        found = _add_groups(planned, interpreted, _groups(calls), starts, wanted)
+        if found <= staying:
             break
+        staying |= found  # they only become more, so there is an end
     plan.edits.extend(planned.edits)
     plan.refused.extend(planned.refused)
     plan.notes.extend(planned.notes)
@@ -426,11 +427,16 @@ def _contour_edits(
 
 
 def _refuse_lines(interpreted: InterpretedProgram, edits: Sequence[Edit]) -> None:
-    """Nothing may jump into what is replaced, and no wish of the user may get lost with it."""
+    """Nothing may jump into what is replaced, and no wish or mark (a path waits) may get lost with it."""
     lines = {at for edit in edits for at in range(edit.first, edit.last)}
     comments = (comment for at in lines for comment in interpreted.program.block(at).comments)
     if not lines.isdisjoint(interpreted.flow.targets) or _is_called(interpreted, lines):
         raise RefusalError(UNREAD_FORM, "a jump leads into this cycle or its contour", "take the jump out")
+    blocks = map(interpreted.program.block, sorted(lines))
+    mark = next((block.text[one.start : one.end].strip() for block in blocks for one in block.marks), "")
+    if mark:
+        message = f"{mark} stands inside this cycle or its contour, and would not hold for its passes"
+        raise RefusalError(UNREAD_FORM, message, "put it on a line of its own before the cycle")
     if any(_DIRECTIVE.match(comment.text) for comment in comments):
         message = "a directive stands inside this cycle or its contour"
         raise RefusalError(UNREAD_FORM, message, "write it before the first block of the cycle")

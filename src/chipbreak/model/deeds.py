@@ -1,4 +1,4 @@
-"""What blocks do beside moving and setting modes: variables, statements, M and T, comments that act."""
+"""What blocks do beside moving and setting modes: variables, statements, marks, M and T, acting comments."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def deeds_in(interpreted: InterpretedProgram, first: int, last: int) -> dict[str
 
 def _deeds_of(block: Block, *, shows_comments: bool) -> Iterator[str]:
     """Each as it is written, without blanks; a word as the number that it is."""
-    parts: list[Assignment | Control] = [*block.assignments, *block.statements]
+    parts: list[Assignment | Control] = [*block.assignments, *block.controls]
     for part in parts:
         yield "".join(block.text[part.start : part.end].split()).upper()
     for word in block.words_of("MT"):
