@@ -329,8 +329,9 @@ def a_program(draw: random.Random) -> int:
 
 def a_round_program(draw: random.Random) -> int:
     """One that a shop could run, on a machine that could be: what is written goes back, and stays."""
-    profile, sets = drawn_profile(draw), drawn_sets(draw)
-    data, allow_unbroken = drawn_program(draw), draw.random() < 0.5
+    profile = drawn_profile(draw)
+    sets = drawn_sets(draw, profile)
+    data, allow_unbroken = drawn_program(draw, profile), draw.random() < 0.5
     seen.extend([profile, sets, allow_unbroken, data])
     try:
         settings = chipbreak.load(profile, sets)
@@ -343,6 +344,8 @@ def a_round_program(draw: random.Random) -> int:
         shown(error.diagnostics)
         return len(data)
     shown(result.diagnostics)
+    if settings.output.brackets == "none":  # nothing says what it was
+        return len(data) + len(result.data)
     if chipbreak.restore(result.data) != data:
         raise FoundError("it does not go back")
     if chipbreak.rewrite(result.data, settings, allow_unbroken=allow_unbroken).data != result.data:
@@ -561,7 +564,7 @@ def in_this_process(tasks: Iterable[Task], _jobs: int) -> Iterator[Finished]:
 
 def _spoilt_files(draw: random.Random, suffix: str) -> dict[str, bytes]:
     """What the commands name, by file."""
-    one = drawn_program(draw) if draw.random() < 0.3 else draw.choice(programs())
+    one = drawn_program(draw, drawn_profile(draw)) if draw.random() < 0.3 else draw.choice(programs())
     _, tools = draw.choice(tool_files())
     return {
         **{f"programs/{name}": spoilt(draw, draw.choice(programs()), _PIECES) for name in _IN_FOLDER},

@@ -23,7 +23,7 @@ _SETS: tuple[tuple[float, str, tuple[object, ...]], ...] = (
     (0.2, "vibration.phase", (0.25, 0.5)),
     (0.2, "vibration.edges", (1, 2, 4)),
     (0.2, "vibration.correct", ("spindle", "count")),
-    (0.2, "vibration.refused", ("error", "leave")),
+    (0.6, "vibration.refused", ("error", "leave", "leave")),
     (0.1, "vibration.n", ("auto", 1.5, 0.5)),
     (0.1, "vibration.air", ("leave", "vibrate")),
     (0.3, "output.form", ("loop", "expanded")),
@@ -41,6 +41,27 @@ _SETS: tuple[tuple[float, str, tuple[object, ...]], ...] = (
     (0.1, "spindle.max_rpm", (500, 1000, 3000)),
     (0.2, "cycles.unroll", ("always", "asked", "never")),
     (0.1, "tools.other_nose_radius_mm", (0.4, 0.8)),
+    (0.1, "output.brackets", ("comments", "none")),
+    (0.1, "output.stamp", ("true", "false")),
+    (0.1, "control.decimal_point", ("calculator", "increment", "required")),
+)
+_CHECKED: tuple[tuple[float, str, tuple[object, ...]], ...] = (
+    (0.2, "checks.strict", ("true", "false")),
+    (0.2, "checks.calls", ("builtin", "renishaw", "haas", "setter")),
+    (0.3, "checks.depth", ("limit-line", "breakage", "full")),
+    (0.2, "checks.last_use", ("next-part", "none", 1, 0.05)),
+    (0.2, "checks.missing", ("control", "error", "skip")),
+    (0.1, "checks.only", ("[1]", "[1, 2]", "[9]")),
+    (0.1, "checks.ignore", ("[1]", "[2, 3]")),
+    (0.1, "checks.sister", ("{1=2}", "{1=11, 2=12}")),
+    (0.2, "checks.every", (1, 2, 10)),
+    (0.1, "checks.retries", (0, 1, 3)),
+)
+_PLAIN = ("grbl", "klipper")  # which know neither G97 nor a feed per revolution
+_ACCELERATIONS = tuple(f"axes.{axis}.max_acceleration_mm_s2=2000" for axis in "XYZ")
+_PLATE = (
+    *("macros.beam_x_mm=400", "macros.beam_y_mm=120", "macros.beam_z_mm=-350", "macros.safe_z_mm=0"),
+    *("macros.master_length_mm=120", "macros.master_diameter_mm=10", "macros.laser_on=M50"),
 )
 _MODELS: tuple[tuple[str, ...], ...] = (
     ("planner.model=ideal",),
@@ -72,13 +93,24 @@ _WISHES = (
     *("(VIB AUTO)", "(VIB N1.5)", "(VIB WAVE SINE N0.5)", "(VIB E2.5)", "(VIB WAVE DWELL E2.)", "(VIB OFF)"),
     *("(VIB N1.5 Q1.3)", "(VIB EDGES 2 N1.5)"),
 )
+_ENDS = ("M30", "M30", "M2", "M99")
 _STEPS_MM = (0.12, 0.2, 0.36, 0.5, 1.0, 1.2, 2.0, 2.4, 3.0, 5.0, 6.0, 10.0, 12.5, 20.0, 25.0)
 
 
-def drawn_sets(draw: random.Random) -> tuple[str, ...]:
-    """Some settings, ``section.key=value`` each."""
-    sets = [f"{key}={draw.choice(values)}" for share, key, values in _SETS if draw.random() < share]
-    return (*sets, *(draw.choice(_MODELS) if draw.random() < 0.3 else ()))
+def drawn_sets(draw: random.Random, profile: str) -> tuple[str, ...]:
+    """Some settings for a profile, ``section.key=value`` each."""
+    sets = _some(draw, _SETS)
+    if draw.random() < 0.3:
+        sets += draw.choice(_MODELS)
+    elif profile.startswith("grbl"):
+        sets += _ACCELERATIONS
+    if _is_mill(profile) and draw.random() < 0.5:
+        sets += ["checks.enabled=true", *_PLATE, *_some(draw, _CHECKED)]
+    return tuple(sets)
+
+
+def _some(draw: random.Random, rows: Sequence[tuple[float, str, tuple[object, ...]]]) -> list[str]:
+    return [f"{key}={draw.choice(values)}" for share, key, values in rows if draw.random() < share]
 
 
 def drawn_profile(draw: random.Random) -> str:
@@ -89,14 +121,18 @@ def drawn_profile(draw: random.Random) -> str:
 class _Writer:
     """Writes one program, a line after the other."""
 
-    def __init__(self, draw: random.Random) -> None:
+    def __init__(self, draw: random.Random, profile: str) -> None:
         self.draw = draw
+        self.is_linuxcnc = profile.startswith("linuxcnc")
+        self.is_plain = profile in _PLAIN
+        self.is_lathe = profile.endswith("lathe")
         self.lines: list[str] = []
+        self.subs: list[str] = []
         self.inch = draw.random() < 0.25
         self.x_mm = draw.choice((20.0, 30.0, 40.0, 60.0))
         self.z_mm = draw.choice((0.0, 1.0, 2.0, 5.0))
-        per_rev = draw.random() < 0.6
-        self.mode = draw.choice(("G99", "G95") if per_rev else ("G98", "G94"))
+        per_rev = draw.random() < 0.6 and not self.is_plain
+        self.mode = draw.choice(("G99", "G95") if per_rev else ("G94",) if self.is_plain else ("G98", "G94"))
         self.feed_mm = draw.choice((0.05, 0.1, 0.12, 0.2, 0.25) if per_rev else (30, 60, 100, 120, 150, 200))
 
     def number(self, length_mm: float) -> str:
@@ -111,17 +147,36 @@ class _Writer:
     def program(self) -> bytes:
         """All of it."""
         draw = self.draw
+        self.maybe(0.2, "%", "O0001")
+        self.maybe(0.2, "G18 G40 G80 G90", "G40 G80", "G18")
         self.lines += ["G20"] if self.inch else ["G21"] if draw.random() < 0.3 else []
-        self.lines.append(f"G97 S{draw.choice((300, 500, 600, 750, 800, 1000, 1200, 1500, 2000, 3000))} M3")
-        self.maybe(0.1, "G96 S100", "G96 S150")
-        self.lines += [self.mode, f"G0 X{self.number(self.x_mm)} Z{self.number(self.z_mm)}"]
+        speed = draw.choice((300, 500, 600, 750, 800, 1000, 1200, 1500, 2000, 3000))
+        self.lines += [f"M3 S{speed}" if self.is_plain else f"G97 S{speed} M3"]
+        self.maybe(0.0 if self.is_plain else 0.1, "G96 S100", "G96 S150")
+        self.lines += [self.mode, *([] if self.is_lathe else ["G0 Y0."])]
+        self.lines += [f"G0 X{self.number(self.x_mm)} Z{self.number(self.z_mm)}"]
         for _ in range(draw.choice((1, 1, 1, 2, 3))):
             self.maybe(0.6, *_WISHES)
             self.lines += self.cut(f"F{self.number(self.feed_mm)} {self.word()}".rstrip())
-            self.maybe(0.2, "M8", "(NOTE)", "")
-            self.maybe(0.1, "S500", "S1000")
-        self.lines += [f"G0 X{self.number(80.0)}", "M30"]
-        return ("\n".join(self.lines) + "\n").encode()
+            self.maybe(0.2, "M8", "(NOTE)", "", "/M8", "M1", "G4 P1.")
+            self.maybe(0.1, "M3 S500", "M3 S1000")
+            self.maybe(0.0 if self.is_plain else 0.1, "G50 S1500", "G97 S800 M3", "G96 S120")
+            if draw.random() < 0.15 and not self.is_plain:
+                call = draw.choice(("T0202", "T2 M6", "T0202 (TOOL 2)", "G28 U0 W0", "M5"))
+                self.lines += [f"G0 X{self.number(80.0)}", call, "G97 S900 M3"]
+            if draw.random() < 0.3:
+                self.z_mm = max(self.z_mm, 0.0)
+                self.lines.append(f"G0 X{self.number(self.x_mm)} Z{self.number(self.z_mm)}")
+        self.lines += [f"G0 X{self.number(80.0)}", "M30" if self.is_plain else draw.choice(_ENDS)]
+        return self.joined()
+
+    def joined(self) -> bytes:
+        """The lines with the subprograms, which stand where the control looks for them."""
+        lines = [*self.subs, *self.lines] if self.is_linuxcnc else [*self.lines, *self.subs]
+        if self.draw.random() < 0.1:
+            lines = [line if line[:1] in "N%Oo/" else f"N{100 + at} {line}" for at, line in enumerate(lines)]
+        ending = self.draw.choice(("\n", "\n", "\n", "\r\n"))
+        return (ending.join(lines) + self.draw.choice((ending, ending, ""))).encode()
 
     def word(self) -> str:
         """What asks for vibration in a block, or nothing."""
@@ -130,7 +185,9 @@ class _Writer:
     def cut(self, words: str) -> list[str]:
         """The blocks of one cut."""
         step_mm = self.draw.choice(_STEPS_MM)
-        write = self.draw.choice(_CUTS)
+        write = self.draw.choice(
+            _CUTS if not self.is_linuxcnc else (*_CUTS, *[_Writer.from_a_subroutine] * 3)
+        )
         return write(self, step_mm, words)
 
     def along(self, step_mm: float, words: str) -> list[str]:
@@ -199,20 +256,115 @@ class _Writer:
         place = f"Z{self.number(self.z_mm - step_mm)} R{self.number(self.z_mm)}"
         return [f"{code} {place} Q{depth} {words}", "G80"]
 
+    def thread(self, step_mm: float, words: str) -> list[str]:
+        code = self.draw.choice(("G32", "G33", "G92", "G76"))
+        end = f"Z{self.number(self.z_mm - step_mm)}"
+        if code in ("G32", "G33"):
+            return [f"{code} {end} {self.draw.choice(('F', 'K'))}1.5"]
+        x = self.number(self.x_mm - 1.2)
+        return [f"{code} X{x} {end} F1.5", *([f"X{self.number(self.x_mm - 1.8)}"] if code == "G92" else [])]
 
+    def called(self, step_mm: float, words: str) -> list[str]:
+        """A cut in a subprogram."""
+        move = f"G1 W-{self.number(step_mm)}" if self.is_lathe and not self.is_linuxcnc else "G1 Z-5."
+        cut = [*self.draw.choice(([], ["M3 S800", "G0 X20. Z2."])), f"{move} {words}"]
+        number = 100 * (len(self.subs) + 1)
+        if self.is_linuxcnc:
+            self.subs += [f"o{number} sub", *cut, f"o{number} endsub"]
+            return [f"o{number} call"]
+        self.subs += [f"O{number}", *cut, "M99"]
+        return [f"M98 P{number}"]
+
+    def from_a_subroutine(self, step_mm: float, words: str) -> list[str]:
+        """A cycle whose contour stands in a subroutine."""
+        low_mm, number = max(self.x_mm - 4.0 * step_mm, 2.0), 100 * (len(self.subs) + 1)
+        middle_mm, far_mm = (low_mm + self.x_mm) / 2.0, self.z_mm - 12.0
+        turn = self.draw.choice(("G1", "G1", f"G3 R{self.number(3.0)}", f"G2 R{self.number(3.0)}"))
+        contour = [
+            f"G0 X{self.number(low_mm)} Z{self.number(self.z_mm)}",
+            f"G1 Z{self.number(self.z_mm - 5.0)}",
+            f"{turn} X{self.number(middle_mm)} Z{self.number(self.z_mm - 8.0)}",
+            f"G1 Z{self.number(far_mm)}",
+            f"X{self.number(self.x_mm + 2.0)}",
+        ]
+        if self.draw.random() < 0.3:
+            contour[3:3] = [f"G1 X{self.number(low_mm)}", f"Z{self.number(far_mm + 2.0)}"]
+        self.subs += [f"o{number} sub", *contour, f"o{number} endsub"]
+        code = self.draw.choice(("G71", "G71.1", "G71.2", "G72", "G72.1", "G70"))
+        place = f"X{self.number(self.x_mm)} Z{self.number(self.z_mm)}"
+        depth = (
+            "" if code == "G70" else f"I{self.number(self.draw.choice((0.5, 1.0, 2.0)))} R{self.number(0.5)}"
+        )
+        stock = self.draw.choice(("", f"D{self.number(0.2)}", f"D{self.number(0.2)} U{self.number(0.1)}"))
+        words = words if code != "G70" and self.draw.random() < 0.3 else words.split(maxsplit=1)[0]
+        cycle = [f"{code} Q{number} {place} {stock} {depth} {words}".strip()]
+        return [*cycle, *([f"G70 Q{number} {place} F{self.number(0.1)}"] if self.draw.random() < 0.3 else [])]
+
+
+class _Mill(_Writer):
+    """One program of a machining centre: several tools, each called, brought near, and taken away again."""
+
+    def program(self) -> bytes:
+        """All of it."""
+        draw = self.draw
+        self.maybe(0.3, "%", "O0001", "(PART 1)")
+        self.lines += ["G20" if self.inch else "G21", "G17 G40 G80 G90 G94"]
+        for tool in range(1, draw.choice((2, 3, 4))):
+            again = draw.choice((tool, tool, 1))
+            self.lines += draw.choice(([f"T{again} M6"], [f"M6 T{again}"], [f"T{again}", "M6"]))
+            self.maybe(0.4, "(FACE)", "(ADAPTIVE ROUGH)", "(2D CONTOUR FINISH)", "(DRILL)")
+            self.lines += [f"S{draw.choice((800, 1500, 5000, 12000))} M3", draw.choice(("G54", "G55", ""))]
+            self.lines += [f"G0 X{self.number(draw.choice((0, 10, 25)))} Y{self.number(draw.choice((0, 5)))}"]
+            self.lines += [f"G43 H{again} Z{self.number(25.0)}", *([] if draw.random() < 0.5 else ["M8"])]
+            for _ in range(draw.choice((1, 2, 3))):
+                self.lines += draw.choice(_MILLED)(self)
+            self.lines += [f"G0 Z{self.number(25.0)}"]
+            self.maybe(0.5, "M9", "M5", "M1", "G91 G28 Z0.\nG90", "G28 G91 Z0.\nG90 G49", "G53 G0 Z0.")
+        self.lines.append(draw.choice(_ENDS))
+        return self.joined()
+
+    def contour(self) -> list[str]:
+        x, feed = self.draw.choice((10.0, 20.0, 50.0)), self.draw.choice((80, 200, 600))
+        side = self.draw.choice(("", "", "G41 D1 ", "G42 D1 "))
+        start = [f"G1 Z-{self.number(self.draw.choice((0.5, 2.0)))} F{feed}."]
+        path = [f"G1 {side}X{self.number(x)}", f"Y{self.number(x)}", f"G2 X0 Y0 R{self.number(x)}"]
+        return [*start, *path, *(["G40 G1 Y0"] if side else [])]
+
+    def holes(self) -> list[str]:
+        code = self.draw.choice(("G81", "G83", "G73", "G84", "G85"))
+        first = f"G99 {code} Z-{self.number(5.0)} R{self.number(2.0)} Q{self.number(1.0)} F100."
+        return [f"G98 {first[4:]}" if self.draw.random() < 0.5 else first, f"X{self.number(10.0)}", "G80"]
+
+    def by_distances(self) -> list[str]:
+        return ["G91", f"G1 X{self.number(10.0)} F200.", f"Y-{self.number(5.0)}", "G90"]
+
+    def vibrated(self) -> list[str]:
+        return ["G95", *self.along(5.0, f"F0.1 {self.word()}".rstrip()), "G94"]
+
+    def from_a_subprogram(self) -> list[str]:
+        return self.called(5.0, "F100.")
+
+
+_MILLED = (
+    _Mill.contour,
+    _Mill.contour,
+    _Mill.holes,
+    _Mill.by_distances,
+    _Mill.vibrated,
+    _Mill.from_a_subprogram,
+)
 _CUTS = (
     *(_Writer.along, _Writer.along, _Writer.by_distance, _Writer.under_g91, _Writer.taper, _Writer.face),
     *(_Writer.arc, _Writer.before_a_dwell, _Writer.chain, _Writer.chain, _Writer.turning_cycle),
-    *(_Writer.roughing, _Writer.pecks),
+    *(_Writer.roughing, _Writer.pecks, _Writer.thread, _Writer.called),
 )
 
 
-def drawn_program(draw: random.Random) -> bytes:
-    """A whole program."""
-    return _Writer(draw).program()
+def drawn_program(draw: random.Random, profile: str) -> bytes:
+    """A whole program for a machine like that of a profile."""
+    is_mill = _is_mill(profile) and draw.random() < 0.7
+    return (_Mill if is_mill else _Writer)(draw, profile).program()
 
 
-def drawn_programs(seed: int, count: int) -> Sequence[bytes]:
-    """Several, for who wants to see some."""
-    draw = random.Random(seed)
-    return [drawn_program(draw) for _ in range(count)]
+def _is_mill(profile: str) -> bool:
+    return any(word in profile for word in ("mill", "speedio"))

@@ -30,6 +30,7 @@ _FEWEST = 4  # of both, where there is no room for more
 _KNOTS_AT_ONCE = 1 << 13
 _TIMES_AT_ONCE = 1 << 17  # what is worked out for so many is small beside what is kept
 _SAME_S = 1e-9
+_UNSEEN_S = 1e-6  # a filter as short as this: 0.1 um at 6 m/min, less than an axis resolves
 _GONE = 1e-18  # a share of a motion that no longer counts
 
 
@@ -97,7 +98,7 @@ def axis_filter(
     lags = [acc_dec_s or 0.0] if is_lag else []
     if position_gain_1_s is not None:
         lags.append((1.0 - feed_forward) / position_gain_1_s)
-    return AxisFilter(tuple(a for a in averages if a > _SAME_S), tuple(lag for lag in lags if lag > _SAME_S))
+    return AxisFilter(tuple(a for a in averages if a > _UNSEEN_S), tuple(lag for lag in lags if lag > _UNSEEN_S))
 
 
 def times_to_look_at(

@@ -30,6 +30,7 @@ _HALVINGS = 16
 _EDGE_HALVINGS = 2
 _ROWS_AT_ONCE = 1 << 13
 _FAR_PERIODS = 3.5
+_FAR = 8.0  # times what a stretch may be off
 _SAME_S = 1e-9
 _SHAPED_AT_MOST = 256
 _SHAPED_BLOCKS = 24
@@ -138,14 +139,17 @@ def _halved(wanted: Wanted, clocks: Sequence[Clock]) -> tuple[Floats, Floats]:
         # Time is about one over the factor, so both are taken as logarithms; never too near to an end.
         share = np.log(took[0, rows] / time[rows]) / np.log(took[0, rows] / took[1, rows])
         tried = places[0, rows] + np.clip(share, 0.1, 0.9) * (places[1, rows] - places[0, rows])
-        late = _late(wanted, rows, np.exp(tried), clocks)
+        every = _late_by_clock(wanted, rows, np.exp(tried), clocks)
+        late = _worst(every)
         better = np.abs(late) < np.abs(missed[rows])
         factors[rows[better]], missed[rows[better]] = np.exp(tried[better]), late[better]
         side = (late < 0.0).astype(np.intp)
         hit = np.abs(late) <= slack[rows]
         places[side[~hit], rows[~hit]] = tried[~hit]
         took[side[~hit], rows[~hit]] = (late + time[rows])[~hit]
-        rows = rows[~hit]
+        # What is far too slow by one clock and far too fast by another is so with any factor.
+        apart = (every.max(axis=0) > _FAR * slack[rows]) & (every.min(axis=0) < -_FAR * slack[rows])
+        rows = rows[~hit & ~apart]
     hits = np.flatnonzero((np.abs(missed) <= half) & (slack <= half))
     if len(hits):
         middle = _middle_of_hits(
@@ -241,21 +245,25 @@ def _late_of_all(wanted: Wanted, clocks: Sequence[Clock]) -> Floats:
 
 
 def _late(wanted: Wanted, rows: Counts, factors: Floats, clocks: Sequence[Clock]) -> Floats:
-    """How much too long some stretches take with a factor each [s], (k,)."""
-    late = np.empty(len(factors))
+    """How much too long some stretches take with a factor each [s], (k,); of several clocks the worst."""
+    return _worst(_late_by_clock(wanted, rows, factors, clocks))
+
+
+def _late_by_clock(wanted: Wanted, rows: Counts, factors: Floats, clocks: Sequence[Clock]) -> Floats:
+    """:func:`_late` by each clock, (c, k)."""
+    late = np.empty((len(clocks), len(factors)))
     for first in range(0, len(factors), _ROWS_AT_ONCE):
         some = slice(first, first + _ROWS_AT_ONCE)
         chosen = wanted.rows(rows[some])
         speeds = chosen.stretches.speeds
         speeds[:, : wanted.fitted] *= factors[some, np.newaxis]
-        late[some] = _worst_late(chosen, speeds, clocks)
+        late[:, some] = [times.sum(axis=1) - chosen.time for times in _times(chosen, speeds, clocks)]
     return late
 
 
-def _worst_late(wanted: Wanted, speeds: Floats, clocks: Sequence[Clock]) -> Floats:
-    """How much too long each stretch takes at these speeds, (m,); of several clocks the worst."""
-    stacked = np.array([times.sum(axis=1) - wanted.time for times in _times(wanted, speeds, clocks)])
-    worst: Floats = np.take_along_axis(stacked, np.abs(stacked).argmax(axis=0)[np.newaxis], axis=0)[0]
+def _worst(late: Floats) -> Floats:
+    """What is furthest from zero of each column, (k,) of (c, k)."""
+    worst: Floats = np.take_along_axis(late, np.abs(late).argmax(axis=0)[np.newaxis], axis=0)[0]
     return worst
 
 

@@ -33,6 +33,7 @@ from chipbreak.units import MS_PER_S, S_PER_MIN
 from chipbreak.vibration.blocks import Expansion
 from chipbreak.vibration.chain import Chain, legs_of
 from chipbreak.vibration.expanders import expander_named
+from chipbreak.vibration.least_stroke import TOO_FINE
 from chipbreak.vibration.machine import control_along
 from chipbreak.vibration.measure import measure_planned
 from chipbreak.vibration.plan import CutPlan, asked_of, command_group, feed_per_rev_mm, rules_of
@@ -208,15 +209,15 @@ class Chooser:
     def _first_that_works(self, cut: _Cut, others: Iterator[_Cut], make: MakeCut) -> _Cut | None:
         """The first of a few cuts for which conditions are found and break its chips."""
         group = command_group(self.settings)
-        likely = (one for one in others if _finds(one, group))
-        return next((one for one in islice(likely, _MOST_OTHERS) if self._works(one, make)), None)
-
-    def _works(self, cut: _Cut, make: MakeCut) -> bool:
-        """True where one of the best conditions breaks the chips."""
-        try:
-            return self._tried(cut, make).margin >= 1.0
-        except RefusalError:
-            return False
+        for one in islice((one for one in others if _finds(one, group)), _MOST_OTHERS):
+            try:
+                self._tried(one, make)
+            except RefusalError as error:
+                if error.code == TOO_FINE:
+                    return None  # what is too fine for the digits is finer still with less
+            else:
+                return one
+        return None
 
     def _candidates(self, cut: _Cut) -> Iterator[Conditions]:
         """What closed forms find, the best first.  Errors: VIB036, and VIB013 for what is too short."""
