@@ -89,3 +89,12 @@ def test_what_a_comment_of_the_cycle_does_is_done_before_it(cycle: str) -> None:
     stays = filtered(SAID.replace("X12", "X12 (LOG,#5420)"), cycle)
     assert not stays.changed
     assert any("(LOG,#5420) stands in the contour" in one.message for one in stays.diagnostics)
+
+
+def test_y_of_a_mill_stays_where_it_was_through_several_cycles() -> None:
+    shape = "o100 sub\nG0 X2. Z2.\nG1 Z-3.\nX11. Z-6.\nZ-10.\nX22.\no100 endsub\n"
+    cycles = "G71 Q100 X20. Z2. I2. R0.5 F60.\nG70 Q100 X20. Z2. F40.\n"
+    program = f"{shape}G18 G21 G94\nS500 M3\nG0 Y0.\nG0 X20. Z2.\n{cycles}G0 X80.\nM30\n"
+    result = chipbreak.rewrite(program.encode(), chipbreak.load("linuxcnc-mill", ["cycles.unroll=always"]))
+    assert result.data.count(b"UNROLLED") == 2
+    assert chipbreak.restore(result.data) == program.encode()

@@ -57,7 +57,9 @@ class UnrolledCycle(Promise, kw_only=True):
 
     def _moved(self, written: Written, before: State) -> str:
         """Which axis is not where it must be behind the blocks."""
-        there = before if self.end is None else before._replace(position=self.end)
+        there = before
+        if self.end is not None:  # Y stays where the blocks before have left it
+            there = before._replace(position=before.position._replace(x=self.end.x, z=self.end.z))
         step_mm = written.original.settings.output.step_mm(is_inch=before.is_inch)
         return moved(there, written.now_behind, 0.0 if self.end is None else step_mm)
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from chipbreak.cycles.call import UNREAD_FORM
-from chipbreak.cycles.contour import Frame, Segment
+from chipbreak.cycles.contour import Frame, Point, Segment
 from chipbreak.cycles.reading import Step, pieces_of, steps_of
 from chipbreak.cycles.roughing import Motion, Pass
+from chipbreak.kinematics.toolpath import RADIUS_TOLERANCE_MM
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.modal import Position, State
 from chipbreak.model.words import is_diameter
@@ -26,7 +27,8 @@ _NEAR_MM = 2e-5
 class BlockWriter:
     """Writes moves from where the tool stands in ``state``; remembers what it has printed last.
 
-    Errors: CYC007 where that place has more digits than are written, so that no block leads back to it.
+    Errors: CYC007 where that place has more digits than are written, so that no block leads back to it, and
+    for an arc of which the digits make none.
     """
 
     def __init__(self, state: State, settings: Settings) -> None:
@@ -53,14 +55,26 @@ class BlockWriter:
             )
             raise RefusalError(UNREAD_FORM, message, help_text)
 
-    def block(self, code: str, z_mm: float, radius_mm: float, behind: str = "") -> str:
-        """One move; empty where nothing would move."""
+    def block(
+        self,
+        code: str,
+        z_mm: float,
+        radius_mm: float,
+        behind: str = "",
+        to_centre_mm: tuple[float, float] | None = None,
+    ) -> str:
+        """One move; empty where nothing would move.
+
+        ``to_centre_mm``: of an arc, the way from its start to its centre in Z and in the radius.
+        """
         places = {"X": self._place("X", radius_mm), "Z": self._place("Z", z_mm)}
         moved = [axis for axis in "XZ" if places[axis] != self.at[axis]]
         if not moved:
             return ""
-        self.at = places
         said = [f"{self.words.letters[axis]}{places[axis]}" for axis in moved]
+        if to_centre_mm is not None:
+            said.append(self._centre(places, *to_centre_mm))
+        self.at = places
         return " ".join([code, *said, *([behind] if behind else [])])
 
     def _place(self, axis: str, value_mm: float) -> str:
@@ -75,12 +89,31 @@ class BlockWriter:
         decimals = self.settings.output.decimals_of(is_inch=self.state.is_inch)
         return print_number(length_mm / self.state.mm_per_unit, decimals)
 
-    def centre(self, z_mm: float, radius_mm: float) -> str:
-        """I and K of an arc: from its start to its centre, never a diameter."""
-        letters = {axis: CENTRES[self.words.places.index(axis)] for axis in "XZ"}
-        x = f"{letters['X']}{self._number(radius_mm * self.words.signs['X'])}"
-        z = f"{letters['Z']}{self._number(z_mm * self.words.signs['Z'])}"
-        return f"{x} {z}"
+    def _centre(self, ends: Mapping[str, str], z_mm: float, radius_mm: float) -> str:
+        """I and K of an arc to where it ends: from its start to its centre, never a diameter."""
+        offsets = {
+            axis: self._number(offset_mm * self.words.signs[axis])
+            for axis, offset_mm in (("X", radius_mm), ("Z", z_mm))
+        }
+        self._refuse_coarse_arc(ends, offsets)
+        return " ".join(f"{CENTRES[self.words.places.index(axis)]}{offsets[axis]}" for axis in "XZ")
+
+    def _refuse_coarse_arc(self, ends: Mapping[str, str], offsets: Mapping[str, str]) -> None:
+        """Few digits may leave an arc that ends elsewhere than on its circle, which a control refuses."""
+        if not all(self.at.values()):
+            return
+        mm = self.state.mm_per_unit
+        starts_mm = {axis: float(offsets[axis]) * mm for axis in "XZ"}
+        moved_mm = {
+            axis: (float(ends[axis]) - float(self.at[axis])) * mm / abs(self._factor(axis)) for axis in "XZ"
+        }
+        start_mm = math.hypot(*starts_mm.values())
+        end_mm = math.hypot(*(starts_mm[axis] - moved_mm[axis] for axis in "XZ"))
+        if abs(start_mm - end_mm) > RADIUS_TOLERANCE_MM or start_mm == 0.0:
+            decimals = self.settings.output.decimals_of(is_inch=self.state.is_inch)
+            said = f"start {start_mm:z.4f} mm and end {end_mm:z.4f} mm from its centre"
+            message = f"with {decimals} decimals an arc would {said}"
+            raise RefusalError(UNREAD_FORM, message, "raise output.decimals")
 
     def comment(self, text: str) -> str:
         """A comment of a pass."""
@@ -117,11 +150,11 @@ def block_of_motion(writer: BlockWriter, frame: Frame, at: Sequence[float], moti
 
 
 def _block(writer: BlockWriter, frame: Frame, at: Sequence[float], motion: Motion, feed: str) -> str:
-    z_mm, radius_mm = frame.outside(motion.end)
-    behind = " ".join(_arc_words(writer, frame, at, motion))
-    if motion.cuts and feed:
-        behind = f"{behind} {feed}".strip()
-    return writer.block(_code(writer, frame, motion), z_mm, radius_mm, behind)
+    to_centre_mm = None
+    if motion.centre is not None:
+        to_centre_mm = frame.outside(Point(motion.centre.t - at[0], motion.centre.h - at[1]))
+    behind = feed if motion.cuts else ""
+    return writer.block(_code(writer, frame, motion), *frame.outside(motion.end), behind, to_centre_mm)
 
 
 def _code(writer: BlockWriter, frame: Frame, motion: Motion) -> str:
@@ -129,14 +162,6 @@ def _code(writer: BlockWriter, frame: Frame, motion: Motion) -> str:
         return "G1" if motion.cuts else "G0"
     is_ccw = motion.turn > 0
     return "G3" if is_ccw != (frame.mirrors != writer.mirrors) else "G2"
-
-
-def _arc_words(writer: BlockWriter, frame: Frame, at: Sequence[float], motion: Motion) -> Iterator[str]:
-    if motion.centre is None:
-        return
-    from_t, from_h = motion.centre.t - at[0], motion.centre.h - at[1]
-    z_mm, radius_mm = frame.outside(type(motion.centre)(from_t, from_h))
-    yield writer.centre(z_mm, radius_mm)
 
 
 _CUTS = re.compile(r"\bG[123]\b")

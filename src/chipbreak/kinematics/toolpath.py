@@ -22,7 +22,7 @@ Point = tuple[float, float, float]
 PLANE_AXES = {"XY": (0, 1), "ZX": (2, 0), "YZ": (1, 2)}
 # How far start and end may differ in their distance from an arc's centre: two roundings of 0.001 mm, as
 # posts write them, with room for inch programs.
-_RADIUS_TOLERANCE_MM = 0.02
+RADIUS_TOLERANCE_MM = 0.02
 _NO_LENGTH_MM = 1e-9
 BAD_ARC = "VIB022"
 
@@ -207,7 +207,7 @@ def _arc_of(leg: Leg) -> _Arc:
         centre = _centre_from_radius(start, end, leg)
     radius = math.dist(start, centre)
     end_radius = math.dist(end, centre)
-    if radius == 0.0 or abs(radius - end_radius) > _RADIUS_TOLERANCE_MM:
+    if radius == 0.0 or abs(radius - end_radius) > RADIUS_TOLERANCE_MM:
         message = f"the arc starts {radius:z.4f} mm and ends {end_radius:z.4f} mm from its centre"
         raise RefusalError(BAD_ARC, message, "check I, J, K or R of the block")
     first = math.atan2(start[1] - centre[1], start[0] - centre[0])
@@ -231,7 +231,7 @@ def _centre_from_radius(start: Floats, end: Floats, leg: Leg) -> Floats:
     if math.isnan(radius):
         message = "the arc has neither centre nor radius"
         raise RefusalError(BAD_ARC, message, "give I, J, K or R on the block")
-    if length == 0.0 or radius < length / 2.0 - _RADIUS_TOLERANCE_MM:
+    if length == 0.0 or radius < length / 2.0 - RADIUS_TOLERANCE_MM:
         message = f"no arc of radius {leg.radius_mm:g} mm joins points {length:z.4f} mm apart"
         raise RefusalError(BAD_ARC, message, "give I, J, K or a fitting R on the block")
     height = math.sqrt(max(0.0, radius * radius - length * length / 4.0))

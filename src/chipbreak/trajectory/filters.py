@@ -98,7 +98,9 @@ def axis_filter(
     lags = [acc_dec_s or 0.0] if is_lag else []
     if position_gain_1_s is not None:
         lags.append((1.0 - feed_forward) / position_gain_1_s)
-    return AxisFilter(tuple(a for a in averages if a > _UNSEEN_S), tuple(lag for lag in lags if lag > _UNSEEN_S))
+    return AxisFilter(
+        tuple(a for a in averages if a > _UNSEEN_S), tuple(lag for lag in lags if lag > _UNSEEN_S)
+    )
 
 
 def times_to_look_at(

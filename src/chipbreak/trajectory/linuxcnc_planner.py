@@ -97,6 +97,8 @@ class _Stretch:
         self.speeds = [min(pair) for pair in zip(self.feeds, self.caps, strict=True)]
         self.reachable = self._reachable()
         self.ends = self._end_speeds()
+        self.asked = self._asked()
+        self.first_ends = self._first_ends()
         self.times = [0.0] * len(lengths)
         self.places = array("d")
         self.block = 0
@@ -128,24 +130,63 @@ class _Stretch:
             min(speeds) for speeds in zip(self.reachable, self.speeds, [*self.speeds[1:], inf], strict=True)
         ]
 
+    def _asked(self) -> list[float]:
+        """The speed that is asked for where each block is begun."""
+        return self.speeds
+
+    def _first_ends(self) -> list[float]:
+        """The speed at the end of each block, as it is known where it is begun."""
+        return self.ends
+
     def advance(self) -> None:
-        """One servo period, or as many as a block takes until its end is in sight."""
+        """One servo period, or as many as a block takes until its end is in sight, or many even blocks."""
         if self.leaving is not None:
-            rest, self.speed = self.leaving
-            self.times[self.block] += rest
-            self.before += self.lengths[self.block]
-            self.block = self.block + 1
-            self.done = 0.0
-            self._begin(self.period - rest)
-            self.places.append(self.before + self.done)
+            self._leave()
         elif self.alone:
-            self._step(self.period, even=self.even)
+            self._step(self.period)
             self._meet_next()
-            self.leaving = self._end_in_sight()
+            self.leaving = self._end_in_sight(self.ends[self.block])
             self.places.append(self.before + self.done)
         else:
             self._run_on()
         self.finished = self.leaving is not None and self.block == len(self.lengths) - 1
+
+    def _leave(self) -> None:
+        """Into the next block, and through all behind it that are even changes of speed.
+
+        What is left of a period when a block ends in it belongs to the next one.  Nearly all blocks of round
+        waves pass here, by the million: one loop, and few calls.
+        """
+        assert self.leaving is not None
+        rest, speed = self.leaving
+        period, ramp, last = self.period, self.ramp, len(self.lengths) - 1
+        block, before, even, is_over = self.block, self.before, False, False
+        while not is_over:
+            self.times[block] += rest
+            before += self.lengths[block]
+            block += 1
+            left, most, end = self.lengths[block], self.accelerations[block], self.first_ends[block]
+            took, asked = period - rest, self.asked[block]
+            done, speed = _free_step(speed, left, end, top=asked, most=most, time=took)
+            self.places.append(before + done)
+            left -= done
+            # A block whose speed changes evenly in less than ``ramp`` is run so.
+            even = block < last and 2.0 * left < ramp * (speed + min(self.reachable[block], asked))
+            is_over = not even or self.ends[block] <= STANDING or left <= period * max(speed, end)
+            if not is_over:
+                end = self.ends[block]
+                time = 2.0 * left / (speed + end)
+                change, count = (end - speed) / time, int(time / period)
+                is_over = abs(change) > most or count > LONG_CHANGE
+            if not is_over:
+                for ran in range(1, count + 1):
+                    after = ran * period
+                    self.places.append(before + done + (speed + change / 2.0 * after) * after)
+                took += count * period
+                rest, speed = time - count * period, end
+            self.times[block] += took
+        self.block, self.before, self.even, self.done, self.speed = block, before, even, done, speed
+        self.leaving = self._end_in_sight(self.first_ends[block])
 
     def _run_on(self) -> None:
         """Periods in the middle of a block, until its end is in sight."""
@@ -157,7 +198,7 @@ class _Stretch:
                 self._cruise()
                 may_cruise = False
             self._periods(stop_at_speed=may_cruise)
-            self.leaving = self._end_in_sight()
+            self.leaving = self._end_in_sight(self.ends[self.block])
 
     def _periods(self, *, stop_at_speed: bool) -> None:
         """Whole periods as :meth:`_step` has them, until the end may be in sight, or the speed is reached.
@@ -224,25 +265,10 @@ class _Stretch:
             if not self.alone and self.done < STILL_BLENDS * self.lengths[0]:
                 self.ends[0] = self.own_end
 
-    def _begin(self, time: float) -> None:
-        """What is left of a period when a block ends in it belongs to the next one."""
-        self._step(time, even=False)
-        self._enter()
-        self.leaving = self._end_in_sight()
-
     def _enter(self) -> None:
-        """A block whose speed changes evenly in less than ``ramp`` is run so.
-
-        But not one that is begun before another one is known, as is the first one after a stand.
-        """
-        left = self.lengths[self.block] - self.done
-        both = self.speed + min(self.reachable[self.block], self._asked())
-        knows_next = self.block < len(self.lengths) - 1 and (self.block > 0 or self.feed_before > 0.0)
-        self.even = knows_next and 2.0 * left < self.ramp * both
-
-    def _asked(self) -> float:
-        """The speed that is asked for where a block is begun."""
-        return self.speeds[self.block]
+        """The first block is an even change of speed where another one is known, so not after a stand."""
+        knows_next = len(self.lengths) > 1 and self.feed_before > 0.0
+        self.even = knows_next and 2.0 * self.lengths[0] < self.ramp * min(self.reachable[0], self.asked[0])
 
     def _cruise(self) -> None:
         speed = self.speed
@@ -273,36 +299,24 @@ class _Stretch:
             self.done += float(ways[-1])
             self.speed += change * float(time[-1])
 
-    def _step(self, time: float, *, even: bool) -> None:
+    def _step(self, time: float) -> None:
         """Move on by ``time``: towards the end speed, or as fast as feed and braking allow."""
-        speed = self.speed
-        most = self.accelerations[self.block]
-        left = self.lengths[self.block] - self.done
-        end = self.ends[self.block]
-        if even and end > STANDING:
+        block, speed = self.block, self.speed
+        left, most, end = self.lengths[block] - self.done, self.accelerations[block], self.ends[block]
+        if self.even and end > STANDING:
             change = (end - speed) * (speed + end) / (2.0 * max(left, NOTHING))
+            way, self.speed = _moved(speed, left, change, most, time)
         else:
-            half = most * time / 2.0
-            # Braking from the next speed w has to fit behind the way that this period takes.
-            room = end * end + most * (2.0 * left - speed * time)
-            braked = sqrt(room + half * half) - half if room > 0.0 else -half
-            change = (min(braked, self.speeds[self.block]) - speed) / max(time, NOTHING)
-        after = speed + max(-most, min(most, change)) * time
-        if after < 0.0:  # the last, incomplete period goes to the end
-            after = 0.0
-            self.done = self.done + (left if left < speed * time else 0.0)
-        else:
-            self.done += min(left, (speed + after) / 2.0 * time)
-        self.speed = after
-        self.times[self.block] += time
+            way, self.speed = _free_step(speed, left, end, top=self.speeds[block], most=most, time=time)
+        self.done += way
+        self.times[block] += time
 
-    def _end_in_sight(self) -> tuple[float, float] | None:
+    def _end_in_sight(self, end: float) -> tuple[float, float] | None:
         """The time to the end of the block and the speed there, if it is reached within the next period."""
         left = self.lengths[self.block] - self.done
         if left <= NOTHING:
             return 0.0, self.speed
-        end = self.ends[self.block]
-        mean = (self.speed + self.ends[self.block]) / 2.0
+        mean = (self.speed + end) / 2.0
         if self.block == len(self.lengths) - 1 or mean <= STANDING:
             return None
         time = left / mean
@@ -333,19 +347,29 @@ class _PerRevolution(_Stretch):
             min(speeds) for speeds in zip(self.reachable, self.speeds, [*self.caps[1:], inf], strict=True)
         ]
 
-    def _begin(self, time: float) -> None:
-        block = self.block
-        own_speed = self.speeds[block]
-        own_end = self.ends[block]
-        self.feed_before = self.feeds[block - 1]
-        # For the rest of this period nothing is known of the block after this one.
-        self.speeds[block] = min(self.feed_before, self.caps[block])
-        self.ends[block] = 0.0
-        self._step(time, even=False)
-        self.leaving = self._end_in_sight()
-        self.speeds[block] = own_speed
-        self.ends[block] = own_end
-        self._enter()
+    def _asked(self) -> list[float]:
+        before = [self.feed_before, *self.feeds[:-1]]
+        return [min(pair) for pair in zip(before, self.caps, strict=True)]
 
-    def _asked(self) -> float:
-        return min(self.feed_before, self.caps[self.block])
+    def _first_ends(self) -> list[float]:
+        # For the rest of the period in which a block begins nothing is known of the one after it.
+        return [0.0] * len(self.caps)
+
+
+def _free_step(
+    speed: float, left: float, end: float, *, top: float, most: float, time: float
+) -> tuple[float, float]:
+    """The way in some time, and the speed behind it: as fast as feed and braking allow."""
+    half = most * time / 2.0
+    # Braking from the next speed w has to fit behind the way that this period takes.
+    room = end * end + most * (2.0 * left - speed * time)
+    braked = sqrt(room + half * half) - half if room > 0.0 else -half
+    return _moved(speed, left, (min(braked, top) - speed) / max(time, NOTHING), most, time)
+
+
+def _moved(speed: float, left: float, change: float, most: float, time: float) -> tuple[float, float]:
+    """The way in some time with a change of speed, at most ``most``, and the speed behind it."""
+    after = speed + max(-most, min(most, change)) * time
+    if after < 0.0:  # the last, incomplete period goes to the end
+        return (left if left < speed * time else 0.0), 0.0
+    return min(left, (speed + after) / 2.0 * time), after
