@@ -13,12 +13,12 @@ from chipbreak.kinematics.floats import Floats
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.trajectory.linuxcnc_joints import Bools
 from chipbreak.trajectory.linuxcnc_many import Stretches, linuxcnc_many, passing_speeds, times_of_many
-from chipbreak.trajectory.linuxcnc_planner import NOTHING, Clock, Stretch, linuxcnc, runs_alike
+from chipbreak.trajectory.linuxcnc_planner import NOTHING, Clock, Stretch, block_times, linuxcnc, runs_alike
 from chipbreak.trajectory.linuxcnc_strokes import places_of, profile_of
 
 Counts = NDArray[np.intp]
 # Fewer stretches are faster one by one, and so is a long even feed: it then takes no time.
-_MANY = 64
+_MANY = 200
 _LONG_PERIODS = 200.0
 _AT_ONCE = 1 << 15
 _FACTOR = 0x9E3779B97F4A7C15  # odd, and without a pattern: its powers mix all digits of a row
@@ -223,7 +223,7 @@ def _block_times(stretches: Stretches, clock: Clock, until: int) -> Floats:
     count = len(stretches.lengths)
     if count >= _MANY:
         return times_of_many(stretches, clock, until)
-    return np.array([linuxcnc(_stretch(stretches, row), clock)[0][:until] for row in range(count)])
+    return np.array([block_times(_stretch(stretches, row), clock)[:until] for row in range(count)])
 
 
 def _stretch(stretches: Stretches, row: int) -> Stretch:
