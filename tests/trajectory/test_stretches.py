@@ -18,7 +18,7 @@ from chipbreak.trajectory.linuxcnc import LinuxCnc, interpolated
 from chipbreak.trajectory.linuxcnc_feeds import Wanted, _factor_of_all, _halved, _one_factor, factors_for
 from chipbreak.trajectory.linuxcnc_joints import bends_of
 from chipbreak.trajectory.linuxcnc_many import Stretches, linuxcnc_many, times_of_many
-from chipbreak.trajectory.linuxcnc_planner import NOTHING, Clock, Stretch, linuxcnc
+from chipbreak.trajectory.linuxcnc_planner import NOTHING, Clock, Stretch, block_times, linuxcnc
 from chipbreak.trajectory.linuxcnc_runs import counted
 from chipbreak.trajectory.linuxcnc_strokes import middle_feeds, places_of
 
@@ -52,9 +52,27 @@ def test_many_stretches_run_like_one(drawn: Stretches, clock: Clock, before: flo
     for row in range(len(drawn.before)):
         one = Stretch(*(tuple(column[row].tolist()) for column in drawn[:4]), before)
         took, ways = linuxcnc(one, clock)
+        assert block_times(one, clock) == took
         assert times[row].tolist() == pytest.approx(took, abs=1e-8)
         assert alone[row].tolist() == pytest.approx(took, abs=1e-8)
         assert places[row][~np.isnan(places[row])].tolist() == pytest.approx(ways, abs=1e-7)
+
+
+@pytest.mark.parametrize("override", [inf, 1.0])
+@pytest.mark.parametrize("length", [0.0002, 0.001, 0.005, 0.02])
+def test_blocks_of_a_round_wave_run_like_many(override: float, length: float) -> None:
+    """Blocks of a few periods each, which one by one are gone through in one loop, and many step by step."""
+    rise = np.sin(np.linspace(0.1, np.pi - 0.1, 30))
+    lengths = length * np.array([rise, rise**2, np.round(rise, 1) + 0.1])
+    speeds = lengths / 0.0041
+    drawn = Stretches(
+        lengths, speeds, np.full_like(speeds, 100.0), np.full_like(speeds, 2000.0), np.zeros(3) + 0.5
+    )
+    clock = Clock(0.001, 0.01, override)
+    many = times_of_many(drawn, clock, 30)
+    for row in range(3):
+        one = Stretch(*(tuple(column[row].tolist()) for column in drawn[:4]), 0.5)
+        assert block_times(one, clock) == pytest.approx(many[row].tolist(), abs=1e-8)
 
 
 @pytest.mark.parametrize("override", [inf, 1.0])

@@ -300,3 +300,14 @@ def test_no_chip_is_thinner_than_a_thousandth(mode: str, feed: str, words: str) 
     assert [one.code for one in caught.value.diagnostics if one.place and one.place.line == 4] == ["VIB059"]
     enough = "F1.2" if mode == "G94" else "F0.0012"
     assert "CHIPBREAK BEGIN" in filtered(program.format(enough), "generic-lathe", *sets)
+
+
+def test_the_digits_of_f_do_not_count_where_the_program_has_written_it() -> None:
+    """The plain end runs at F0.0047 in all its digits, and not at the F0.005 of the others."""
+    program = b"G20\nG97 S800 M3\nG99\nG0 X1.5 Z0.1969\nG1 Z0.1024 F0.0047 N1.5 f50. Q1.3\nG0 X3.\nM30\n"
+    sets = ["vibration.ramp_vibrations=0.5", "output.form=expanded"]
+    chipbreak.rewrite(program, chipbreak.load("haas-lathe", [*sets, "output.feed_decimals=3"]))
+    with pytest.raises(chipbreak.ProgramRejectedError) as rejected:
+        chipbreak.rewrite(program, chipbreak.load("haas-lathe", [*sets, "output.feed_decimals=2"]))
+    (error,) = [one for one in rejected.value.diagnostics if one.code == "VIB059"]
+    assert "with 3 decimals of F this cut of 0.603 s would take 0.606 s" in error.message

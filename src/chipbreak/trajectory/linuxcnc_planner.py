@@ -109,6 +109,7 @@ class _Stretch:
         self.reachable = self._reachable()
         self.ends = self._end_speeds()
         self.asked = self._asked()
+        self.next_speeds = _lower(self.reachable, self.asked)
         self.first_ends = self._first_ends()
         self.times = [0.0] * len(lengths)
         self.places = array("d")
@@ -183,10 +184,9 @@ class _Stretch:
             self.places.append(before + done)
             left -= done
             # A block whose speed changes evenly in less than ``ramp`` is run so.
-            next_speed = asked if asked < self.reachable[block] else self.reachable[block]
-            even = block < last and 2.0 * left < ramp * (speed + next_speed)
-            fastest = speed if speed > end else end
-            is_over = not even or self.ends[block] <= STANDING or left <= period * fastest
+            even = block < last and 2.0 * left < ramp * (speed + self.next_speeds[block])
+            is_near = left <= period * speed or left <= period * end
+            is_over = is_near or not even or self.ends[block] <= STANDING
             if not is_over:
                 end = self.ends[block]
                 time = 2.0 * left / (speed + end)
@@ -194,14 +194,19 @@ class _Stretch:
                 # A period is begun before its end is looked for.
                 is_over = abs(change) > most or not 0 < count <= LONG_CHANGE
             if not is_over:
-                for ran in range(1, count + 1) if self.is_traced else ():
-                    after = ran * period
-                    self.places.append(before + done + (speed + change / 2.0 * after) * after)
+                if self.is_traced:
+                    self._trace(before + done, speed, change, count)
                 took += count * period
                 rest, speed = time - count * period, end
             self.times[block] += took
         self.block, self.before, self.even, self.done, self.speed = block, before, even, done, speed
         self.leaving = self._end_in_sight(self.first_ends[block])
+
+    def _trace(self, place: float, speed: float, change: float, count: int) -> None:
+        """The places after some periods of an even change of speed."""
+        for ran in range(1, count + 1):
+            after = ran * self.period
+            self.places.append(place + (speed + change / 2.0 * after) * after)
 
     def _run_on(self) -> None:
         """Periods in the middle of a block, until its end is in sight."""
@@ -283,7 +288,7 @@ class _Stretch:
     def _enter(self) -> None:
         """The first block is an even change of speed where another one is known, so not after a stand."""
         knows_next = len(self.lengths) > 1 and self.feed_before > 0.0
-        self.even = knows_next and 2.0 * self.lengths[0] < self.ramp * min(self.reachable[0], self.asked[0])
+        self.even = knows_next and 2.0 * self.lengths[0] < self.ramp * self.next_speeds[0]
 
     def _cruise(self) -> None:
         speed = self.speed

@@ -238,8 +238,9 @@ def _raised(cut: CutPlan, crests: Crests, distance_mm: Floats, words: Words, set
     scale = units_per_mm(settings, cut.chain.before)
     per_unit = steps_per_unit(axis_steps_mm(settings, cut.chain.before), scale, words.decimals)
     axes = np.array([AXES.index(axis) for axis in moving_axes(cut.path)])
+    tangents = cut.path.tangents(distance_mm[crests.knots])[:, axes]
     steps = 1.0 / per_unit[axes]
-    ahead_mm = raise_crests(words, crests, steps, axes, scale)
+    ahead_mm = raise_crests(words, crests, steps, axes, per_mm=scale[axes], tangents=tangents)
     raised_mm = distance_mm.copy()
     raised_mm[crests.knots] += ahead_mm
     return raised_mm
@@ -390,8 +391,12 @@ def _feed_words(cut: CutPlan, ends: _Ends, settings: Settings) -> tuple[Floats, 
             end_mm = float(np.abs(blocks.lengths_mm[plain_from:]).sum())
             end_s = end_mm / cut.wave.feed_speed_mm_s - float(spans[plain_from:].sum())
     feeds: Floats = np.maximum(exact, 10.0**-digits)
+    printed = np.round(feeds, digits)
+    if _tail_is_programmed(cut, settings):
+        # The F of the last block is printed as the program has it, whatever the digits of others.
+        printed[-1] = feeds[-1] = exact[-1]
     with np.errstate(divide="ignore"):
-        by_feed_s = float((spans * exact / np.round(feeds, digits)).sum())
+        by_feed_s = float((spans * exact / printed).sum())
     _check_digits(cut, by_feed_s, end_s, settings)
     return feeds, law.must_stand_before(blocks, feeds_mm_s)
 

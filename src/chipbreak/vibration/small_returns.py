@@ -75,22 +75,31 @@ def lost_returns(
     return Crests(first[lost], raised_mm[lost])
 
 
-def raise_crests(words: Words, found: Crests, steps: Floats, axes: NDArray[np.intp], scale: Floats) -> Floats:
-    """Raise crests by steps of the axis that moves most, in ``words``; how far that is along the path [mm].
+def raise_crests(
+    words: Words,
+    found: Crests,
+    steps: Floats,
+    axes: NDArray[np.intp],
+    *,
+    per_mm: Floats,
+    tangents: Floats,
+) -> Floats:
+    """Raise crests along the path, in ``words``; how far that is [mm], (m,).
 
-    ``steps`` (columns,) are those of the axis words, ``axes`` their axes, ``scale`` (3,) words per mm.
+    ``steps`` (columns,) are those of the axis words, ``axes`` their axes, ``per_mm`` (columns,) words per mm,
+    ``tangents`` (m, columns) the directions of the path.  By one step the axis that moves most goes alone.
     """
-    crests = found.knots
-    ahead = words.absolute[crests] - words.absolute[crests - 1]
-    column = np.abs(ahead).argmax(axis=1)
-    row = np.arange(len(crests))
-    count = np.ceil(found.raised_mm * np.abs(scale[axes[column]]) / steps[column])
-    step = np.sign(ahead[row, column]) * steps[column] * np.maximum(count, 1.0)
-    words.absolute[crests, column] += step
-    words.points_mm[crests, axes[column]] += step / scale[axes[column]]
-    moved_mm = np.abs(words.points_mm[crests] - words.points_mm[crests - 1])
-    share = moved_mm[row, axes[column]] / np.linalg.norm(moved_mm, axis=1)
-    ahead_mm: Floats = np.abs(step / scale[axes[column]]) * share
+    per_step = np.abs(per_mm) / steps
+    row = np.arange(len(found.knots))
+    column = np.abs(tangents * per_step).argmax(axis=1)
+    count = np.maximum(np.ceil(found.raised_mm * per_step[column]), 1.0)
+    counts = np.rint(count[:, None] * tangents * per_step / np.abs(tangents * per_step).max(axis=1)[:, None])
+    counts[count == 1.0] = 0.0
+    counts[row, column] = count * np.sign(tangents[row, column])
+    moved_mm = counts / per_step
+    words.absolute[found.knots] += moved_mm * per_mm
+    words.points_mm[np.ix_(found.knots, axes)] += moved_mm
+    ahead_mm: Floats = np.einsum("ij,ij->i", moved_mm, tangents)
     return ahead_mm
 
 
