@@ -32,8 +32,8 @@ class Blocks:
     acceleration_mm_s2: Floats
     feed_steps_mm_s: Floats | None = None
 
-    def part(self, run: slice) -> Blocks:
-        """Some of them in a row."""
+    def part(self, run: slice | list[int]) -> Blocks:
+        """Some of them; between those that are not in a row there is no corner that counts."""
         steps = None if self.feed_steps_mm_s is None else self.feed_steps_mm_s[run]
         moves = self.lengths_mm[run], self.moved_mm[run]
         return Blocks(*moves, self.corners[run], self.acceleration_mm_s2[run], steps)

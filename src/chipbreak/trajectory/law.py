@@ -11,6 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from itertools import pairwise
 from math import inf, sqrt
 from typing import ClassVar, Self
 
@@ -224,6 +225,14 @@ class ControlLaw(ABC):
             return self.motion_between_dwells(distance_mm, blocks, feeds_mm_s)
         return _motion_with_dwells(self, distance_mm, blocks, feeds_mm_s, dwell_s)
 
+    def motions_from_rest(self, blocks: Blocks, feeds_mm_s: Floats, runs: Sequence[slice]) -> list[Motion]:
+        """The motion of some runs of blocks by themselves, each from rest to rest, its way from zero."""
+        return [self._motion_from_rest(blocks.part(run), feeds_mm_s[run]) for run in runs]
+
+    def _motion_from_rest(self, blocks: Blocks, feeds_mm_s: Floats) -> Motion:
+        ways_mm = np.append(0.0, np.cumsum(blocks.lengths_mm))
+        return self.motion_between_dwells(ways_mm, blocks, feeds_mm_s)
+
     def peak_speed_mm_s(self, blocks: Blocks, feeds_mm_s: Floats) -> float | None:
         """The highest speed of the axis where the knots of the motion do not show it, else None."""
         return None
@@ -346,35 +355,37 @@ def _motion_with_dwells(
     ends = np.flatnonzero(dwell_s > 0.0) + 1
     if ends[-1] != len(dwell_s):
         ends = np.append(ends, len(dwell_s))
-    spans_s = np.empty(len(dwell_s))
-    known: dict[tuple[bytes, bytes], Motion] = {}
     # Of as long ways in another direction the axes make something else.
     moved_mm = np.round(blocks.moved_mm, _DIGITS) + 0.0
-    times = list[Floats]()
-    places = list[Floats]()
-    now_s = 0.0
-    first = 0
-    for last in ends.tolist():
-        run = slice(first, last)
-        key = (moved_mm[run].tobytes(), feeds_mm_s[run].tobytes())
-        if key not in known:
-            known[key] = _from_rest_to_rest(law, blocks.part(run), feeds_mm_s[run])
-        motion = known[key]
-        spans_s[run] = motion.spans_s
-        if dwell_s[last - 1] > 0.0:
-            spans_s[last - 1] += law.dwell_delay_s
-        times.append(now_s + motion.time_s)
-        places.append(distance_mm[first] + motion.distance_mm)
-        places[-1][-1] = distance_mm[last]
-        # A motion may end a little later than its blocks.
-        now_s = max(now_s + float(spans_s[run].sum() + dwell_s[last - 1]), float(times[-1][-1]) + _SOON_S)
-        first = last
+    runs = [slice(first, last) for first, last in pairwise([0, *ends.tolist()])]
+    keys = [(moved_mm[run].tobytes(), feeds_mm_s[run].tobytes()) for run in runs]
+    firsts = dict(zip(reversed(keys), reversed(runs), strict=True))
+    number = {key: at for at, key in enumerate(firsts)}
+    kind = np.array([number[key] for key in keys])
+    motions = law.motions_from_rest(blocks, feeds_mm_s, [*firsts.values()])
+
+    spans_s, _ = _in_a_row([one.spans_s for one in motions], kind)
+    dwells_s = dwell_s[ends - 1]
+    stands_s = np.where(dwells_s > 0.0, law.dwell_delay_s, 0.0)
+    spans_s[ends - 1] += stands_s
+    own_s = np.array([one.spans_s.sum() for one in motions])[kind] + stands_s + dwells_s
+    # A motion may end a little later than its blocks.
+    moves_s = np.array([one.time_s[-1] for one in motions])[kind]
+    ended_s = np.cumsum(np.maximum(own_s, moves_s + _SOON_S))
+    time_s, counts = _in_a_row([one.time_s for one in motions], kind)
+    time_s += np.repeat(np.append(0.0, ended_s[:-1]), counts)
+    place_mm, _ = _in_a_row([one.distance_mm for one in motions], kind)
+    place_mm += np.repeat(distance_mm[np.append(0, ends[:-1])], counts)
+    place_mm[np.cumsum(counts) - 1] = distance_mm[ends]
     if dwell_s[-1] > 0.0:
-        times.append(np.array([now_s]))
-        places.append(distance_mm[-1:])
-    return Motion(spans_s, np.concatenate(times), np.concatenate(places))
+        time_s, place_mm = np.append(time_s, ended_s[-1]), np.append(place_mm, distance_mm[-1])
+    return Motion(spans_s, time_s, place_mm)
 
 
-def _from_rest_to_rest(law: ControlLaw, blocks: Blocks, feeds_mm_s: Floats) -> Motion:
-    ways_mm = np.append(0.0, np.cumsum(blocks.lengths_mm))
-    return law.motion_between_dwells(ways_mm, blocks, feeds_mm_s)
+def _in_a_row(pieces: Sequence[Floats], kind: NDArray[np.intp]) -> tuple[Floats, NDArray[np.intp]]:
+    """Arrays one behind the other, each as often as its number comes in ``kind``, (m,); how long each is."""
+    sizes = np.array([len(piece) for piece in pieces])
+    counts = sizes[kind]
+    shift = (np.cumsum(sizes) - sizes)[kind] - (np.cumsum(counts) - counts)
+    row: Floats = np.concatenate(pieces)[np.arange(int(counts.sum())) + np.repeat(shift, counts)]
+    return row, counts

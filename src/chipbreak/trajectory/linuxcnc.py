@@ -17,9 +17,9 @@ revolution joins blocks in another way, and does not.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain
+from itertools import chain, pairwise
 from math import inf
 from typing import ClassVar
 
@@ -53,6 +53,7 @@ _STILL_EVEN_MM = 1e-9
 _FIRST_BLOCKS = 16  # show whether the first of all runs otherwise
 # There is a place for every period of a cut: worked out in pieces that stay in the processor's cache.
 _PERIODS_AT_ONCE = 1 << 16
+_ALONE_AT_ONCE = 1 << 12
 
 
 @dataclass(frozen=True)
@@ -151,6 +152,42 @@ class LinuxCnc(ControlLaw):
         runs = self._runs(columns, parts)
         time_s, knots_mm = self._knots(distance_mm, blocks.lengths_mm, parts, runs)
         return Motion(runs.times, time_s, knots_mm)
+
+    def motions_from_rest(self, blocks: Blocks, feeds_mm_s: Floats, runs: Sequence[slice]) -> list[Motion]:
+        """See :meth:`ControlLaw.motions_from_rest`; on an arc there are thousands, no two alike."""
+        alone = [run.start for run in runs if run.stop - run.start == 1]
+        found = dict[int, Motion]()
+        for first in range(0, len(alone), _ALONE_AT_ONCE):
+            some = alone[first : first + _ALONE_AT_ONCE]
+            found.update(zip(some, self._motions_alone(blocks.part(some), feeds_mm_s[some]), strict=True))
+        return [
+            found.get(run.start) or self._motion_from_rest(blocks.part(run), feeds_mm_s[run]) for run in runs
+        ]
+
+    def _motions_alone(self, blocks: Blocks, feeds_mm_s: Floats) -> Iterator[Motion]:
+        """The motion of each of some blocks by itself."""
+        columns, parts = replace(self, every_block_stops=True)._columns(blocks, feeds_mm_s)
+        runs = run_all(columns, parts, self._clock)
+        # Each begins with rests at zero, and goes on with its ways and its end, see _knots and _bent_knots.
+        sizes = runs.counts + 3
+        firsts = np.cumsum(sizes) - sizes
+        lasts = firsts + sizes - 1
+        planned = np.zeros(int(sizes.sum()))
+        is_way = np.ones(len(planned), np.bool_)
+        is_way[firsts] = is_way[firsts + 1] = is_way[lasts] = False
+        planned[is_way] = runs.places(0, len(sizes)) * np.repeat(np.sign(blocks.lengths_mm), runs.counts)
+        planned[lasts] = blocks.lengths_mm
+        places_mm = np.concatenate([[0.0], interpolated(planned), [0.0]])
+        places_mm[firsts] = 0.0
+        places_mm[lasts] = blocks.lengths_mm
+        steps = np.diff(places_mm)
+        is_knot = np.concatenate([[True], np.abs(np.diff(steps)) > _STILL_EVEN_MM, [True]])
+        is_knot[firsts] = is_knot[lasts] = True
+        knots = np.flatnonzero(is_knot)
+        time_s = (knots - np.repeat(firsts, sizes)[knots]).astype(np.float64) * self.servo_period_s
+        ends = np.searchsorted(knots, lasts, "right").tolist()
+        for row, (begin, end) in enumerate(pairwise([0, *ends])):
+            yield Motion(runs.times[row : row + 1], time_s[begin:end], places_mm[knots[begin:end]])
 
     @property
     def least_first_s(self) -> float:
