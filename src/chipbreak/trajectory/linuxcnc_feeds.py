@@ -36,6 +36,7 @@ _SHAPED_AT_MOST = 256
 _SHAPED_BLOCKS = 24
 _MUCH_SLOWER = 0.7
 _SHAPED = np.geomspace(0.75, 1.33, 24)
+_SHAPED_STEP = 3
 _SHAPING = 4
 _DAMPING = 0.7
 
@@ -212,14 +213,42 @@ def _longest_run(places: Counts) -> Counts:
     return max(np.split(places, np.flatnonzero(np.diff(places) > 1) + 1), key=len)
 
 
-def _narrowed(wanted: Wanted, rows: Counts, tried: Floats, clocks: Sequence[Clock]) -> tuple[Floats, Floats]:
-    """The best of the factors in between: the middle of the longest run of those that miss it as little."""
-    late = _late(wanted, np.repeat(rows, tried.shape[1]), tried.ravel(), clocks).reshape(tried.shape)
-    least = np.abs(late).min(axis=1, keepdims=True)
-    runs = map(_longest_run, map(np.flatnonzero, np.abs(late) <= least + _SAME_S))
-    middles = [run[len(run) // 2] for run in runs]
+def _narrowed(
+    wanted: Wanted, rows: Counts, tried: Floats, clocks: Sequence[Clock], *, step: int = 1
+) -> tuple[Floats, Floats]:
+    """The best of the factors in between: the middle of the longest run of those that miss it as little.
+
+    One in so many (an odd ``step``) is tried, and of the others those beside the ends of that run.
+    """
+    count = tried.shape[1]
+    late = np.full(tried.shape, np.nan)
+
+    def look(columns: Counts) -> None:
+        of_row = np.arange(len(rows))[:, np.newaxis]
+        at = np.repeat(rows, columns.shape[1])
+        late[of_row, columns] = _late(wanted, at, tried[of_row, columns].ravel(), clocks).reshape(
+            columns.shape
+        )
+
+    look(np.tile(np.arange(step // 2, count, step), (len(rows), 1)))
+    if step > 1:
+        ends = np.array([(run[0], run[-1]) for run in map(_best_run, late)])
+        beside = np.arange(1, step)
+        look(np.clip(np.column_stack([ends[:, :1] - beside, ends[:, 1:] + beside]), 0, count - 1))
+    runs = map(_best_run, late)
+    middles = [run[np.abs(run - (run[0] + run[-1]) / 2.0).argmin()] for run in runs]
     own = np.arange(len(rows)), np.array(middles)
     return tried[own], late[own]
+
+
+def _best_run(late: Floats) -> Counts:
+    """The longest run of columns that miss their time as little, of those that are known, (n,)."""
+    known = np.flatnonzero(~np.isnan(late))
+    misses = np.abs(late[known])
+    best = np.flatnonzero(misses <= misses.min() + _SAME_S)
+    runs = np.split(best, np.flatnonzero(np.diff(best) > 1) + 1)
+    longest = max(runs, key=lambda run: known[run[-1]] - known[run[0]])
+    return np.asarray(known[longest])
 
 
 def _late_of_all(wanted: Wanted, clocks: Sequence[Clock]) -> Floats:
@@ -298,7 +327,7 @@ def _shape(wanted: Wanted, clocks: Sequence[Clock], found: Found) -> None:
         ratio = _times(some, speeds, clocks[:1])[0] / some.spans[:, : some.fitted]
         shape[:, : some.fitted] *= np.clip(ratio, 0.25, 4.0) ** _DAMPING
         shaped = some._replace(stretches=some.stretches._replace(speeds=some.stretches.speeds * shape))
-        one, late = _narrowed(shaped, every, np.tile(_SHAPED, (len(every), 1)), clocks)
+        one, late = _narrowed(shaped, every, np.tile(_SHAPED, (len(every), 1)), clocks, step=_SHAPED_STEP)
         factors = shape.copy()
         factors[:, : some.fitted] *= one[:, np.newaxis]
         now = _unevenness(some, some.stretches.speeds * factors, clocks)

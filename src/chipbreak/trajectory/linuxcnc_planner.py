@@ -223,32 +223,21 @@ class _Stretch:
     def _periods(self, *, stop_at_speed: bool) -> None:
         """Whole periods as :meth:`_step` has them, until the end may be in sight, or the speed is reached.
 
-        Nearly all periods pass here, by the million: one loop, and no calls.
+        Nearly all periods of straight strokes pass here, by the million.
         """
         if self.even and self.ends[self.block] > STANDING:
             self._ramp()
             return
         block, period = self.block, self.period
-        length, most, end, top = (
-            column[block] for column in (self.lengths, self.accelerations, self.ends, self.speeds)
-        )
-        half = most * period / 2.0
+        length, most = self.lengths[block], self.accelerations[block]
+        end, top = self.ends[block], self.speeds[block]
         stop = top if stop_at_speed else -1.0
         # The last block is run to its end; of another the end is in sight where twice the rest is near.
         ahead = 0.0 if block == len(self.lengths) - 1 else period
         speed, done, took = self.speed, self.done, self.times[block]
         while True:
-            left = length - done
-            room = end * end + most * (2.0 * left - speed * period)
-            braked = sqrt(room + half * half) - half if room > 0.0 else -half
-            change = (min(braked, top) - speed) / period
-            after = speed + max(-most, min(most, change)) * period
-            if after < 0.0:  # the last, incomplete period goes to the end
-                after = 0.0
-                done += left * (left < speed * period)
-            else:
-                done += min(left, (speed + after) / 2.0 * period)
-            speed = after
+            way, speed = _free_step(speed, length - done, end, top=top, most=most, time=period)
+            done += way
             took += period
             self.places.append(self.before + done)
             left = length - done
@@ -298,7 +287,8 @@ class _Stretch:
         step = speed * self.period
         count = int((left - speed * speed / self.accelerations[self.block]) / step) - 2
         if count > 0:
-            self.places.frombytes((self.before + self.done + step * np.arange(1, count + 1)).tobytes())
+            if self.is_traced:
+                self.places.frombytes((self.before + self.done + step * np.arange(1, count + 1)).tobytes())
             self.times[self.block] += count * self.period
             self.done += count * step
 
