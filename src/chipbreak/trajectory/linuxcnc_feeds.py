@@ -36,7 +36,6 @@ _SHAPED_AT_MOST = 256
 _SHAPED_BLOCKS = 24
 _MUCH_SLOWER = 0.7
 _SHAPED = np.geomspace(0.75, 1.33, 24)
-_SHAPED_STEP = 3
 _SHAPING = 4
 _DAMPING = 0.7
 
@@ -213,28 +212,26 @@ def _longest_run(places: Counts) -> Counts:
     return max(np.split(places, np.flatnonzero(np.diff(places) > 1) + 1), key=len)
 
 
-def _narrowed(
-    wanted: Wanted, rows: Counts, tried: Floats, clocks: Sequence[Clock], *, step: int = 1
-) -> tuple[Floats, Floats]:
+def _narrowed(wanted: Wanted, rows: Counts, tried: Floats, clocks: Sequence[Clock]) -> tuple[Floats, Floats]:
     """The best of the factors in between: the middle of the longest run of those that miss it as little.
 
-    One in so many (an odd ``step``) is tried, and of the others those beside the ends of that run.
+    Every third is tried, and those beside one that misses it by hardly more than the best.
     """
     count = tried.shape[1]
     late = np.full(tried.shape, np.nan)
 
-    def look(columns: Counts) -> None:
-        of_row = np.arange(len(rows))[:, np.newaxis]
-        at = np.repeat(rows, columns.shape[1])
-        late[of_row, columns] = _late(wanted, at, tried[of_row, columns].ravel(), clocks).reshape(
-            columns.shape
-        )
+    def look(at: Counts, columns: Counts) -> None:
+        late[at, columns] = _late(wanted, rows[at], tried[at, columns], clocks)
 
-    look(np.tile(np.arange(step // 2, count, step), (len(rows), 1)))
-    if step > 1:
-        ends = np.array([(run[0], run[-1]) for run in map(_best_run, late)])
-        beside = np.arange(1, step)
-        look(np.clip(np.column_stack([ends[:, :1] - beside, ends[:, 1:] + beside]), 0, count - 1))
+    every_third = np.arange(1, count, 3)
+    look(np.repeat(np.arange(len(rows)), len(every_third)), np.tile(every_third, len(rows)))
+    misses = np.abs(late)
+    least = np.nanmin(misses, axis=1, keepdims=True)
+    near = misses <= least + clocks[0].period_s + _SAME_S
+    beside = np.zeros(tried.shape, np.bool_)
+    beside[:, 1:] |= near[:, :-1]
+    beside[:, :-1] |= near[:, 1:]
+    look(*np.nonzero(beside))
     runs = map(_best_run, late)
     middles = [run[np.abs(run - (run[0] + run[-1]) / 2.0).argmin()] for run in runs]
     own = np.arange(len(rows)), np.array(middles)
@@ -327,7 +324,7 @@ def _shape(wanted: Wanted, clocks: Sequence[Clock], found: Found) -> None:
         ratio = _times(some, speeds, clocks[:1])[0] / some.spans[:, : some.fitted]
         shape[:, : some.fitted] *= np.clip(ratio, 0.25, 4.0) ** _DAMPING
         shaped = some._replace(stretches=some.stretches._replace(speeds=some.stretches.speeds * shape))
-        one, late = _narrowed(shaped, every, np.tile(_SHAPED, (len(every), 1)), clocks, step=_SHAPED_STEP)
+        one, late = _narrowed(shaped, every, np.tile(_SHAPED, (len(every), 1)), clocks)
         factors = shape.copy()
         factors[:, : some.fitted] *= one[:, np.newaxis]
         now = _unevenness(some, some.stretches.speeds * factors, clocks)
