@@ -329,6 +329,8 @@ def _shape(wanted: Wanted, clocks: Sequence[Clock], found: Found) -> None:
         factors[:, : some.fitted] *= one[:, np.newaxis]
         now = _unevenness(some, some.stretches.speeds * factors, clocks)
         better = (now < best) & (np.abs(late) <= allowed)
+        if not better.any():
+            break
         best = np.where(better, now, best)
         found.factors[rows[better]] = factors[better]
         found.late[rows[better]] = late[better]
