@@ -52,6 +52,8 @@ _WITH_ROUNDING = 1.05
 _STANDS = (1.25, 1.5, 2.0, 3.0, 5.0)  # revolutions per edge
 _SLOWER = 0.85  # of a frequency that did not work, the next that is tried at most
 _FEW = 4  # tries of a cut of which each may take a second
+_FEW_OF_DEAR_OTHERS = 2  # the same of one at another speed or feed, of which there are several
+_FEW_OF_OTHERS = 6
 _MOST_OTHERS = 5  # of other speeds, and feeds, that are tried to the verdict
 _STEP = 0.9  # from one speed or feed that is tried for a way out to the next
 _FEED_STEP_MM = 0.001
@@ -109,7 +111,7 @@ class Chooser:
             if again is not None:
                 return again
         try:
-            found = self._tried(cut, make)
+            found = self._tried(cut, make, _FEW if _is_dear(cut, self.settings) else math.inf)
         except RefusalError as error:
             if advise and error.code == NOTHING_FITS:
                 ways = self._ways_out(cut, make) or error.help
@@ -136,11 +138,11 @@ class Chooser:
         cut = _cut_of(chain, self.settings)
         return (one for one in self._candidates(cut) if _runs(one, cut))
 
-    def _tried(self, cut: _Cut, make: MakeCut) -> _Tried:
-        """The first choice with margin to spare, else that with the most."""
+    def _tried(self, cut: _Cut, make: MakeCut, most: float) -> _Tried:
+        """The first choice with margin to spare, else that with the most; so many are tried."""
         tried: list[_Tried] = []
         refused: list[RefusalError] = []
-        slower = _Slower(_FEW if _is_dear(cut, self.settings) else math.inf)
+        slower = _Slower(most)
         for conditions in self._candidates(cut):
             # What the control makes of a stroke takes long to find, so that is asked last.
             if not slower.takes(conditions) or not _runs(conditions, cut):
@@ -209,9 +211,10 @@ class Chooser:
     def _first_that_works(self, cut: _Cut, others: Iterator[_Cut], make: MakeCut) -> _Cut | None:
         """The first of a few cuts for which conditions are found and break its chips."""
         group = command_group(self.settings)
+        most = _FEW_OF_DEAR_OTHERS if _is_dear(cut, self.settings) else _FEW_OF_OTHERS
         for one in islice((one for one in others if _finds(one, group)), _MOST_OTHERS):
             try:
-                self._tried(one, make)
+                self._tried(one, make, most)
             except RefusalError as error:
                 if error.code == TOO_FINE:
                     return None  # what is too fine for the digits is finer still with less
