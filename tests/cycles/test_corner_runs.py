@@ -182,3 +182,14 @@ def test_a_rapid_with_an_axis_says_no_corner() -> None:
     blocks = "G0 X20. Z1. C90.\nG1 Z-20. F0.25\n"
     result = chipbreak.rewrite((HEAD + blocks + TAIL).encode(), load("fanuc-lathe", WISH))
     assert b"(CHIPBREAK WAS G1 Z-20. F0.25)" in result.data
+
+
+@pytest.mark.parametrize("end", ["X45. Z-50", "X45 Z-50.", "X#1 Z-50."])
+def test_a_block_between_that_ends_nowhere_leaves_the_corner(end: str) -> None:
+    """What a number without a point means is not known here, so the corner is none that can be drawn."""
+    program = (
+        f"G21\nG97 S800 M3\nG98\nG0 X20. Z2.\nG1 Z-25. F120. N1.5 ,R0.5\n{end}\nG1 X50. Z-51.\nG0 X80.\nM30\n"
+    )
+    with pytest.raises(chipbreak.ProgramRejectedError) as rejected:
+        chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-lathe"))
+    assert ",R0.5 cannot stand in a block that vibrates" in str(rejected.value)

@@ -31,7 +31,7 @@ from chipbreak.cycles.reading import Step, has_unread_axes, pieces_of
 from chipbreak.cycles.roughing import Motion
 from chipbreak.cycles.writing import BlockWriter, block_of_motion, other_words
 from chipbreak.editing.edits import Edit
-from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.block_effect import BlockEffect, Move
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
 from chipbreak.settings.sections import Settings
@@ -46,6 +46,7 @@ _WITH_COMMA = frozenset({",C", ",R", ",A"})
 _BESIDE_MOVES = frozenset("RIK")
 _MOST_PLAIN = 2_000
 _MOST_SAID = 4
+_MOST_SHOWN = 40  # characters of a block
 
 
 class CornerRun(NamedTuple):
@@ -114,6 +115,11 @@ def corner_edit(interpreted: InterpretedProgram, run: CornerRun) -> Edit:
     if effects[-1].after.position != interpreted.behind(run.last).position:
         message = "the block behind an angle does not name the axis that the angle gives"
         raise RefusalError(BAD_CONTOUR, message, "name both axes in it")
+    unknown = next((one for one in effects if one.move is not None and _ends_nowhere(one.move)), None)
+    if unknown is not None:
+        shown = unknown.block.text.strip()[:_MOST_SHOWN]
+        message = f"where the block {shown} ends is not known"
+        raise RefusalError(BAD_CONTOUR, message, "write X and Z of its end as numbers with a decimal point")
     writer = _Writer(effects, settings)
     for effect in effects:
         writer.write(effect)
@@ -130,6 +136,10 @@ def corner_edit(interpreted: InterpretedProgram, run: CornerRun) -> Edit:
     )
 
 
+def _ends_nowhere(move: Move) -> bool:
+    return math.isnan(move.end.x + move.end.z)
+
+
 def _effects(interpreted: InterpretedProgram, run: CornerRun, state: State) -> list[BlockEffect]:
     """What the blocks of a run do, each behind the one before it."""
     settings = interpreted.settings
@@ -139,7 +149,7 @@ def _effects(interpreted: InterpretedProgram, run: CornerRun, state: State) -> l
         why = next(_faults(effect, settings), "")
         why = "is what a jump leads to" if line in interpreted.flow.targets else why
         if why:
-            shown = effect.block.text.strip()[:40]
+            shown = effect.block.text.strip()[:_MOST_SHOWN]
             raise RefusalError(UNREAD_FORM, f"the block {shown} {why}", "draw the corner with G1, G2 and G3")
         state = add_placed(effects, effect, settings).after
     refuse_lone_angle(effects, settings)
