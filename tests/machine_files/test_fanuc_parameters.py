@@ -62,6 +62,16 @@ def test_the_numbers_of_a_lathe(spread: bool, end: str, tmp_path: Path) -> None:
     assert machine.missing == ()
 
 
+def test_blanks_and_digits_by_the_thousand(tmp_path: Path) -> None:
+    path = tmp_path / "CNC-PARA.TXT"
+    blanks, digits = " " * 50_000, "1" * 5_000
+    path.write_text(f"N1825 A1{blanks}M{blanks}P3000{blanks}A2{blanks}P{digits}\nN1620 A{digits} P3\n{LATHE}")
+    found = values(path)
+    assert found["axes.X.position_gain_1_s"] == 30.0
+    assert "axes.Z.position_gain_1_s" not in found
+    assert found["spindle.max_rpm"] == 4000.0
+
+
 def test_the_profile_can_be_loaded(tmp_path: Path) -> None:
     path = tmp_path / "CNC-PARA.TXT"
     path.write_text(LATHE)

@@ -7,6 +7,7 @@ Numbers as in the parameter manuals of the series 16i/18i/21i, 0i and 30i/31i/32
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -16,8 +17,11 @@ from chipbreak.text.bounds import MOST_MACHINE_FILE_BYTES, read_bounded
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
 
-_PARAMETER = re.compile(rb"N\s*0*(\d{1,5})(?!\d)((?:\s*[QALST]\s*\d+|\s*P\s*-?[\d.]+|\s*M(?=\s|[PA]))*)")
-_VALUE = re.compile(rb"(?:([ALS])\s*(\d+))?[\sM]*P\s*(-?[\d.]+)")
+_PARAMETER = re.compile(
+    rb"N\s*0*(\d{1,5})(?!\d)((?:\s*[QALST]\s*\d{1,9}(?!\d)|\s*P\s*-?[\d.]+|\s*M(?=\s|[PA]))*)"
+)
+_BESIDE_VALUES = re.compile(rb"[\sM]+")
+_VALUE = re.compile(rb"(?:([ALS])(\d+))?P(-?[\d.]+)")
 _FEWEST = 3  # parameters that make a file a print-out
 _AXES_BY_CODE = {ord(letter): letter for letter in "XYZ"}
 
@@ -33,11 +37,11 @@ class _Parameters(NamedTuple):
 
     def number(self, number: int, axis: int = 0) -> float | None:
         """The value of a parameter."""
-        text = self.text(number, axis)
         try:
-            return None if text is None else float(text)
+            value = float(self.text(number, axis) or "")
         except ValueError:
             return None
+        return value if math.isfinite(value) else None
 
     def bit(self, number: int, bit: int, axis: int = 0) -> bool | None:
         """One of the eight digits of a parameter, bit 0 being the last."""
@@ -90,7 +94,8 @@ def _read(data: bytes) -> _Parameters:
     values: dict[tuple[int, int], str] = {}
     for match in _PARAMETER.finditer(data):
         number = int(match[1])
-        for which, index, value in _VALUE.findall(match[2]):
+        # Blanks go first: to look for a value from each of a million of them would take hours.
+        for which, index, value in _VALUE.findall(_BESIDE_VALUES.sub(b"", match[2])):
             axis = int(index) if which in (b"A", b"S") else 0
             values.setdefault((number, axis), value.decode("ascii"))
     return _Parameters(values)
