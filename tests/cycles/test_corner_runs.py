@@ -193,3 +193,10 @@ def test_a_block_between_that_ends_nowhere_leaves_the_corner(end: str) -> None:
     with pytest.raises(chipbreak.ProgramRejectedError) as rejected:
         chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-lathe"))
     assert ",R0.5 cannot stand in a block that vibrates" in str(rejected.value)
+
+
+@pytest.mark.parametrize("words", ["N1" * 60, "O1" * 60])
+def test_words_that_would_not_fit_in_a_line_leave_the_corner(words: str) -> None:
+    program = f"G21\nG97 S800 M3\nG98\nG0 X30. Z2.\nG1 Z-5. F100. ,R1. {words}\nX50. N1.5\nM30\n"
+    with pytest.raises(chipbreak.ProgramRejectedError):
+        chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-lathe"))

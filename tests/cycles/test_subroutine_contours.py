@@ -98,3 +98,19 @@ def test_y_of_a_mill_stays_where_it_was_through_several_cycles() -> None:
     result = chipbreak.rewrite(program.encode(), chipbreak.load("linuxcnc-mill", ["cycles.unroll=always"]))
     assert result.data.count(b"UNROLLED") == 2
     assert chipbreak.restore(result.data) == program.encode()
+
+
+@pytest.mark.parametrize(
+    "cycle", ["$1 G71 Q100 X40. Z2. I1.", "G70 Q100 X40. Z2. $0", "G71 Q100 X40. Z2. I1. R0.5$1"]
+)
+@pytest.mark.parametrize("inner", ["X20.", "X20. $1"])
+def test_a_spindle_named_in_a_cycle_or_its_contour_lets_it_stay(cycle: str, inner: str) -> None:
+    for line in (cycle, "G71 Q100 X40. Z2. I1."):
+        program = (
+            f"o100 sub\nG0 X10. Z2.\nG1 Z-5.\n{inner}\nX40.\no100 endsub\n"
+            f"G21\nG97 S800 M3\nG94 F100\nG0 X40. Z2.\n{line}\nG0 X80.\nM2\n"
+        ).encode()
+        result = chipbreak.rewrite(program, chipbreak.load("linuxcnc-lathe", ["cycles.unroll=always"]))
+        is_plain = "$" not in line + inner
+        assert (result.data == program) is not is_plain
+        assert [one.code for one in result.diagnostics if one.code == "CYC007"] == ["CYC007"] * (not is_plain)

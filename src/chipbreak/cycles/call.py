@@ -11,6 +11,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 
 from chipbreak.cycles import alarms
@@ -243,8 +244,8 @@ def _text(block: Block, letter: str) -> str:
 
 def _refuse_words(block: Block, known: frozenset[str]) -> None:
     """Every word of the block has a meaning here, and nothing else stands in it."""
-    said = [word.address for word in block.words]
-    twice = {letter for letter in said if said.count(letter) > 1} - {"G"}
+    said = Counter(word.address for word in block.words)
+    twice = {letter for letter, count in said.items() if count > 1} - {"G"}
     foreign = next((w for w in block.words if w.address not in known or w.address in twice), None)
     if foreign is not None:
         raise RefusalError(

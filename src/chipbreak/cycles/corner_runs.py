@@ -124,6 +124,10 @@ def corner_edit(interpreted: InterpretedProgram, run: CornerRun) -> Edit:
     for effect in effects:
         writer.write(effect)
     writer.give_motion_back(effects[-1].after.modes.motion)
+    most = max(settings.control.max_line_chars, *(len(effect.block.text) for effect in effects))
+    if any(len(line) > most for line in writer.lines):
+        message = "a block with its corner drawn would be longer than the control takes"
+        raise RefusalError(UNREAD_FORM, message, "write fewer words in it")
     said = [e.block.text_of(w) for e in effects for w in words_of_corner(e, settings)]
     title = f"CORNERS {' '.join(said[:_MOST_SAID])}"
     return Edit(

@@ -66,7 +66,7 @@ _MOST_PASSES = 500
 _NARROW_STEPS = 8  # of the output; the digits blur what is shorter
 _PASS = re.compile(r"[(;] ?PASS \d")
 _MOTION_CODE = re.compile(r"G0*([0-3])(?![\d.])", re.IGNORECASE)
-_COMMENT = re.compile(r"\([^)]*\)|;.*")
+_COMMENT = re.compile(r"\([^)]*\)?|;.*")
 _DIRECTIVE = re.compile(r"\s*(VIB|OP)\b", re.IGNORECASE)
 
 

@@ -124,7 +124,7 @@ def subroutine_edit(interpreted: InterpretedProgram, line: int) -> Edit:
     started = state._replace(position=call.start)
     effects = effects_of_contour(interpreted, started, first, last)
     _refuse_modal_arcs(effects, interpreted.settings)
-    _refuse_acting_comments(interpreted, first, last)
+    _refuse_what_acts(interpreted, first, last)
     steps = steps_of(effects, interpreted.settings)
     if call.kind == "finish":
         return _finish(interpreted, block, call, steps)
@@ -134,7 +134,8 @@ def subroutine_edit(interpreted: InterpretedProgram, line: int) -> Edit:
 def _refuse_state(state: State, block: Block) -> None:
     refuse_modes(state.modes)
     foreign = next((word for word in block.words if word.address not in _WORDS), None)
-    if foreign is not None or block.has_macro or block.skip or len(block.numbers("G")) > 1:
+    has_more = block.has_macro or block.skip or block.marks or len(block.numbers("G")) > 1
+    if foreign is not None or has_more:
         alone = "the cycle does not stand alone in its block, with plain numbers"
         raise RefusalError(UNREAD_FORM, alone, "write it so, with the numbers themselves")
     if state.modes.compensation != "off":
@@ -204,12 +205,13 @@ def _refuse_modal_arcs(effects: list[BlockEffect], settings: Settings) -> None:
             raise RefusalError(BAD_CONTOUR, message, "write G2 or G3 into each arc of the contour")
 
 
-def _refuse_acting_comments(interpreted: InterpretedProgram, first: int, last: int) -> None:
-    """How often the control would do what they say is not known."""
-    blocks = map(interpreted.program.block, range(first, last + 1))
-    for text in filter(None, map(acting_comments, blocks)):
-        message = f"{text} stands in the contour, and when the control does it is not known"
-        raise RefusalError(UNREAD_FORM, message, "put it on a line before the cycle")
+def _refuse_what_acts(interpreted: InterpretedProgram, first: int, last: int) -> None:
+    """How often the control would do what comments and marks ($1) say is not known."""
+    for block in map(interpreted.program.block, range(first, last + 1)):
+        marks = [block.text[one.start : one.end].strip() for one in block.marks]
+        for text in filter(None, (acting_comments(block), *marks)):
+            message = f"{text} stands in the contour, and when the control does it is not known"
+            raise RefusalError(UNREAD_FORM, message, "put it on a line before the cycle")
 
 
 def _rough(interpreted: InterpretedProgram, block: Block, call: _Call, steps: list[Step]) -> Edit:

@@ -22,6 +22,7 @@ from chipbreak.text.named_tuple import NamedTuple
 
 STOPS = "MOD010"
 _MOST_TOLD = 20
+_NESTED = re.compile(r"\([^()]*\([^)]*\)")
 _COMMENT = re.compile(r"\([^)]*\)?|;.*")
 _TAKE_OUT = "take it out, or let the post-processor write for this control"
 
@@ -119,7 +120,9 @@ def _real_time_characters(stops_at: Stops) -> re.Pattern[str] | None:
 
 def _comment_in_comment(case: _Case) -> Iterator[_Found]:
     """The comment ends at its first ), and what stands behind it is obeyed."""
-    for comment in re.finditer(r"\([^()]*\([^)]*\)", case.block.text.partition(";")[0]):
+    text = case.block.text.partition(";")[0]
+    # Behind the last ) nothing ends: to look there from each ( would take hours.
+    for comment in _NESTED.finditer(text, 0, text.rfind(")") + 1):
         rest = case.block.text[comment.end() :].strip(" \t)")
         if rest and not rest.startswith(("(", ";")):
             message = f"the comment ends at its first ), and the control acts on {rest[:30]} behind it"

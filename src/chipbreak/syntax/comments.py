@@ -11,7 +11,6 @@ from chipbreak.text.diagnostics import Diagnostic, Severity
 
 OPEN_COMMENT = "SYN003"
 NESTED_COMMENT = "SYN004"
-_OPEN_TAIL = re.compile(r"\([^)]*$")
 _ACTS = re.compile(
     r"\s*(?:(?:MSG|DEBUG|PRINT|LOG|LOGOPEN|LOGAPPEND|PY)\s*,|LOGCLOSE|PROBEOPEN|PROBECLOSE)", re.IGNORECASE
 )
@@ -82,8 +81,8 @@ def _harmless_end(program: Program, block: Block) -> int | None:
 def _open_at(block: Block) -> int | None:
     """Where a comment begins that its line does not close."""
     if block.opaque:
-        tail = _OPEN_TAIL.search(block.text)
-        return tail.start() if tail and ";" not in block.text else None
+        tail = block.text.find("(", block.text.rfind(")") + 1)
+        return tail if tail >= 0 and ";" not in block.text else None
     for comment in block.comments:
         if block.text[comment.start] == "(" and not block.text[: comment.end].endswith(")"):
             return comment.start

@@ -31,7 +31,7 @@ _MOVES = bits_of("XYZUVWABCIJK")
 _RAPID = 0
 _NOT_SAID = -1
 _MOTIONS = range(4)
-_COMMENT = re.compile(rb"\([^)]*\)|;.*")
+_COMMENT = re.compile(rb"\([^)]*\)?|;.*")
 _CODE = re.compile(rb"[Gg][ \t]*0*(\d{1,3})")
 # Codes of other motions: cycles, threads, probing.
 _OTHER_MOTIONS = frozenset({33, 38, *range(73, 90)})
