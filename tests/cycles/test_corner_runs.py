@@ -200,3 +200,12 @@ def test_words_that_would_not_fit_in_a_line_leave_the_corner(words: str) -> None
     program = f"G21\nG97 S800 M3\nG98\nG0 X30. Z2.\nG1 Z-5. F100. ,R1. {words}\nX50. N1.5\nM30\n"
     with pytest.raises(chipbreak.ProgramRejectedError):
         chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-lathe"))
+
+
+@pytest.mark.parametrize("last", ["G0 X80. O1", "G1 X80. O1", "X80. N1 O2"])
+def test_an_o_in_a_block_of_a_run_leaves_the_corner(last: str) -> None:
+    """Its other words are written in front, and there an O would begin another program."""
+    program = f"G97 S800 M3\nG99\nG0 X20. Z1.\nG1 Z-24. F0.12 N0.5 ,R2.\n{last}\nM30\n"
+    with pytest.raises(chipbreak.ProgramRejectedError) as rejected:
+        chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-lathe"))
+    assert ",R2. cannot stand in a block that vibrates" in str(rejected.value)

@@ -165,6 +165,8 @@ def _faults(effect: BlockEffect, settings: Settings) -> Iterator[str]:
     block = effect.block
     if block.opaque or block.skip or block.has_macro or block.controls or block.marks:
         yield "cannot be read, has block delete or is worked out on the control"
+    if block.has("O"):  # words go to the front, and there it would be the number of a program
+        yield "has an O"
     if set(effect.before.modes.changed(effect.after.modes)) - _GROUPS:
         yield "changes units, plane or coordinates"
     if effect.does("program") or effect.does("subprogram") or effect.does("stop"):
