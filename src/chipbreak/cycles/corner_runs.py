@@ -163,10 +163,9 @@ def _effects(interpreted: InterpretedProgram, run: CornerRun, state: State) -> l
 def _faults(effect: BlockEffect, settings: Settings) -> Iterator[str]:
     """What stands in the way of a block of a run."""
     block = effect.block
-    if block.opaque or block.skip or block.has_macro or block.controls or block.marks:
-        yield "cannot be read, has block delete or is worked out on the control"
-    if block.has("O"):  # words go to the front, and there it would be the number of a program
-        yield "has an O"
+    # Words go to the front, and there an O would be the number of a program.
+    if block.opaque or block.skip or block.has_macro or block.controls or block.marks or block.has("O"):
+        yield "cannot be read, has block delete or an O, or is worked out on the control"
     if set(effect.before.modes.changed(effect.after.modes)) - _GROUPS:
         yield "changes units, plane or coordinates"
     if effect.does("program") or effect.does("subprogram") or effect.does("stop"):
