@@ -135,3 +135,16 @@ def test_no_cycle_ends_at_a_place_with_more_digits_than_are_written(cycle: bytes
     assert "has more digits than are written" in said.message
     on_grid = program.replace(b"G20\n", b"G20\nG0 X2.1657 Z0.0789\n")
     assert chipbreak.rewrite(on_grid, load("fanuc-lathe", [ALWAYS])).changed
+
+
+@pytest.mark.parametrize("end", ["M30", "M2", "M99"])
+def test_a_pass_whose_block_ends_the_program_stays(end: str) -> None:
+    program = f"G97 S800 M3\nG99\nG0 X20. Z1.\nG90 X18. Z-20. F0.1 {end}\n".encode()
+    for profile in ("fanuc-lathe", "haas-lathe"):
+        settings = chipbreak.load(profile, ["cycles.unroll=always"])
+        result = chipbreak.rewrite(program, settings)
+        assert result.data == program
+        assert [one.message for one in result.diagnostics if one.code == "CYC007"] == [
+            "the program ends in the block of this cycle; the cycle stays as it was"
+        ]
+        assert chipbreak.explain(result, settings).as_dict()

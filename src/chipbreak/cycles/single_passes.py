@@ -63,6 +63,9 @@ def single_passes(interpreted: InterpretedProgram, first: int) -> Edit:
     Errors: CYC007 for a block that cannot be written out.
     """
     effects = _run(interpreted, first)
+    if not effects:
+        message = "the program ends in the block of this cycle"
+        raise RefusalError(UNREAD_FORM, message, "write its end (M30, M2, M99) on a line of its own")
     start = effects[0].before
     _refuse_state(interpreted, first, start)
     settings = interpreted.settings
