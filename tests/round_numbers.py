@@ -93,6 +93,27 @@ _WISHES = (
     *("(VIB AUTO)", "(VIB N1.5)", "(VIB WAVE SINE N0.5)", "(VIB E2.5)", "(VIB WAVE DWELL E2.)", "(VIB OFF)"),
     *("(VIB N1.5 Q1.3)", "(VIB EDGES 2 N1.5)"),
 )
+# Lines that may stand between any two others, whatever these are the middle of.
+_BETWEEN = (
+    *("M30", "M2", "M99", "M98 P1", "M0", "M1", "M5", "T0202", "M6", "S500", "G4 X1.", "G28 U0 W0", "G53 X0"),
+    *("G40", "G42", "G20", "G91", "G94", "G50 S100", "M3 S300", "G96 S100", "G1", "G80", "#1=1", "G0", "G90"),
+    *(
+        "IF[#1EQ1]GOTO10",
+        "GOTO 20",
+        "N10",
+        "N20 G1 X5.",
+        "O2",
+        "%",
+        "",
+        "(VIB N1.5)",
+        "(VIB OFF)",
+        "(x",
+        "M8",
+    ),
+    *("G2 X1. Z1. R9.", "/M8", "/G1 X3.", "G71 U1. R0.5", "G70 P10 Q20", "G92 X0", "X30.", "Z1.", "U1. W-1."),
+    *("G65 P9001", "M97 P5", "G10 L2 P1 X0", "G52 X1.", "G32 Z-9. F1.", "G1 Z-99. F0.1 ,R1.", "X10. Z-99."),
+    *("G18", "G17", "G43 H1", "$1", "!2L1"),
+)
 _ENDS = ("M30", "M30", "M2", "M99")
 _STEPS_MM = (0.12, 0.2, 0.36, 0.5, 1.0, 1.2, 2.0, 2.4, 3.0, 5.0, 6.0, 10.0, 12.5, 20.0, 25.0)
 
@@ -173,6 +194,8 @@ class _Writer:
     def joined(self) -> bytes:
         """The lines with the subprograms, which stand where the control looks for them."""
         lines = [*self.subs, *self.lines] if self.is_linuxcnc else [*self.lines, *self.subs]
+        for _ in range(self.draw.choice((0, 0, 0, 1, 2))):
+            lines.insert(self.draw.randint(0, len(lines)), self.draw.choice(_BETWEEN))
         if self.draw.random() < 0.1:
             lines = [line if line[:1] in "N%Oo/" else f"N{100 + at} {line}" for at, line in enumerate(lines)]
         ending = self.draw.choice(("\n", "\n", "\n", "\r\n"))

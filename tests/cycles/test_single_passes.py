@@ -148,3 +148,13 @@ def test_a_pass_whose_block_ends_the_program_stays(end: str) -> None:
             "the program ends in the block of this cycle; the cycle stays as it was"
         ]
         assert chipbreak.explain(result, settings).as_dict()
+
+
+@pytest.mark.parametrize("mark", ["!2L1", "$1"])
+def test_a_mark_between_two_passes_lets_them_stay(mark: str) -> None:
+    program = f"G97 S800 M3\nG99\nG0 X30. Z1.\nG90 X28. Z-20. F0.1\n{mark}\nX27.\nG0 X80.\nM30\n".encode()
+    for profile in ("fanuc-lathe", "haas-lathe", "mitsubishi-lathe"):
+        result = chipbreak.rewrite(program, chipbreak.load(profile, ["cycles.unroll=always"]))
+        assert result.data == program
+        said = next(one.message for one in result.diagnostics if one.code == "CYC007")
+        assert said.startswith(f"{mark} is no plain pass of this cycle")

@@ -112,3 +112,17 @@ def test_a_cycle_that_stays_and_one_whose_start_is_not_known_are_planned_to_an_e
     for profile in ("generic-lathe", "fanuc-lathe"):
         written, _ = _unrolled(profile, _cycle(10, BAD), mark, _cycle(40))
         assert written == ([] if profile == "generic-lathe" else ["G71 P40 Q45", "G70 P40 Q45"])
+
+
+@pytest.mark.parametrize("between", [0, 1, 2])
+def test_a_contour_in_which_another_program_begins_lets_the_cycle_stay(between: int) -> None:
+    lines = ["N10 G0 X20.", "G1 Z-5.", "X25. Z-60.", "N20 X30."]
+    lines.insert(between + 1, "O2")
+    contour = "\n".join(lines)
+    program = f"{HEAD}G71 U1. R0.5\nG71 P10 Q20 U0.4 W0.1 F0.2\n{contour}\nG70 P10 Q20\n{TAIL}".encode()
+    for profile in ("fanuc-lathe", "generic-lathe"):
+        result = chipbreak.rewrite(program, load(profile, ["cycles.unroll=always"]))
+        assert result.data == program
+        said = [one.message for one in result.diagnostics if one.code.startswith("CYC")]
+        why = "another program begins between this cycle" if between == 1 else "a point of the contour"
+        assert any(text.startswith(why) for text in said)

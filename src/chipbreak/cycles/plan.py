@@ -49,6 +49,7 @@ from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.flow import ContourCall, contour_calls, sequence_lines
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import NOWHERE, State
+from chipbreak.model.paths import begins_program
 from chipbreak.model.words import codes_of
 from chipbreak.operations.kinds import Kind
 from chipbreak.settings.sections import Settings
@@ -432,7 +433,10 @@ def _refuse_lines(interpreted: InterpretedProgram, edits: Sequence[Edit]) -> Non
     comments = (comment for at in lines for comment in interpreted.program.block(at).comments)
     if not lines.isdisjoint(interpreted.flow.targets) or _is_called(interpreted, lines):
         raise RefusalError(UNREAD_FORM, "a jump leads into this cycle or its contour", "take the jump out")
-    blocks = map(interpreted.program.block, sorted(lines))
+    blocks = [interpreted.program.block(line) for line in sorted(lines)]
+    if any(begins_program(block, interpreted.settings.dialect) for block in blocks[1:]):
+        message = "another program begins between this cycle and the end of its contour"
+        raise RefusalError(UNREAD_FORM, message, "put the contour into the program of the cycle")
     mark = next((block.text[one.start : one.end].strip() for block in blocks for one in block.marks), "")
     if mark:
         message = f"{mark} stands inside this cycle or its contour, and would not hold for its passes"

@@ -110,8 +110,8 @@ def _refuse_block(effect: BlockEffect, interpreted: InterpretedProgram) -> None:
     block = effect.block
     known = _WORDS if effect.move is not None else _BETWEEN
     is_plain = not (block.opaque or block.skip or block.has_macro or effect.non_modal or effect.vibration)
-    is_target = block.line in interpreted.flow.targets
-    if not is_plain or is_target or any(word.address not in known for word in block.words):
+    is_plain &= not block.marks and block.line not in interpreted.flow.targets
+    if not is_plain or any(word.address not in known for word in block.words):
         message = f"{block.text.strip()[:40]} is no plain pass of this cycle"
         raise RefusalError(UNREAD_FORM, message, "write its passes with X, Z, U, W, R and F as plain numbers")
 
