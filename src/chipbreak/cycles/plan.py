@@ -632,6 +632,7 @@ def _finish_edit(interpreted: InterpretedProgram, call: Call, state: State, behi
         raise RefusalError(
             BAD_CONTOUR, "a point of the contour cannot be known", "write it with plain numbers"
         )
+    BlockWriter(state, settings)  # refuses a start to which no block leads back
     home = BlockWriter(effects[-1].after, settings)
     back = home.block("G0", state.position.z, state.position.x)
     head = " ".join(text for text in (call.speed, call.feed) if text)
