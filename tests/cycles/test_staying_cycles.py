@@ -131,9 +131,9 @@ def test_a_contour_in_which_another_program_begins_lets_the_cycle_stay(between: 
 def test_a_finishing_cycle_stays_where_no_block_leads_back_to_its_start() -> None:
     """X60. is 2.362205 inches, and X2.3622 would be another place."""
     program = (
-        "G97 S300 M3\nG99\nG0 X60. Z1.\nG71 U1. R0.5\nG71 P10 Q20 U0.4 W0.1 F0.1\n"
-        "N10 G0 X48.\nG1 Z-6. F0.1\nX49.\nN20 X60.\nG20\nG70 P10 Q20\nG0 X4.\nM30\n"
-    ).encode()
+        b"G97 S300 M3\nG99\nG0 X60. Z1.\nG71 U1. R0.5\nG71 P10 Q20 U0.4 W0.1 F0.1\n"
+        b"N10 G0 X48.\nG1 Z-6. F0.1\nX49.\nN20 X60.\nG20\nG70 P10 Q20\nG0 X4.\nM30\n"
+    )
     result = chipbreak.rewrite(program, load("fanuc-lathe", ["cycles.unroll=always"]))
     said = [one.message for one in result.diagnostics if one.code == "CYC007"]
     assert [text.partition(",")[0] for text in said] == ["X2.362205"]
