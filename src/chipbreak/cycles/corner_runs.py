@@ -163,14 +163,14 @@ def _effects(interpreted: InterpretedProgram, run: CornerRun, state: State) -> l
 def _faults(effect: BlockEffect, settings: Settings) -> Iterator[str]:
     """What stands in the way of a block of a run."""
     block = effect.block
-    # Words go to the front, and there an O would be the number of a program.
-    if block.opaque or block.skip or block.has_macro or block.controls or block.marks or block.has("O"):
-        yield "cannot be read, has block delete or an O, or is worked out on the control"
+    if block.opaque or block.skip or block.has_macro or block.controls or block.marks:
+        yield "cannot be read, has block delete or is worked out on the control"
     if set(effect.before.modes.changed(effect.after.modes)) - _GROUPS:
         yield "changes units, plane or coordinates"
     if effect.does("program") or effect.does("subprogram") or effect.does("stop"):
         yield "stops or leaves the program"
-    if set(effect.unread) - set(words_of_corner(effect, settings)):
+    # Words go to the front, and there an O would be the number of a program.
+    if block.has("O") or set(effect.unread) - set(words_of_corner(effect, settings)):
         yield "has a word that is not read here"
     if has_unread_axes(effect, settings):
         yield "has axis words beside a G code that is not read"
