@@ -5,7 +5,13 @@ from __future__ import annotations
 import pytest
 
 import chipbreak
+from chipbreak.cycles.contour import Frame, Point
+from chipbreak.cycles.roughing import Motion
+from chipbreak.cycles.writing import BlockWriter, block_of_motion
+from chipbreak.model.from_source import interpret_source
 from chipbreak.settings import load
+from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.source import read
 
 HEAD = "G20\nG97 S900 M3\nG95\n"
 SUBROUTINE = (
@@ -34,3 +40,37 @@ def test_a_cycle_with_such_arcs_stays(decimals: int, stays: bool) -> None:
     if stays:
         assert said.startswith(f"CYC007 with {decimals + 1} decimals an arc would start ")
         assert said.endswith("raise output.decimals")
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "centre", "becomes_whole"),
+    [
+        (
+            (-4.1694116, 19.0167487),
+            (-4.1687211, 19.0167507),
+            (-4.1692071, 19.0667483),
+            True,
+        ),
+        (
+            (-9.9167391, 18.1777528),
+            (-9.9174439, 18.1777473),
+            (-9.9167050, 18.1277528),
+            True,
+        ),
+        ((-4.1695, 19.0168), (-4.1665, 19.0169), (-4.1692, 19.0668), False),
+        ((-4.0, 19.0), (-4.0, 19.1), (-4.0, 19.05), False),
+    ],
+)
+def test_a_short_arc_never_becomes_a_whole_circle(
+    start: tuple[float, float], end: tuple[float, float], centre: tuple[float, float], becomes_whole: bool
+) -> None:
+    """The digits put its end straight behind its start, as seen from a centre that has moved too."""
+    settings = load("fanuc-lathe")
+    program = f"G97 S800 M3\nG0 X{2.0 * start[1]:.3f} Z{start[0]:.3f}\nM30\n"
+    writer = BlockWriter(interpret_source(read(program.encode()), settings).before(2), settings)
+    motion = Motion(True, Point(*end), Point(*centre), 1)
+    if becomes_whole:
+        with pytest.raises(RefusalError, match="with 3 decimals an arc would end behind its start"):
+            block_of_motion(writer, Frame("Z", 1, 1), start, motion)
+    else:
+        assert block_of_motion(writer, Frame("Z", 1, 1), start, motion).startswith("G")

@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from chipbreak.cycles.contour import Frame, Segment, filled
+from chipbreak.cycles.contour import Frame, Point, Segment, filled
 from chipbreak.cycles.reading import Contour, leg_of, segment_of
 from chipbreak.cycles.roughing import Motion, Roughing
 from chipbreak.editing.promise import Promise, Written
@@ -127,7 +127,7 @@ class PlannedMoves(UnrolledCycle, kw_only=True):
         place = written.result.before(written.region.first).position
         at = self.frame.inside(place.z, place.x)
         for motion in self.motions:
-            if move is not None and self._is_same(motion, move, near_mm):
+            if move is not None and self._is_same(at, motion, move, near_mm):
                 move = next(found, None)
             elif math.dist(at, motion.end) > near_mm:
                 break
@@ -137,7 +137,7 @@ class PlannedMoves(UnrolledCycle, kw_only=True):
                 return
         raise SelfCheckError(f"the passes at line {written.edit.first + 1} are not those of the cycle")
 
-    def _is_same(self, motion: Motion, move: Move, near_mm: float) -> bool:
+    def _is_same(self, at: Point, motion: Motion, move: Move, near_mm: float) -> bool:
         made = segment_of(move, self.frame)
         if (
             motion.cuts != move.is_cut
@@ -147,7 +147,10 @@ class PlannedMoves(UnrolledCycle, kw_only=True):
             return False
         if motion.centre is None or made.centre is None:
             return motion.centre is made.centre
-        return math.dist(motion.centre, made.centre) <= near_mm
+        # Digits may put the end of a short arc behind its start, and it would become a whole circle.
+        sweep = Segment(at, motion.end, motion.centre, motion.turn).sweep
+        is_as_long = abs(abs(sweep) - abs(made.sweep)) < math.pi
+        return is_as_long and math.dist(motion.centre, made.centre) <= near_mm
 
 
 class OffsetMoves(PlannedMoves, kw_only=True):

@@ -19,9 +19,26 @@ from chipbreak.settings.sections import Settings
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.syntax.numbers import print_number
 from chipbreak.text.diagnostics import RefusalError
+from chipbreak.text.named_tuple import NamedTuple
 
 # As near as the state behind written blocks must be to that of the cycle.
 _NEAR_MM = 2e-5
+
+
+class ArcWays(NamedTuple):
+    """The ways of an arc from its start to its centre and to its end, in Z and in the radius [mm]."""
+
+    to_centre_mm: tuple[float, float]
+    to_end_mm: tuple[float, float]
+
+    @property
+    def side(self) -> float:
+        """Above or below zero, as the end lies to the one side of the way to the centre or to the other."""
+        return _side(self.to_centre_mm, self.to_end_mm)
+
+
+def _side(to_centre_mm: tuple[float, float], to_end_mm: tuple[float, float]) -> float:
+    return to_centre_mm[0] * to_end_mm[1] - to_centre_mm[1] * to_end_mm[0]
 
 
 class BlockWriter:
@@ -61,19 +78,16 @@ class BlockWriter:
         z_mm: float,
         radius_mm: float,
         behind: str = "",
-        to_centre_mm: tuple[float, float] | None = None,
+        arc: ArcWays | None = None,
     ) -> str:
-        """One move; empty where nothing would move.
-
-        ``to_centre_mm``: of an arc, the way from its start to its centre in Z and in the radius.
-        """
+        """One move; empty where nothing would move."""
         places = {"X": self._place("X", radius_mm), "Z": self._place("Z", z_mm)}
         moved = [axis for axis in "XZ" if places[axis] != self.at[axis]]
         if not moved:
             return ""
         said = [f"{self.words.letters[axis]}{places[axis]}" for axis in moved]
-        if to_centre_mm is not None:
-            said.append(self._centre(places, *to_centre_mm))
+        if arc is not None:
+            said.append(self._centre(places, arc))
         self.at = places
         return " ".join([code, *said, *([behind] if behind else [])])
 
@@ -89,17 +103,21 @@ class BlockWriter:
         decimals = self.settings.output.decimals_of(is_inch=self.state.is_inch)
         return print_number(length_mm / self.state.mm_per_unit, decimals)
 
-    def _centre(self, ends: Mapping[str, str], z_mm: float, radius_mm: float) -> str:
+    def _centre(self, ends: Mapping[str, str], arc: ArcWays) -> str:
         """I and K of an arc to where it ends: from its start to its centre, never a diameter."""
+        z_mm, radius_mm = arc.to_centre_mm
         offsets = {
             axis: self._number(offset_mm * self.words.signs[axis])
             for axis, offset_mm in (("X", radius_mm), ("Z", z_mm))
         }
-        self._refuse_coarse_arc(ends, offsets)
+        self._refuse_coarse_arc(ends, offsets, arc)
         return " ".join(f"{CENTRES[self.words.places.index(axis)]}{offsets[axis]}" for axis in "XZ")
 
-    def _refuse_coarse_arc(self, ends: Mapping[str, str], offsets: Mapping[str, str]) -> None:
-        """Few digits may leave an arc that ends elsewhere than on its circle, which a control refuses."""
+    def _refuse_coarse_arc(self, ends: Mapping[str, str], offsets: Mapping[str, str], arc: ArcWays) -> None:
+        """Few digits may leave an arc that ends elsewhere than on its circle, or behind its start.
+
+        The first a control refuses, and the second it runs as a whole circle.
+        """
         if not all(self.at.values()):
             return
         mm = self.state.mm_per_unit
@@ -109,9 +127,16 @@ class BlockWriter:
         }
         start_mm = math.hypot(*starts_mm.values())
         end_mm = math.hypot(*(starts_mm[axis] - moved_mm[axis] for axis in "XZ"))
-        if abs(start_mm - end_mm) > RADIUS_TOLERANCE_MM or start_mm == 0.0:
+        said = f"start {start_mm:z.4f} mm and end {end_mm:z.4f} mm from its centre"
+        is_coarse = abs(start_mm - end_mm) > RADIUS_TOLERANCE_MM or start_mm == 0.0
+        signs = self.words.signs
+        to_centre_mm, way_mm = (
+            (ways["Z"] * signs["Z"], ways["X"] * signs["X"]) for ways in (starts_mm, moved_mm)
+        )
+        if not is_coarse and math.hypot(*way_mm) < start_mm and arc.side * _side(to_centre_mm, way_mm) <= 0.0:
+            is_coarse, said = True, "end behind its start, and become a whole circle"
+        if is_coarse:
             decimals = self.settings.output.decimals_of(is_inch=self.state.is_inch)
-            said = f"start {start_mm:z.4f} mm and end {end_mm:z.4f} mm from its centre"
             message = f"with {decimals} decimals an arc would {said}"
             raise RefusalError(UNREAD_FORM, message, "raise output.decimals")
 
@@ -150,11 +175,12 @@ def block_of_motion(writer: BlockWriter, frame: Frame, at: Sequence[float], moti
 
 
 def _block(writer: BlockWriter, frame: Frame, at: Sequence[float], motion: Motion, feed: str) -> str:
-    to_centre_mm = None
+    arc = None
     if motion.centre is not None:
-        to_centre_mm = frame.outside(Point(motion.centre.t - at[0], motion.centre.h - at[1]))
+        ways = (frame.outside(Point(to.t - at[0], to.h - at[1])) for to in (motion.centre, motion.end))
+        arc = ArcWays(*ways)
     behind = feed if motion.cuts else ""
-    return writer.block(_code(writer, frame, motion), *frame.outside(motion.end), behind, to_centre_mm)
+    return writer.block(_code(writer, frame, motion), *frame.outside(motion.end), behind, arc)
 
 
 def _code(writer: BlockWriter, frame: Frame, motion: Motion) -> str:
