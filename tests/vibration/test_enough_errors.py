@@ -35,6 +35,34 @@ def test_so_many_refused_ones_are_said() -> None:
     assert found[-1][1] == 3 + 3 * 20
 
 
+LATHE = "linuxcnc-lathe"
+HEAD = "G21 G18 G90 G95\nG97 S1200 M3\n"
+
+
+def said_on_linuxcnc(*cuts: str) -> list[tuple[str, int]]:
+    """The same on a control whose law is gone through again and again."""
+    passes = "".join(f"G0 X20. Z2.\n{cut}\nG0 X30.\n" for cut in cuts)
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        chipbreak.rewrite(f"{HEAD}{passes}M30\n".encode(), chipbreak.load(LATHE))
+    return [(one.code, one.place.line if one.place else 0) for one in caught.value.diagnostics]
+
+
+def test_fewer_are_tried_where_each_takes_long() -> None:
+    """Twenty behind the refused one."""
+    assert said_on_linuxcnc(REFUSED, *["(VIB OFF)"] * 19, REFUSED)[-1] == ("VIB013", 4 + 3 * 20)
+    few = said_on_linuxcnc(REFUSED, *["G1 Z-3. F0.05 N1.5"] * 19, REFUSED, REFUSED)
+    assert few == [("VIB013", 4), ("VIB013", 4 + 3 * 20), ("VIB098", 4 + 3 * 21)]
+
+
+def test_a_long_one_behind_a_refused_one_is_not_tried() -> None:
+    """Of which each block would be planned for nothing; alone it is."""
+    long = "(VIB WAVE SINE N1.5)\nG1 X30. Z-60. F0.05"
+    codes = said_on_linuxcnc(REFUSED, long)
+    assert codes == [("VIB013", 4), ("VIB098", 8)]
+    whole = f"{HEAD}G0 X20. Z2.\n{long}\nG0 X30.\nM30\n".encode()
+    assert len(chipbreak.rewrite(whole, chipbreak.load(LATHE)).cuts) == 1
+
+
 def test_what_is_before_the_refused_one_does_not_count() -> None:
     """However many cuts are fine, those behind the first error are tried."""
     found = said(*[FINE] * 30, REFUSED, *[FINE] * 30, REFUSED)

@@ -20,6 +20,7 @@ from chipbreak.trajectory.linuxcnc_runs import Counts, times_by_clock
 
 _TRIED = np.geomspace(0.5, 20.0, 75)
 _TRIED_BETWEEN = 40
+_BESIDE = np.geomspace(0.976, 1.024, 40)
 _COARSE = 5
 _MANY_BLOCKS = 25  # the times of fewer jump by whole periods, up and down, as factors grow
 _HUGE_BLOCKS = 150
@@ -102,11 +103,16 @@ def _one_factor(wanted: Wanted, clocks: Sequence[Clock]) -> tuple[Floats, Floats
         return _factor_of_all(wanted, clocks)
     factors, missed = _halved(wanted, clocks)
     never = np.zeros(len(factors), np.bool_)
-    # Where none of these does, one of all may; where they are of thousands of blocks, that takes too long.
-    is_open = np.isnan(missed) | ((missed != 0.0) & (wanted.fitted < _HUGE_BLOCKS))
-    rows = np.flatnonzero(is_open)
+    rows = np.flatnonzero(np.isnan(missed))
     if len(rows):
         factors[rows], missed[rows], never[rows] = _factor_of_all(wanted.rows(rows), clocks)
+    slack = clocks[0].period_s / 2.0
+    # Where none of these does, one beside them may; with thousands of blocks, that takes too long.
+    rows = np.flatnonzero((np.abs(missed) > slack) & ~never & (wanted.fitted < _HUGE_BLOCKS))
+    if len(rows):
+        tried = factors[rows, np.newaxis] * _BESIDE
+        factors[rows], missed[rows] = _narrowed(wanted, rows, tried, clocks)
+        missed[rows] = np.where(np.abs(missed[rows]) <= slack, 0.0, missed[rows])
     return factors, missed, never
 
 

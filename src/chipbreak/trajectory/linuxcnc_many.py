@@ -6,7 +6,6 @@ Lengths in mm, speeds in mm/s, accelerations in mm/s², times in s.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
 from math import inf
 
 import numpy as np
@@ -25,6 +24,9 @@ from chipbreak.trajectory.linuxcnc_planner import (
 
 Bools = NDArray[np.bool_]
 Places = NDArray[np.intp]
+_STEPS_PER_CRUISE = 4
+_LENGTH, _ACCELERATION, _END, _RUNS_ON = 0, 1, 2, 5
+_ENDLESS_MM = 1e100
 
 
 class Stretches(NamedTuple):
@@ -53,72 +55,35 @@ def linuxcnc_many(stretches: Stretches, clock: Clock) -> tuple[Floats, Floats]:
 
     Behind the end of a stretch its distances are NaN.
     """
-    shape = stretches.lengths.shape
-    blocks = _Blocks(stretches, clock)
-    times = np.zeros(stretches.lengths.size)
-    rows = _start(blocks, stretches.before)
-    seen: list[tuple[Places, Floats]] = []
+    walk = _Walk(stretches, clock, stretches.lengths.shape[1])
+    seen: list[Floats] = []
     with np.errstate(divide="ignore", invalid="ignore"):
-        while len(rows.row):
-            blocks.advance(rows, times)
-            seen.append((rows.row, rows.way + rows.done))
-            rows = rows.without(rows.leaves & (rows.block == shape[1] - 1))
-    places = np.full((shape[0], len(seen)), np.nan)
-    for at, (row, place) in enumerate(seen):
-        places[row, at] = place
-    return times.reshape(shape), places
+        while not walk.is_over():
+            walk.step()
+            seen.append(walk.places())
+    return walk.times_s(), np.array(seen).T
 
 
 def times_of_many(stretches: Stretches, clock: Clock, until: int) -> Floats:
     """Time of each of the first ``until`` blocks, (m, until); an even feed takes no time without places."""
-    blocks = _Blocks(stretches, clock)
-    times = np.zeros(stretches.lengths.size)
-    rows = _start(blocks, stretches.before)
+    walk = _Walk(stretches, clock, until)
     with np.errstate(divide="ignore", invalid="ignore"):
-        while len(rows.row):
-            blocks.cruise(rows, times)
-            blocks.advance(rows, times)
-            ended = rows.leaves & (rows.block == blocks.count - 1)
-            rows = rows.without(ended | (rows.block >= until))
-    return times.reshape(stretches.lengths.shape)[:, :until]
+        while not walk.is_over():
+            walk.drop_those_over()
+            walk.cruise()
+            for _ in range(_STEPS_PER_CRUISE):
+                walk.step()
+    return walk.times_s()
 
 
 def passing_speeds(stretches: Stretches, clock: Clock) -> Floats:
     """How fast each block may be at its end, (m, n): what highest overrides differ in."""
     blocks = _Blocks(stretches, clock)
-    return np.minimum(blocks.reachable, blocks.tops).reshape(stretches.lengths.shape)
-
-
-@dataclass
-class _Rows:
-    """Where the stretches stand that have not ended; (k,) each, as in ``linuxcnc_planner._Stretch``.
-
-    ``leaves``: the block ends within the next period, after ``rest`` and at ``end_speed``.  ``alone``: how
-    many periods more the first block runs without the next one; ``stops``: it ends at rest.
-    """
-
-    row: Places
-    block: Places
-    done: Floats
-    way: Floats
-    speed: Floats
-    feed_before: Floats
-    even: Bools
-    leaves: Bools
-    stops: Bools
-    alone: Places
-    rest: Floats
-    end_speed: Floats
-
-    def without(self, ended: Bools) -> _Rows:
-        """Only the others."""
-        if not ended.any():
-            return self
-        return _Rows(*(getattr(self, field.name)[~ended] for field in fields(self)))
+    return np.minimum(blocks.reachable, blocks.tops)
 
 
 class _Blocks:
-    """What is fixed of each block, row after row in one line: (m * n,)."""
+    """What is fixed of each block, (m, n)."""
 
     def __init__(self, stretches: Stretches, clock: Clock) -> None:
         lengths, speeds, tops, accelerations, _ = stretches
@@ -136,128 +101,179 @@ class _Blocks:
         ends = np.minimum(reachable, asked)
         behind = caps if self.per_revolution else asked
         ends[:, :-1] = np.minimum(ends[:, :-1], behind[:, 1:])
-        self.lengths = lengths.ravel()
-        self.acceleration = accelerations.ravel()
-        self.feeds = feeds.ravel()
-        self.caps = caps.ravel()
-        self.tops = asked.ravel()
-        self.ends = ends.ravel()
-        self.reachable = reachable.ravel()
+        self.lengths = lengths
+        self.accelerations = accelerations
+        self.tops = asked
+        self.ends = ends
+        self.reachable = reachable
+        # With feed per revolution a block is begun as if its feed were that of the one before.
+        before = np.column_stack([stretches.before, feeds[:, :-1]])
+        self.first_tops = np.minimum(before, caps) if self.per_revolution else asked
 
-    def is_even(self, rows: _Rows, at: Places) -> Bools:
-        """Whose block is run as one even change of speed."""
-        asked = np.minimum(rows.feed_before, self.caps[at]) if self.per_revolution else self.tops[at]
-        aim = np.minimum(self.reachable[at], asked)
-        left = self.lengths[at] - rows.done
-        knows_next = (rows.block < self.count - 1) & ((rows.block > 0) | (rows.feed_before > 0.0))
-        even: Bools = knows_next & (2.0 * left < self.ramp * (rows.speed + aim))
-        return even
 
-    def cruise(self, rows: _Rows, times: Floats) -> None:
+class _Walk:
+    """Where many stretches stand, (k,) each, as in ``linuxcnc_planner._Stretch``.
+
+    ``leaves``: the block ends within the next period, after ``rest``, and ``speed`` is the one there; the
+    ``rest`` of the others is 0.  A row that has come to its end stays in a block behind it, without an end.
+    """
+
+    def __init__(self, stretches: Stretches, clock: Clock, until: int) -> None:
+        blocks = _Blocks(stretches, clock)
+        rows, self.width = len(stretches.before), until + 1
+        self.period, self.ramp = blocks.period, blocks.ramp
+        self.per_revolution = blocks.per_revolution
+        self.table = _table_of(blocks, until)
+        self.times = np.zeros(rows * self.width)
+        self.at = np.arange(rows) * self.width
+        self.over = self.at + until
+        self.done = np.zeros(rows)
+        self.speed = np.zeros(rows)
+        self.rest = np.zeros(rows)
+        self.leaves = np.zeros(rows, np.bool_)
+        length, _, _, _, aim, runs_on, _ = self.table[:, self.at]
+        self.even = (stretches.before > 0.0) & (runs_on > 0.0) & (2.0 * length < self.ramp * aim)
+        self.alone = blocks.periods_alone
+        self.standing = np.flatnonzero(stretches.before <= 0.0) if self.alone else self.at[:0]
+        self.own_ends = self.table[_END, self.at[self.standing]]
+        self.table[_END, self.at[self.standing]] = 0.0
+
+    def is_over(self) -> bool:
+        """True where all rows have ended."""
+        return bool((self.at == self.over).all())
+
+    def times_s(self) -> Floats:
+        """Time of each block, (m, n)."""
+        return self.times.reshape(-1, self.width)[:, :-1]
+
+    def places(self) -> Floats:
+        """The distance covered by each row, (k,), NaN where it has ended."""
+        ways = np.cumsum(self.table[_LENGTH].reshape(-1, self.width)[:, :-1], axis=1)
+        before = np.column_stack([np.zeros(len(ways)), ways]).ravel()
+        return np.where(self.at == self.over, np.nan, before[self.at] + self.done)
+
+    def drop_those_over(self) -> None:
+        """Go on with the others, where many have ended."""
+        goes_on = self.at != self.over
+        if self.alone or 2 * np.count_nonzero(goes_on) > len(goes_on):
+            return
+        for name in ("at", "over", "done", "speed", "rest", "leaves", "even"):
+            setattr(self, name, getattr(self, name)[goes_on])
+
+    def cruise(self) -> None:
         """As many periods as pass far from the end of a block: at one speed, or in one even change of it."""
-        at = rows.row * self.count + rows.block
-        inside = ~rows.leaves & (rows.alone == 0)
-        end = np.where(rows.stops, 0.0, self.ends[at])
-        left = self.lengths[at] - rows.done
-        speed = rows.speed
+        length, most, end, top, *_ = self.table[:, self.at]
+        speed = self.speed
+        inside = ~self.leaves & (self.at != self.over)
+        left = length - self.done
         both = speed + end
         change = (end - speed) * both / (2.0 * np.maximum(left, NOTHING))
-        glides = inside & rows.even & (end > STANDING) & (np.abs(change) <= self.acceleration[at])
-        cruises = inside & ~rows.even & (speed == self.tops[at])
-        if not (glides | cruises).any():
+        glides = inside & self.even & (end > STANDING) & (np.abs(change) <= most)
+        cruises = inside & ~self.even & (speed == top)
+        if self.alone or not (glides | cruises).any():
             return
         change = np.where(glides, change, 0.0)
         step = speed * self.period
-        even = (left - speed * speed / self.acceleration[at]) / step
+        even = (left - speed * speed / most) / step
         count = np.floor(np.where(glides, 2.0 * left / both / self.period, even)) - 2.0
         count = np.where(count > np.where(glides, LONG_CHANGE, 0.0), count, 0.0)
         count = np.where(glides | cruises, count, 0.0)
         time = count * self.period
-        rows.done = rows.done + np.where(glides, (speed + change / 2.0 * time) * time, count * step)
-        rows.speed = speed + change * time
-        times[at] += time
+        self.done = self.done + np.where(glides, (speed + change / 2.0 * time) * time, count * step)
+        self.speed = speed + change * time
+        self.times[self.at] += time
 
-    def advance(self, rows: _Rows, times: Floats) -> None:
+    def step(self) -> None:
         """One servo period, or what is left of it in the next block where one ends."""
-        new = rows.leaves
-        at = rows.row * self.count + rows.block
-        times[at[new]] += rows.rest[new]
-        rows.way = rows.way + np.where(new, self.lengths[at], 0.0)
-        rows.done = np.where(new, 0.0, rows.done)
-        rows.speed = np.where(new, rows.end_speed, rows.speed)
-        rows.block = rows.block + new
-        at = at + new
-        top = self.tops[at]
-        rows.stops = rows.stops & ~new
-        end = np.where(rows.stops, 0.0, self.ends[at])
+        new = self.leaves
+        self.times[self.at] += self.rest
+        self.at = self.at + new
+        length, most, end, top, aim, runs_on, first_top = self.table[:, self.at]
         if self.per_revolution:
-            rows.feed_before = np.where(new, self.feeds[at - 1], rows.feed_before)
-            top = np.where(new, np.minimum(rows.feed_before, self.caps[at]), top)
-            end = np.where(new, 0.0, end)
-        time = np.where(new, self.period - rows.rest, self.period)
-        self._step(rows, at, time, top, end)
-        times[at] += time
-        rows.even = np.where(new, self.is_even(rows, at), rows.even)
-        if rows.alone.any():
-            end = self._meet_next(rows, at, end)
-        self._look_ahead(rows, at, end)
+            # For the rest of the period in which a block begins nothing is known of the one after it.
+            end, top = np.where(new, 0.0, end), np.where(new, first_top, top)
+        done, speed = np.where(new, 0.0, self.done), self.speed
+        time, left = self.period - self.rest, length - done
+        change = _free_change(speed, left, end, (top, most, time))
+        steady = self.even & ~new & (end > STANDING)
+        if steady.any():
+            ramp = (end - speed) * (speed + end) / (2.0 * np.maximum(left, NOTHING))
+            change = np.where(steady, ramp, change)
+        after = speed + np.minimum(np.maximum(change, -most), most) * time
+        way = (speed + after) / 2.0 * time
+        ended = after < 0.0  # the last, incomplete period goes to the end
+        if ended.any():
+            way = np.where(ended, np.where(left < speed * time, left, 0.0), way)
+            after = np.where(ended, 0.0, after)
+        self.done, self.speed = done + np.minimum(left, way), after
+        self.times[self.at] += time
+        left = length - self.done
+        is_even = (runs_on > 0.0) & (2.0 * left < self.ramp * (after + aim))
+        self.even = np.where(new, is_even, self.even)
+        if self.alone:
+            self._meet_next()
+            end = np.where(new, end, self.table[_END, self.at])
+        self._look_ahead(left, end, most, runs_on)
 
-    def _meet_next(self, rows: _Rows, at: Places, end: Floats) -> Floats:
-        """The block behind the first one is handed over; the end speeds now."""
-        meets = (rows.alone == 1) & rows.stops
-        rows.alone = np.maximum(rows.alone - 1, 0)
-        runs_on = meets & (rows.done < STILL_BLENDS * self.lengths[at])
-        rows.stops = rows.stops & ~runs_on
-        return np.where(runs_on, self.ends[at], end)
+    def _meet_next(self) -> None:
+        """The second block is handed over; the first runs into it if it is not too far on."""
+        self.alone -= 1
+        if self.alone:
+            return
+        rows = self.standing
+        first = rows * self.width
+        near = self.done[rows] < STILL_BLENDS * self.table[_LENGTH, first]
+        self.table[_END, first[near]] = self.own_ends[near]
 
-    def _step(self, rows: _Rows, at: Places, time: Floats, top: Floats, end: Floats) -> None:
-        speed = rows.speed
-        most = self.acceleration[at]
-        left = self.lengths[at] - rows.done
-        ramp = (end - speed) * (speed + end) / (2.0 * np.maximum(left, NOTHING))
-        half = most * time / 2.0
-        room = end * end + most * (2.0 * left - speed * time)
-        braked = np.where(room > 0.0, np.sqrt(room + half * half) - half, -half)
-        free = (np.minimum(braked, top) - speed) / np.maximum(time, NOTHING)
-        change = np.where(rows.even & ~rows.leaves & (end > STANDING), ramp, free)
-        after = speed + np.clip(change, -most, most) * time
-        ended = after < 0.0
-        ahead = np.where(ended, np.where(left < speed * time, left, 0.0), (speed + after) / 2.0 * time)
-        rows.done = rows.done + np.minimum(left, ahead)
-        rows.speed = np.where(ended, 0.0, after)
-
-    def _look_ahead(self, rows: _Rows, at: Places, end: Floats) -> None:
+    def _look_ahead(self, left: Floats, end: Floats, most: Floats, runs_on: Floats) -> None:
         """Whose block ends within the next period, when, and at which speed."""
-        speed = rows.speed
-        most = self.acceleration[at]
-        left = self.lengths[at] - rows.done
+        speed = self.speed
         mean = (speed + end) / 2.0
         time = left / mean
         change = (end - speed) / time
+        near = (runs_on > 0.0) & (mean > STANDING)
         hard = np.abs(change) > most
-        change = np.where(change > 0.0, most, -most)
-        root = speed * speed + 2.0 * change * left
-        end = np.where(hard, np.sqrt(np.maximum(root, 0.0)), end)
-        time = np.where(hard, (end - speed) / change, time)
+        if hard.any():
+            change = np.where(change > 0.0, most, -most)
+            root = speed * speed + 2.0 * change * left
+            near &= ~(hard & (root < 0.0))
+            end = np.where(hard, np.sqrt(np.maximum(root, 0.0)), end)
+            time = np.where(hard, (end - speed) / change, time)
         there = left <= NOTHING
-        near = (
-            (rows.block < self.count - 1) & (mean > STANDING) & ~(hard & (root < 0.0)) & (time < self.period)
-        )
-        rows.leaves = there | near
-        rows.rest = np.where(there, 0.0, time)
-        rows.end_speed = np.where(there, speed, end)
+        near &= (time < self.period) & ~there
+        self.leaves = there | near
+        self.rest = np.where(near, time, 0.0)
+        self.speed = np.where(near, end, speed)
 
 
-def _start(blocks: _Blocks, before: Floats) -> _Rows:
-    count = len(before)
-    none = np.zeros(count)
-    off = np.zeros(count, np.bool_)
-    row = np.arange(count)
-    stands = before <= 0.0 if blocks.periods_alone else off
-    alone = np.where(stands, blocks.periods_alone, 0)
-    rows = _Rows(row, np.zeros(count, np.intp), none, none, none, before, off, off, stands, alone, none, none)
-    rows.even = blocks.is_even(rows, row * blocks.count)
-    return rows
+def _free_change(speed: Floats, left: Floats, end: Floats, limits: tuple[Floats, Floats, Floats]) -> Floats:
+    """The change of speed that takes a row as fast as its top, its acceleration and braking in time allow."""
+    top, most, time = limits
+    half = most * time / 2.0
+    # Braking from the next speed has to fit behind the way that this period takes.
+    room = end * end + most * (2.0 * left - speed * time)
+    braked = np.where(room > 0.0, np.sqrt(np.maximum(room, 0.0) + half * half), 0.0) - half
+    change: Floats = (np.minimum(braked, top) - speed) / np.maximum(time, NOTHING)
+    return change
+
+
+def _table_of(blocks: _Blocks, until: int) -> Floats:
+    """Length, acceleration, end speed, top speed, aim, whether another follows, and the top at first.
+
+    (7, m * (until + 1)): behind the last block of each row stands one without an end.
+    """
+    rows, count = blocks.lengths.shape
+    table = np.zeros((7, rows, until + 1))
+    columns = (
+        *(blocks.lengths, blocks.accelerations, blocks.ends, blocks.tops),
+        *(np.minimum(blocks.reachable, blocks.first_tops), np.ones((rows, count)), blocks.first_tops),
+    )
+    for row, column in zip(table, columns, strict=True):
+        row[:, :until] = column[:, :until]
+    table[_RUNS_ON, :, count - 1 :] = 0.0
+    table[_LENGTH, :, until] = _ENDLESS_MM
+    table[_ACCELERATION, :, until] = 1.0
+    return table.reshape(7, -1)
 
 
 def _joint_speeds(lengths: Floats, limits: Floats, accelerations: Floats) -> Floats:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from itertools import pairwise
 from math import inf
 
@@ -15,11 +16,13 @@ from chipbreak.trajectory.linuxcnc_joints import Bools
 from chipbreak.trajectory.linuxcnc_many import Stretches, linuxcnc_many, passing_speeds, times_of_many
 from chipbreak.trajectory.linuxcnc_planner import NOTHING, Clock, Stretch, block_times, linuxcnc, runs_alike
 from chipbreak.trajectory.linuxcnc_strokes import places_of, profile_of
+from chipbreak.trajectory.planner import Numbers
 
 Counts = NDArray[np.intp]
 # Fewer stretches are faster one by one, and so is a long even feed: it then takes no time.
-_MANY = 200
+_MANY = 60
 _LONG_PERIODS = 200.0
+_MOST_KEPT_BLOCKS = 128
 _AT_ONCE = 1 << 15
 _FACTOR = 0x9E3779B97F4A7C15  # odd, and without a pattern: its powers mix all digits of a row
 
@@ -223,7 +226,14 @@ def _block_times(stretches: Stretches, clock: Clock, until: int) -> Floats:
     count = len(stretches.lengths)
     if count >= _MANY:
         return times_of_many(stretches, clock, until)
-    return np.array([block_times(_stretch(stretches, row), clock)[:until] for row in range(count)])
+    times = block_times if stretches.lengths.shape[1] > _MOST_KEPT_BLOCKS else _kept_block_times
+    return np.array([times(_stretch(stretches, row), clock)[:until] for row in range(count)])
+
+
+@lru_cache(maxsize=1024)
+def _kept_block_times(stretch: Stretch, clock: Clock) -> Numbers:
+    """:func:`block_times`; a search looks at the same stretch again, behind others."""
+    return block_times(stretch, clock)
 
 
 def _stretch(stretches: Stretches, row: int) -> Stretch:
@@ -238,12 +248,18 @@ def kinds_of(rows: Floats) -> tuple[Counts, Counts]:
     Rows are told apart by one number made of all their digits, which is faster than by each of them.
     """
     digits = np.ascontiguousarray(rows).view(np.uint64)
-    factors = np.array([pow(_FACTOR, at + 1, 1 << 64) for at in range(digits.shape[1])], np.uint64)
-    _, first, kind = np.unique(digits @ factors, return_index=True, return_inverse=True)
+    numbers = digits @ _powers(digits.shape[1])
+    _, first, kind = np.unique(numbers, return_index=True, return_inverse=True)
     if not np.array_equal(digits[first][kind], digits):  # two kinds with the same number
         return _sorted_kinds(digits)
     order, place = _sorted_kinds(digits[first])
     return first[order], place[kind]
+
+
+@lru_cache(maxsize=64)
+def _powers(count: int) -> NDArray[np.uint64]:
+    """The first powers of the factor, (count,)."""
+    return np.array([pow(_FACTOR, at + 1, 1 << 64) for at in range(count)], np.uint64)
 
 
 def _sorted_kinds(digits: NDArray[np.uint64]) -> tuple[Counts, Counts]:

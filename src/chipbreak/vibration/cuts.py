@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -34,14 +35,18 @@ from chipbreak.vibration.large_changes import refuse_beyond_any_machine
 from chipbreak.vibration.left_cut import LeftCut
 from chipbreak.vibration.look_ahead_feed import without_look_ahead
 from chipbreak.vibration.loop_names import LoopNames, free_names
+from chipbreak.vibration.machine import law_of
 from chipbreak.vibration.plan import MOST_MOVES_IN_ALL, TOO_MANY, CutPlan, plan_cut
 from chipbreak.vibration.request import Request
 from chipbreak.vibration.shared_spindle import shared_spindle
 from chipbreak.vibration.speeds import SpeedChange, UnknownSpeedError, speed_changes
 from chipbreak.vibration.spindle_encoder import needs_encoder
+from chipbreak.vibration.try_cost import cost_of
 
 NOT_TRIED = "VIB098"
 _MOST_BEHIND = 200  # cuts are tried behind a refused one
+_MOST_DEAR_BEHIND = 20  # the same where strokes that are hardly alike are run through one by one
+_MOST_COST_BEHIND = 600_000  # of the blocks of all these cuts, as one that is tried costs
 _MOST_REFUSED = 20  # are said: to mend them is enough for one go
 _MOST_ADVISED = 3  # what works is tried for the first refused cuts; the others fail alike
 SMOOTHED = "VIB063"
@@ -200,11 +205,11 @@ def _made(
     key = maker.interpreted.settings.vibration.refused
     waiting = list(reversed(chains))
     moves = 0
-    behind = 0
+    behind = _Behind.of(maker.interpreted.settings)
     while waiting:
         chain = waiting.pop()
-        behind += is_refused or bool(made.refused)
-        if behind > _MOST_BEHIND or len(made.refused) >= _MOST_REFUSED:
+        behind = behind.with_one_more(is_behind=is_refused or bool(made.refused))
+        if behind.is_enough or len(made.refused) >= _MOST_REFUSED:
             made.refused.append(_not_tried(maker.interpreted, chain))
             break
         if moves > MOST_MOVES_IN_ALL:
@@ -213,7 +218,10 @@ def _made(
             continue
         advise = len(made.refused) + len(made.left) < maker.advised
         try:
-            cuts = maker.cuts(chain, names, advise=advise)
+            cuts = maker.cuts(chain, names, advise=advise, most_cost=behind.most_cost)
+        except _TooDearBehindError:
+            made.refused.append(_not_tried(maker.interpreted, chain))
+            break
         except RefusalError as error:
             blocks = _by_block(chain)
             waiting += reversed(blocks)
@@ -223,8 +231,47 @@ def _made(
             continue
         made.cuts.extend(cuts)
         moves += sum(len(expansion.distance_mm) for _, expansion in cuts)
+        behind = behind.with_cuts([plan for plan, _ in cuts], maker.interpreted.settings)
         names = _behind(names, cuts)
     return made
+
+
+class _TooDearBehindError(Exception):
+    """A cut would cost more than any behind a refused one may."""
+
+
+class _Behind(NamedTuple):
+    """How many cuts behind a refused one were tried, and what they cost; ``most`` may be."""
+
+    most: int
+    cuts: int = 0
+    cost: int = 0
+
+    @classmethod
+    def of(cls, settings: Settings) -> _Behind:
+        """Before the first."""
+        is_dear = law_of(settings).unlike_stroke_costs > 1
+        return cls(_MOST_DEAR_BEHIND if is_dear else _MOST_BEHIND)
+
+    @property
+    def is_enough(self) -> bool:
+        """True where no more are tried."""
+        return self.cuts > self.most
+
+    @property
+    def most_cost(self) -> float:
+        """What the next one may cost."""
+        return math.inf if self.cuts == 0 else _MOST_COST_BEHIND - self.cost
+
+    def with_one_more(self, *, is_behind: bool) -> _Behind:
+        """One more is tried, behind a refused one or not."""
+        return self._replace(cuts=self.cuts + is_behind)
+
+    def with_cuts(self, plans: Sequence[CutPlan], settings: Settings) -> _Behind:
+        """That one was made."""
+        if self.cuts == 0:
+            return self
+        return self._replace(cost=self.cost + sum(cost_of(plan, settings) for plan in plans))
 
 
 def _not_tried(interpreted: InterpretedProgram, chain: Chain) -> Diagnostic:
@@ -268,8 +315,13 @@ class _Maker(NamedTuple):
         found = (self.given_up[line] for line in self.given_up if chain.first <= line < chain.last)
         return next(found, None)
 
-    def cuts(self, chain: Chain, names: LoopNames | None, *, advise: bool) -> list[tuple[CutPlan, Expansion]]:
-        """The cut of a chain, or those of its steps, with their blocks.  Errors: RefusalError."""
+    def cuts(
+        self, chain: Chain, names: LoopNames | None, *, advise: bool, most_cost: float
+    ) -> list[tuple[CutPlan, Expansion]]:
+        """The cut of a chain, or those of its steps, with their blocks.
+
+        Errors: RefusalError; _TooDearBehindError for one that would cost more than ``most_cost``.
+        """
         said = self.given_up_in(chain)
         if said is not None:
             raise RefusalError(said.code, said.message, said.help)
@@ -279,23 +331,29 @@ class _Maker(NamedTuple):
             if len(steps) == 1:
                 break
             try:
-                return self._steps(steps, names)
+                return self._steps(steps, names, most_cost)
             except RefusalError:
                 continue
-        return [self._cut(chain, names, advise=advise)]
+        return [self._cut(chain, names, most_cost, advise=advise)]
 
-    def _steps(self, steps: Sequence[Chain], names: LoopNames | None) -> list[tuple[CutPlan, Expansion]]:
+    def _steps(
+        self, steps: Sequence[Chain], names: LoopNames | None, most_cost: float
+    ) -> list[tuple[CutPlan, Expansion]]:
         made = []
         for step in steps:
-            made.append(self._cut(step, names, advise=False))
+            made.append(self._cut(step, names, most_cost, advise=False))
             names = _behind(names, made[-1:])
         return made
 
-    def _cut(self, chain: Chain, names: LoopNames | None, *, advise: bool) -> tuple[CutPlan, Expansion]:
+    def _cut(
+        self, chain: Chain, names: LoopNames | None, most_cost: float, *, advise: bool
+    ) -> tuple[CutPlan, Expansion]:
         def make(one: Chain) -> tuple[CutPlan, Expansion]:
             is_asked = advise and one is chain
             plan = _plan(one, self.interpreted.settings, advise=is_asked)
             _check_motion_mode(self.interpreted, one)
+            if most_cost < math.inf and cost_of(plan, self.interpreted.settings) > most_cost:
+                raise _TooDearBehindError
             if one.may_be_left(self.interpreted.settings.vibration.refused):
                 refuse_beyond_any_machine(plan.wave)
             self._refuse_soon(plan, names, advise=is_asked)
