@@ -223,17 +223,25 @@ def _made(
             made.refused.append(_not_tried(maker.interpreted, chain))
             break
         except RefusalError as error:
-            blocks = _by_block(chain)
-            waiting += reversed(blocks)
-            if not blocks:
-                said = maker.given_up_in(chain) or _at_chain(maker.interpreted, chain, error)
-                made.give_up(chain, said, key, may_warn=around.allow_unbroken)
+            waiting += reversed(_instead(maker, chain, error, made, around))
             continue
         made.cuts.extend(cuts)
         moves += sum(len(expansion.distance_mm) for _, expansion in cuts)
         behind = behind.with_cuts([plan for plan, _ in cuts], maker.interpreted.settings)
         names = _behind(names, cuts)
     return made
+
+
+def _instead(
+    maker: _Maker, chain: Chain, error: RefusalError, made: _Made, around: _Around
+) -> Sequence[Chain]:
+    """What may be tried instead of a chain that is refused; where nothing may, it is given up."""
+    blocks = _by_block(chain)
+    if not blocks:
+        said = maker.given_up_in(chain) or _at_chain(maker.interpreted, chain, error)
+        key = maker.interpreted.settings.vibration.refused
+        made.give_up(chain, said, key, may_warn=around.allow_unbroken)
+    return blocks
 
 
 class _TooDearBehindError(Exception):
