@@ -13,6 +13,9 @@ from chipbreak.kinematics.floats import Floats
 Indices = NDArray[np.intp]
 Gaps = Iterator[tuple[Floats, Floats]]  # pairs of rising times and g_1 at those times, a piece at a time
 # Many passes at many corners would fill the memory, so they are worked out some corners at a time.
+_MANY_PASSES = 24
+_FEW_PASSES = 8
+_PLACES = 400
 _HEIGHTS_AT_ONCE = 1 << 20
 _SAME_SHARE = 1e-13
 # So are the knots of a cut of an hour, of which there are millions.
@@ -90,24 +93,45 @@ class Motion:
     def peak_thickness(self, part: tuple[float, float], passes: int, known: float) -> float:
         """The greatest thickness over so many passes in a part [s], not less than one that is ``known``."""
         corners, gaps = self._gaps_below(part, passes)
+        if passes >= _MANY_PASSES:
+            return _peak_of_many(corners, gaps, passes, known)
         for some in _at_once(len(corners) - 1, passes):
             at = gaps(corners[some.start : some.stop + 1])
             known = highest_minimum(at[:, :-1], at[:, 1:], known)
         return known
 
-    def _gaps_below(
-        self, part: tuple[float, float], passes: int
-    ) -> tuple[Floats, Callable[[Floats], Floats]]:
-        """Where the thickness can turn in a part [s], (n,); the gaps, (passes, k), to each pass at k."""
+    def _gaps_below(self, part: tuple[float, float], passes: int) -> tuple[Floats, Callable[..., Floats]]:
+        """Where the thickness can turn in a part [s], (n,); the gaps, (passes, k), to each pass at k.
+
+        With a number behind them, to one in so many passes.
+        """
         low, high = np.searchsorted(self.time_s, [part[0] - passes * self.pass_s, part[1]])
         shifts = self.pass_s * np.arange(passes + 1)[:, np.newaxis]
         corners = (self.time_s[low:high] + shifts).ravel()
         corners = np.unique(np.concatenate([part, corners[(corners > part[0]) & (corners < part[1])]]))
 
-        def gaps(time_s: Floats) -> Floats:
-            return self.at(time_s) - self.at(time_s - shifts[1:])
+        def gaps(time_s: Floats, every: int = 1) -> Floats:
+            return self.at(time_s) - self.at(time_s - shifts[1::every])
 
         return corners, gaps
+
+
+def _peak_of_many(corners: Floats, gaps: Callable[..., Floats], passes: int, known: float) -> float:
+    """:meth:`Motion.peak_thickness` over many passes, most of which lie behind others.
+
+    What a few of them leave is no less than what all leave: only where that is more than the thickness known
+    from some places are the others asked for.
+    """
+    places = corners[:: max(1, len(corners) // _PLACES)]
+    known = max(known, float(gaps(places).min(axis=0).max()))
+    every = max(1, passes // _FEW_PASSES)
+    for some in _at_once(len(corners) - 1, _FEW_PASSES):
+        at = gaps(corners[some.start : some.stop + 1], every)
+        most = np.maximum(at[:, :-1], at[:, 1:]).min(axis=0)
+        thick = np.flatnonzero(most > known) + some.start
+        for few in _at_once(len(thick), 2 * passes):
+            known = highest_minimum(gaps(corners[thick[few]]), gaps(corners[thick[few] + 1]), known)
+    return known
 
 
 @dataclass(frozen=True, eq=False)
