@@ -70,6 +70,14 @@ def test_the_code_of_a_move_that_a_corner_takes_in_stays_in_force() -> None:
     assert arc[-1] == "G1 X30."
 
 
+def test_the_code_of_an_arc_without_radius_stays_in_force() -> None:
+    """It is a line, and is written as one; the block behind it may be no line."""
+    (found,) = drawn("G1 Z-20. F0.2 ,R2.\nG3 X30.\nX40. Z-30. R20.\n")
+    assert found == ["F0.2 G1 Z-18.", "G2 X24. Z-20. I2. K0.", "G1 X30.", "G3"]
+    (alone,) = drawn("G1 Z-20. F0.2 ,C1.\nG2\nX30.\n")
+    assert alone == ["F0.2 G1 Z-19.", "G1 X22. Z-20.", "G1 X30.", "G2"]
+
+
 def test_a_corner_is_drawn_behind_thousands_of_plain_blocks() -> None:
     """They say none of the letters of a corner, so they are not among those that are looked at."""
     before = "G1 Z1. F0.2\n" + "Z1.5\nZ1.\n" * 1100

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -179,6 +180,28 @@ def test_many_cuts_of_a_kind_are_chosen_once(monkeypatch: pytest.MonkeyPatch) ->
     result = filtered(f"G21 G99\nG97 S1500 M3\nG0 Z2.\n{cuts}M30\n")
     assert len(result.cuts) == 20
     assert len(judged) < 3
+
+
+def test_other_speeds_and_feeds_are_tried_for_few_cuts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where nothing does it, trying them takes longer than all cuts: eight in a run, however many it has."""
+    from chipbreak.vibration import choice
+
+    feeds: list[float] = []
+    real = choice.Chooser._tried
+
+    def counted(self: choice.Chooser, cut: Any, *rest: Any) -> Any:
+        feeds.append(cut.wanted.feed_mm_rev)
+        return real(self, cut, *rest)
+
+    monkeypatch.setattr(choice.Chooser, "_tried", counted)
+    cuts = "".join(f"G0 X{50 - n}. Z2.\nG1 Z-30. F0.{n}1\nG0 Z2.\n" for n in range(2, 5))
+    program = f"G21 G99\nG97 S1500 M3\n{cuts}M30\n".encode()
+    weak = ("vibration.n=auto", "vibration.refused=leave", "planner.model=after-interpolation")
+    slow = [f"axes.{axis}.{key}" for axis in "XZ" for key in ("acc_dec_ms=200", "position_gain_1_s=15")]
+    chipbreak.rewrite(program, chipbreak.load("fanuc-lathe", (*weak, *slow)))
+    own = {0.21, 0.31, 0.41}
+    assert own <= set(feeds)
+    assert len(feeds) == 3 + 8
 
 
 @pytest.mark.filterwarnings("error")

@@ -76,6 +76,27 @@ def test_a_wave_starts_and_ends_at_its_low_point(wave: Wave, ticks: int, alpha: 
 
 
 @EVERY_WAVE
+@given(ticks=st.integers(2, 40), alpha=st.floats(0.05, 0.95), data=st.data())
+def test_a_wave_is_as_high_at_some_of_its_ticks(
+    wave: Wave, ticks: int, alpha: float, data: st.DataObject
+) -> None:
+    forward = forward_ticks(ticks, alpha, rounds_down=wave.rounds_down)
+    some = np.array(data.draw(st.lists(st.integers(1, ticks), min_size=1)))
+    every = wave.heights(ticks, forward)
+    assert wave.heights_at(some.astype(np.float64), ticks, forward).tolist() == every[some - 1].tolist()
+
+
+def test_a_slow_vibration_of_short_periods_takes_no_memory() -> None:
+    """Of its base periods, which would fill a hundred gigabytes, two have a knot."""
+    slow = replace(parameters(expander_named("triangle")), form="stroke")
+    ticks = 10_000_000_000
+    time_s, distance_mm = sample(replace(slow, ticks=ticks, forward_ticks=ticks // 2))
+    same_s, same_mm = sample(replace(slow, ticks=1000, forward_ticks=500))
+    assert time_s.tolist() == pytest.approx(same_s.tolist())
+    assert distance_mm.tolist() == pytest.approx(same_mm.tolist())
+
+
+@EVERY_WAVE
 @given(delta=st.floats(0.05, 0.95), alpha=st.floats(0.1, 0.9), rho=st.floats(1.05, 4.0))
 def test_the_fractions_that_break_are_those_whose_drop_is_large_enough(
     wave: Wave, delta: float, alpha: float, rho: float

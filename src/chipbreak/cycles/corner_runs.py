@@ -44,6 +44,7 @@ _GROUPS = frozenset({"motion", "compensation", "feed_mode", "speed_mode"})
 _LATHE = Frame("Z", 1, 1)
 _WITH_COMMA = frozenset({",C", ",R", ",A"})
 _BESIDE_MOVES = frozenset("RIK")
+_TURNS = frozenset({"cw", "ccw"})
 _MOST_PLAIN = 2_000
 _MOST_SAID = 4
 _MOST_SHOWN = 40  # characters of a block
@@ -190,7 +191,7 @@ class _Writer:
         self.pieces = iter(pieces_of(steps, _LATHE))
         self.lines: list[str] = []
         self.motions: list[Motion] = []
-        self.is_round = False  # the last block is the arc of a corner
+        self.is_other = False  # the last block is the arc of a corner, or a line under G2 or G3
 
     def write(self, effect: BlockEffect) -> None:
         """The blocks that stand for one block."""
@@ -202,8 +203,11 @@ class _Writer:
         self.lines += [said] if said else []
 
     def give_motion_back(self, motion: str) -> None:
-        """Where a corner takes in all of the last move, no block has left the code of that move in force."""
-        if self.is_round:
+        """Where no block has left the code of the last move in force.
+
+        A corner may take in all of that move, and G2 and G3 may be without radius and centre: a line.
+        """
+        if self.is_other:
             self.lines.append(self.blocks.settings.dialect.code("motion", motion))
 
     def _move(self, effect: BlockEffect, said: str) -> str:
@@ -218,7 +222,8 @@ class _Writer:
             if text:
                 self.lines.append(" ".join(filter(None, (said, text, wish))))
                 said = ""
-                self.is_round = number > 0 and piece.centre is not None
+                is_round = number > 0 and piece.centre is not None
+                self.is_other = is_round or (piece.centre is None and effect.after.modes.motion in _TURNS)
         return said
 
 

@@ -233,7 +233,7 @@ def full_window(cut: WaveformParameters) -> tuple[float, float]:
 def _vibrating_part(cut: WaveformParameters) -> tuple[Floats, Floats, Floats]:
     """Time, w and y at the knots of the whole vibrations but the one at 0: three arrays of shape (n,)."""
     knots = np.arange(1, cut.ticks + 1) if cut.form == "tick" else np.array([cut.forward_ticks, cut.ticks])
-    heights = cut.shape.heights(cut.ticks, cut.forward_ticks)[knots - 1]
+    heights = cut.shape.heights_at(knots.astype(np.float64), cut.ticks, cut.forward_ticks)
     tick = (np.arange(cut.vibrations)[:, np.newaxis] * cut.ticks + knots).ravel()
     time_s = tick * (cut.period_s / cut.ticks)
     # y is what the room before the end of the cut allows, the same throughout a vibration so that its shape

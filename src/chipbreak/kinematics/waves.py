@@ -99,9 +99,13 @@ class Wave(ABC):
         """What so few ticks make of the wave; nothing where it is what it is called."""
         return ()
 
-    @abstractmethod
     def heights(self, ticks: int, forward: int) -> Floats:
         """w at the end of each base period of one vibration, shape (ticks,); the last one is 0."""
+        return self.heights_at(np.arange(1, ticks + 1, dtype=np.float64), ticks, forward)
+
+    @abstractmethod
+    def heights_at(self, tick: Floats, ticks: int, forward: int) -> Floats:
+        """w behind some of them, (n,): of a slow vibration there may be millions."""
 
     @abstractmethod
     def largest_drop(self, delta: float, alpha: float, ticks: int | None) -> float:
@@ -124,9 +128,8 @@ class Triangle(Wave):
 
     name = "triangle"
 
-    def heights(self, ticks: int, forward: int) -> Floats:
-        """See :meth:`Wave.heights`."""
-        tick = np.arange(1, ticks + 1, dtype=np.float64)
+    def heights_at(self, tick: Floats, ticks: int, forward: int) -> Floats:
+        """See :meth:`Wave.heights_at`."""
         return np.minimum(tick / forward, (ticks - tick) / (ticks - forward))
 
     def largest_drop(self, delta: float, alpha: float, ticks: int | None) -> float:
@@ -175,9 +178,8 @@ class Sine(Wave):
         is_triangle = ticks in (2, 4)
         return (f"a sine of {ticks} base periods is a triangle: blocks are straight",) if is_triangle else ()
 
-    def heights(self, ticks: int, forward: int) -> Floats:
-        """See :meth:`Wave.heights`."""
-        tick = np.arange(1, ticks + 1, dtype=np.float64)
+    def heights_at(self, tick: Floats, ticks: int, forward: int) -> Floats:
+        """See :meth:`Wave.heights_at`."""
         heights: Floats = (1.0 - np.cos(2.0 * np.pi * tick / ticks)) / 2.0
         return heights
 

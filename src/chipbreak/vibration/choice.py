@@ -54,7 +54,8 @@ _SLOWER = 0.85  # of a frequency that did not work, the next that is tried at mo
 _FEW = 4  # tries of a cut of which each may take a second
 _FEW_OF_DEAR_OTHERS = 2  # the same of one at another speed or feed, of which there are several
 _FEW_OF_OTHERS = 6
-_MOST_OTHERS = 5  # of other speeds, and feeds, that are tried to the verdict
+_MOST_OTHERS = 4  # of other speeds, and feeds, that are tried to the verdict
+_MOST_OTHERS_IN_ALL = 8  # for all cuts of a run together
 _STEP = 0.9  # from one speed or feed that is tried for a way out to the next
 _FEED_STEP_MM = 0.001
 _PLENTY = 0.5  # of the asked margin beyond 1 must be left for a choice to be taken at once
@@ -94,6 +95,7 @@ class Chooser:
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
         self.worked: dict[tuple[object, ...], Conditions] = {}
+        self.others_left = _MOST_OTHERS_IN_ALL
 
     def cut(self, chain: Chain, make: MakeCut, *, advise: bool = False) -> tuple[CutPlan, Expansion]:
         """The plan and the blocks of a chain with the best conditions that break its chips.
@@ -211,8 +213,13 @@ class Chooser:
     def _first_that_works(self, cut: _Cut, others: Iterator[_Cut], make: MakeCut) -> _Cut | None:
         """The first of a few cuts for which conditions are found and break its chips."""
         group = command_group(self.settings)
-        most = _FEW_OF_DEAR_OTHERS if _is_dear(cut, self.settings) else _FEW_OF_OTHERS
+        is_dear = cut.law.unlike_stroke_costs > 1
+        most = _FEW_OF_DEAR_OTHERS if is_dear else _FEW_OF_OTHERS
         for one in islice((one for one in others if _finds(one, group)), _MOST_OTHERS):
+            # Where each try takes long, there are half as many.
+            self.others_left -= 2 if is_dear else 1
+            if self.others_left < 0:
+                return None
             try:
                 self._tried(one, make, most)
             except RefusalError as error:
