@@ -114,6 +114,81 @@ _BETWEEN = (
     *("G65 P9001", "M97 P5", "G10 L2 P1 X0", "G52 X1.", "G32 Z-9. F1.", "G1 Z-99. F0.1 ,R1.", "X10. Z-99."),
     *("G18", "G17", "G43 H1", "$1", "!2L1"),
 )
+# Words that may stand in any block, whatever it does.
+_BESIDE = (
+    *(
+        "M30",
+        "M2",
+        "M99",
+        "M0",
+        "M1",
+        "M5",
+        "M3",
+        "M8",
+        "M98 P1",
+        "T2",
+        "S500",
+        "F0.1",
+        "F500.",
+        "G4",
+        "G53",
+        "G28",
+    ),
+    *(
+        "G91",
+        "G20",
+        "G94",
+        "G95",
+        "G96",
+        "G40",
+        "G41",
+        "G42",
+        "G43",
+        "G49",
+        "G54",
+        "G80",
+        "G0",
+        "G1",
+        "G2",
+        "G3",
+    ),
+    *(
+        "G17",
+        "G18",
+        "G92",
+        "G50",
+        "X1.",
+        "Z-1.",
+        "Y1.",
+        "U1.",
+        "W-1.",
+        "I1.",
+        "K1.",
+        "R1.",
+        ",R1.",
+        ",C1.",
+        "C1.",
+    ),
+    *("A45.", ",A45.", "Q0.2", "P1", "L2", "H1", "D1", "E2.", "N1.5", "N2.", "f25.", "/", "(x)", "(VIB OFF)"),
+    *(
+        "#1=1",
+        "$1",
+        "O5",
+        "N77",
+        "B1.",
+        "G61",
+        "G9",
+        "G65 P1",
+        "G31",
+        "G32",
+        "G71",
+        "G76",
+        "G81",
+        "X",
+        "X#1",
+        "%",
+    ),
+)
 _ENDS = ("M30", "M30", "M2", "M99")
 _STEPS_MM = (0.12, 0.2, 0.36, 0.5, 1.0, 1.2, 2.0, 2.4, 3.0, 5.0, 6.0, 10.0, 12.5, 20.0, 25.0)
 
@@ -196,6 +271,9 @@ class _Writer:
         lines = [*self.subs, *self.lines] if self.is_linuxcnc else [*self.lines, *self.subs]
         for _ in range(self.draw.choice((0, 0, 0, 1, 2))):
             lines.insert(self.draw.randint(0, len(lines)), self.draw.choice(_BETWEEN))
+        for _ in range(self.draw.choice((0, 0, 0, 1, 2))):
+            at = self.draw.randrange(len(lines))
+            lines[at] = " ".join(self.draw.sample([lines[at], self.draw.choice(_BESIDE)], 2))
         if self.draw.random() < 0.1:
             lines = [line if line[:1] in "N%Oo/" else f"N{100 + at} {line}" for at, line in enumerate(lines)]
         ending = self.draw.choice(("\n", "\n", "\n", "\r\n"))
