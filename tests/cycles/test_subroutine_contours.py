@@ -114,3 +114,16 @@ def test_a_spindle_named_in_a_cycle_or_its_contour_lets_it_stay(cycle: str, inne
         is_plain = "$" not in line + inner
         assert (result.data == program) is not is_plain
         assert [one.code for one in result.diagnostics if one.code == "CYC007"] == ["CYC007"] * (not is_plain)
+
+
+@pytest.mark.parametrize("end", ["M2", "G20\nM30", "G7\nM2\n(DONE)"])
+@pytest.mark.parametrize("cycle", ["G71.2 Q100 X30. Z1. I2. R0.5 F100.", "G70 Q100 X30. Z1. F100."])
+def test_a_cycle_behind_the_end_of_the_program_stays(end: str, cycle: str) -> None:
+    """Nothing runs it, and of units and places nothing is known any more."""
+    contour = "o100 sub\nG0 X2. Z1.\nG1 Z-4.\nX32.\no100 endsub\n"
+    program = f"{contour}G18 G21 G94\nG97 S800 M3\nG0 X1. Z1.\n{end}\n{cycle}\nG0 X80.\nM30\n".encode()
+    settings = chipbreak.load("linuxcnc-lathe", ("cycles.unroll=always",))
+    result = chipbreak.rewrite(program, settings)
+    assert result.data == program
+    (said,) = (one for one in result.diagnostics if one.code == "CYC007")
+    assert "behind the end of the program" in said.message

@@ -35,7 +35,10 @@ _MODES: Mapping[Group, str] = {
 def left_behind(block: Block, settings: Settings) -> str:
     """What the block of a call does that would last; empty where it is given back, or does not last."""
     interpreter = Interpreter(settings, Flow(frozenset(), ()))
-    effect = interpreter.advance(initial_state(settings), block)
+    known = settings.dialect.m_codes
+    # An M beside G65 is a number for the macro; who writes one there may mean what it does.
+    meant = tuple(known[int(number)] for number in block.numbers("M") if number in known)
+    effect = interpreter.advance(initial_state(settings), block)._replace(functions=meant)
     said = next((said for rule in _RULES if (said := rule(effect))), "")
     return said or next(
         (what for group, what in _MODES.items() if codes_of(block, group, settings.dialect)), ""

@@ -114,6 +114,8 @@ def subroutine_edit(interpreted: InterpretedProgram, line: int) -> Edit:
     """
     state = interpreted.before(line)
     block = interpreted.program.block(line)
+    if state.ended:
+        raise RefusalError(UNREAD_FORM, "it stands behind the end of the program", "move it before M2 or M30")
     _refuse_state(state, block)
     refuse_next_move(interpreted, line)
     call = _read(block, state, interpreted.settings)

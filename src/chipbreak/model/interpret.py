@@ -104,7 +104,7 @@ class Interpreter:
         if self.flow.in_contour(block.line):
             codes = read_codes(block, state, self.dialect)
             asks = vibration_words(block, self.axis_letters, cuts=True, has_once=codes.reads_all)
-            functions = self._functions(block)
+            functions = self._functions(block, codes)
             return BlockEffect(block, state, state, vibration=asks, in_contour=True, functions=functions)
         effect = self._with_cutting_speed(self._execute(state, block))
         if block.skip:
@@ -150,7 +150,7 @@ class Interpreter:
         vibration = self._vibration_words(block, codes, has_mode_words=bool(mode_words))
         after = values_after(Said(block, codes, state, vibration, self.dialect, self.number_rule))
         after = self._behind_finishing(after, block)
-        functions = self._functions(block)
+        functions = self._functions(block, codes)
         if self.dialect.converts_feed and any(code[:2] in _STARTS for code in functions):
             after = reread_speed(after, state.modes.units)  # worked out again where the spindle starts
         after = self._machine_functions(after, block, codes, functions)
@@ -201,12 +201,14 @@ class Interpreter:
                 state = self._tool_word(state, value)
             elif not math.isnan(value) and int(value) in self.dialect.m_codes:
                 state = m_code(state, self.dialect.m_codes[int(value)])
-        if any(code.group == "tool" for code in functions) and "M" not in takes:
+        if any(code.group == "tool" for code in functions):
             state = state._replace(tool=state.next_tool).lost("a tool change moves the machine")
         return state
 
-    def _functions(self, block: Block) -> tuple[MCode, ...]:
-        """What the M codes of a block do, as far as the control's table says."""
+    def _functions(self, block: Block, codes: BlockCodes) -> tuple[MCode, ...]:
+        """What the M codes of a block do, as far as the control's table says; an M beside G66 is a number."""
+        if "M" in codes.taken:
+            return ()
         known = self.dialect.m_codes
         return tuple([known[int(n)] for n in block.numbers("M") if n in known])
 
