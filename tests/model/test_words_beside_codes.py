@@ -233,3 +233,14 @@ def test_a_cut_behind_a_finishing_cycle_is_not_planned_with_an_old_feed() -> Non
     (found,) = chipbreak.check("\n".join([*lines, ""]).encode(), chipbreak.load("fanuc-lathe"))
     assert (found.code, found.place and found.place.line) == ("VIB050", 11)
     assert "F0.1 of the shape of the finishing cycle in line 8" in found.message
+
+
+@pytest.mark.parametrize("code", ["G65", "G66"])
+def test_what_stands_beside_a_macro_is_said_to_nobody_else(code: str) -> None:
+    """Whoever looks ahead for what the program says itself must not find it there."""
+    *_, effect = interpreted("fanuc-mill", f"{code} P9 F100. S900 M3 T4 H2").effects
+    assert not any(effect.says(letter) for letter in "FSTH")
+    assert not effect.does("spindle")
+    *_, alone = interpreted("fanuc-mill", "G1 X1. F100. S900 M3 T4 H2").effects
+    assert all(alone.says(letter) for letter in "FSTH")
+    assert alone.does("spindle", "cw")

@@ -91,11 +91,7 @@ def _where_tools_are(interpreted: InterpretedProgram) -> str:
     inside = next(calls, None)
     if inside is not None:
         return f", and the call in line {place(inside).line} is not in the main program"
-    words = (
-        effect.block.line
-        for effect in interpreted.effects
-        if effect.block.word("T") and "macro-call" not in effect.non_modal
-    )
+    words = (effect.block.line for effect in interpreted.effects if effect.says("T"))
     prepared = next(words, None)
     if prepared is None or dialect.tool_by_word:
         return ""

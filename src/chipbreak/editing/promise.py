@@ -158,7 +158,7 @@ class SpindleRestarted(Promise, kw_only=True):
 def _feed_is_said(written: Written) -> bool:
     """True where the first block behind that feeds says F itself."""
     for effect in written.blocks_behind():
-        if effect.block.has("F"):
+        if effect.says("F"):
             return not effect.block.skip
         if effect.move is not None and effect.move.kind != "rapid":
             return False

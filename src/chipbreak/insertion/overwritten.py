@@ -34,7 +34,7 @@ def feed_is_said(interpreted: InterpretedProgram, line: int) -> bool:
             return True
         if block.opaque or block.controls:
             return False
-        if block.has("F"):
+        if effect.says("F"):
             return not block.skip and not block.has_macro
         if effect.move is not None and effect.move.kind != "rapid":
             return False

@@ -114,7 +114,7 @@ def relies_on_speed(interpreted: InterpretedProgram, line: int) -> bool:
     for effect in interpreted.effects_of(line, min(line + HORIZON, interpreted.program.source.body.stop)):
         if effect.in_contour:
             continue  # roughing passes over its S
-        if effect.block.has("S") or effect.after.ended:
+        if effect.says("S") or effect.after.ended:
             return False
         if effect.does("spindle", "cw", "ccw"):
             return True

@@ -42,7 +42,7 @@ def set_by(effect: BlockEffect, interpreted: InterpretedProgram) -> set[str]:
         found.add("the spindle")
     if effect.does("coolant", "off"):  # M7 and M8 leave the other one as it was
         found.add("coolant")
-    if block.has("S"):
+    if effect.says("S"):
         found.add("S")
     return found | ({"the tool"} if calls_tool(effect, dialect) else set())
 

@@ -51,6 +51,7 @@ class BlockEffect(NamedTuple):
     ``in_contour``  True for a line that is only the shape of a cycle
     ``functions``   what its M codes do
     ``cutting_speed`` a spindle speed asked by V and D
+    ``taken``       the letters that its codes take for themselves: those beside G65 and G66 are for the macro
     """
 
     block: Block
@@ -63,6 +64,11 @@ class BlockEffect(NamedTuple):
     in_contour: bool = False
     cutting_speed: CuttingSpeed | None = None
     functions: tuple[MCode, ...] = ()
+    taken: str = ""
+
+    def says(self, letter: str) -> bool:
+        """True where the block has a word of this letter for the control itself."""
+        return self.block.has(letter) and letter not in self.taken
 
     def does(self, group: str, *values: str) -> bool:
         """True when one of its M codes does this; without ``values``, anything of the group."""

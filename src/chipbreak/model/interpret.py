@@ -165,7 +165,10 @@ class Interpreter:
         seen = (*vibration, *block.words_of(mode_words)) if mode_words else vibration
         all_read = codes.reads_all or has_centre or block.has_macro
         unread = () if all_read else self._unread(block, seen, after, move)
-        return BlockEffect(block, state, after, move, codes.non_modal, vibration, unread, functions=functions)
+        effect = BlockEffect(
+            block, state, after, move, codes.non_modal, vibration, unread, functions=functions
+        )
+        return effect._replace(taken=codes.taken) if codes.taken else effect
 
     def _behind_finishing(self, state: State, block: Block) -> State:
         """F and S of a shape act in its finishing cycle; whether they hold behind it, no manual says."""

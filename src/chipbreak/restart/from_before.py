@@ -160,7 +160,7 @@ def _feed_is_not_known(before: Before) -> str:
     for effect in before.interpreted.effects_of(before.line, stop):
         if effect.in_contour:
             continue  # its F is that of G70 alone
-        if effect.block.has("F") or effect.after.ended:
+        if effect.says("F") or effect.after.ended:
             return ""
         feeds = effect.move is not None and effect.move.kind != "rapid"
         if feeds or _calls(effect):

@@ -86,7 +86,7 @@ class RestartCase(Case):
 
     def _has_h(self) -> bool:
         return any(
-            effect.block.has("H") and not effect.non_modal
+            effect.says("H") and not effect.non_modal
             for effect in effects_before(self.interpreted, self.line)
         )
 

@@ -119,7 +119,7 @@ class _Writer:
             return [f"T{self.state.tool} {change}"] if called and self.state.tool is not None else []
         words: list[str] = []
         for effect in effects_before(self.before.interpreted, self.before.line):
-            word = None if effect.non_modal else effect.block.word("T")
+            word = effect.block.word("T") if effect.says("T") and not effect.non_modal else None
             if word is not None:
                 words.insert(0, effect.block.text_of(word))
                 if word.number:  # T0 alone ends the offset of the tool before it

@@ -95,7 +95,7 @@ def _row(interpreted: InterpretedProgram, block: Block) -> _Row:
                 "which tool is in the spindle is not known", "call the tool before it with T and M6"
             )
         return _Row(int(tool), int(tool))
-    called = [e.block for e in interpreted.effects if e.block.line <= block.line and e.block.has("T")]
+    called = [e.block for e in interpreted.effects if e.block.line <= block.line and e.says("T")]
     word = called[-1].word("T") if called else None
     if word is None or word.number is None:
         raise _refused(

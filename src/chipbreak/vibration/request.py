@@ -238,7 +238,7 @@ class RequestReader:
     def _calls_a_tool(self, effect: BlockEffect) -> bool:
         """True for the T word or the M6 that this control changes tools by, also to the tool it has."""
         by_word = self.settings.dialect.tool_by_word
-        return effect.block.has("T") if by_word else effect.does("tool", "change")
+        return effect.says("T") if by_word else effect.does("tool", "change")
 
     def _pass_over(self, effect: BlockEffect) -> None:
         """No cut; the profile asks the cuts of a program of this file where they stand, not at its call."""
