@@ -151,6 +151,16 @@ def test_a_bare_s_behind_a_g96_cut_is_not_taken_for_rpm() -> None:
     assert lines.index("G96 S120") < lines.index("S150")
 
 
+@pytest.mark.parametrize("cut", ["G1 Z-9.", "(VIB OFF)\nG1 X30."])
+def test_g96_again_without_s_finds_the_surface_speed(cut: str) -> None:
+    """It takes the S in force, and the rpm of the cut before it would be metres per minute."""
+    program = f"G99\nG96 S100 M3\nG0 X20. Z2.\n(VIB N1.5)\nG1 Z-5. F0.05\nG96\n{cut}\nG0 X80.\nM30\n"
+    lines = chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-lathe")).data.decode().splitlines()
+    at = lines.index("G96")
+    speeds = [line for line in lines[:at] if "S" in line.split("(")[0]]
+    assert speeds[-2:] == ["G97 S1667", "G96 S100"]
+
+
 def test_g96_in_the_block_itself_never_meets_the_rpm_before_it() -> None:
     out = filtered(f"{HEAD}G96 G1 Z-10. S120 F0.05 N1.5\nG1 X30.\nM30\n")
     code = re.sub(r"\([^)]*\)", "", out)

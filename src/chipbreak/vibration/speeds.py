@@ -208,6 +208,12 @@ def _before_own_speed(at: _Place) -> _Blocks | None:
     return () if own_mode else _known_blocks(at, before)
 
 
+def _before_bare_mode(at: _Place) -> _Blocks | None:
+    """G96 again, without S, takes the S in force.  Errors: VIB057."""
+    takes = _says_speed_mode(at.effect) and not at.effect.says("S")
+    return _known_blocks(at, at.effect.before) if takes else None
+
+
 def _before_dependent(at: _Place) -> _Blocks | None:
     """What the block does depends on the speed.  Errors: VIB057."""
     if at.is_air or not _depends_on_speed(at.effect, at.interpreted.settings.dialect):
@@ -228,6 +234,7 @@ _NEEDS = (
     _before_target,
     _before_other_path,
     _before_own_speed,
+    _before_bare_mode,
     _before_dependent,
     _before_stop,
 )
