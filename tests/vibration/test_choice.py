@@ -246,3 +246,27 @@ def test_waves_of_several_blocks_a_stroke_are_tried_a_few_times(
     assert shares[-1] < shares[0], (
         "each that fails like the one before is followed by one that is slower still"
     )
+
+
+def test_behind_cuts_of_a_kind_that_nothing_breaks_one_choice_is_tried(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Each takes long where the strokes are run through: of a roughing with a hundred passes, minutes."""
+    from chipbreak.vibration import choice
+
+    tried: list[int] = []
+    real = choice.Chooser._try
+
+    def counted(self: choice.Chooser, cut: Any, *rest: Any) -> Any:
+        tried.append(cut.chain.first)
+        return real(self, cut, *rest)
+
+    monkeypatch.setattr(choice.Chooser, "_try", counted)
+    passes = "".join(f"G0 X{40 - n}. Z2.\nG1 Z-{n + 1}. F0.12\nG0 X60.\n" for n in range(5))
+    program = f"G21 G18 G95\nG97 S500 M3\n{passes}M30\n".encode()
+    options = ("vibration.waveform=sine", "vibration.n=auto", "vibration.refused=leave")
+    result = chipbreak.rewrite(
+        program, chipbreak.load("linuxcnc-lathe", (*options, "output.feed_decimals=2"))
+    )
+    assert [left.said.code for left in result.left] == ["VIB059"] * 5
+    assert tried == [3] * 4 + [6] * 4 + [9] * 4 + [12, 15]

@@ -35,6 +35,7 @@ _TURNS = {"line": 0, "cw": -1, "ccw": 1, "rapid": 0}
 _GROUPS = frozenset({"motion", "compensation", "feed_mode", "speed_mode"})
 _SAME_MM = 1e-6
 _CHAMFERS = frozenset("CA")
+_NO_MOVES = frozenset("BDH")  # an axis that turns, an offset: the passes would be without them
 
 
 class Contour(NamedTuple):
@@ -99,7 +100,10 @@ def _has_unread_word(effect: BlockEffect, settings: Settings) -> bool:
     corners = words_of_corner(effect, settings)
     others = [word for word in (*effect.unread, *effect.vibration) if word not in corners]
     is_axis = not corners and effect.block.has_any(_CHAMFERS)
-    return bool(others or is_axis)
+    is_other = any(
+        word.address in _NO_MOVES and word.address not in effect.taken for word in effect.block.words
+    )
+    return bool(others or is_axis or is_other)
 
 
 def has_unread_axes(effect: BlockEffect, settings: Settings) -> bool:
@@ -109,6 +113,10 @@ def has_unread_axes(effect: BlockEffect, settings: Settings) -> bool:
 
 def _moves_otherwise(effect: BlockEffect, _: Settings) -> bool:
     return effect.move is not None and effect.move.kind not in _TURNS
+
+
+def _moves_another_axis(effect: BlockEffect, _: Settings) -> bool:
+    return effect.move is not None and bool(set(effect.move.axes) - {"X", "Z"})
 
 
 def _leaves_the_contour(effect: BlockEffect, _: Settings) -> bool:
@@ -122,6 +130,7 @@ _RULES: tuple[tuple[str, str, Callable[[BlockEffect, Settings], bool]], ...] = (
     ("has a word that is not read here", "", _has_unread_word),
     ("has axis words beside a G code that is not read", alarms.FOREIGN_COMMAND, has_unread_axes),
     ("is no line and no arc", "", _moves_otherwise),
+    ("moves another axis than X and Z", "", _moves_another_axis),
     ("changes the tool, stops or leaves the program", "", _leaves_the_contour),
 )
 

@@ -111,6 +111,8 @@ def _refuse_block(effect: BlockEffect, interpreted: InterpretedProgram) -> None:
     known = _WORDS if effect.move is not None else _BETWEEN
     is_plain = not (block.opaque or block.skip or block.has_macro or effect.non_modal or effect.vibration)
     is_plain &= not block.marks and block.line not in interpreted.flow.targets
+    # A mode that a pass changes would be that of the passes before it too, or of none.
+    is_plain &= not set(effect.before.modes.changed(effect.after.modes)) - {"motion"}
     if not is_plain or any(word.address not in known for word in block.words):
         message = f"{block.text.strip()[:40]} is no plain pass of this cycle"
         raise RefusalError(UNREAD_FORM, message, "write its passes with X, Z, U, W, R and F as plain numbers")

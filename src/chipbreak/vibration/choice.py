@@ -7,6 +7,7 @@ run, and what is left is planned, and judged by the numbers of its blocks, until
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from itertools import islice
@@ -52,6 +53,7 @@ _WITH_ROUNDING = 1.05
 _STANDS = (1.25, 1.5, 2.0, 3.0, 5.0)  # revolutions per edge
 _SLOWER = 0.85  # of a frequency that did not work, the next that is tried at most
 _FEW = 4  # tries of a cut of which each may take a second
+_ENOUGH_FAILED = 3  # cuts of a kind for which none of so many did it
 _FEW_OF_DEAR_OTHERS = 2  # the same of one at another speed or feed, of which there are several
 _FEW_OF_OTHERS = 6
 _MOST_OTHERS = 4  # of other speeds, and feeds, that are tried to the verdict
@@ -95,6 +97,7 @@ class Chooser:
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
         self.worked: dict[tuple[object, ...], Conditions] = {}
+        self.failed: Counter[tuple[object, ...]] = Counter()
         self.others_left = _MOST_OTHERS_IN_ALL
 
     def cut(self, chain: Chain, make: MakeCut, *, advise: bool = False) -> tuple[CutPlan, Expansion]:
@@ -113,14 +116,21 @@ class Chooser:
             if again is not None:
                 return again
         try:
-            found = self._tried(cut, make, _FEW if _is_dear(cut, self.settings) else math.inf)
+            found = self._tried(cut, make, self._most_tries(cut, kind))
         except RefusalError as error:
+            self.failed[kind] += 1
             if advise and error.code == NOTHING_FITS:
                 ways = self._ways_out(cut, make) or error.help
                 raise RefusalError(error.code, error.message, ways) from None
             raise
         self.worked.setdefault(kind, found.conditions)
         return found.made
+
+    def _most_tries(self, cut: _Cut, kind: tuple[object, ...]) -> float:
+        """How many choices are tried; where each may take a second, one behind several cuts that had none."""
+        if not _is_dear(cut, self.settings):
+            return math.inf
+        return _FEW if self.failed[kind] < _ENOUGH_FAILED else 1
 
     def _again(self, cut: _Cut, known: Conditions, make: MakeCut) -> tuple[CutPlan, Expansion] | None:
         """What worked for another cut; None where this one is so short that it does not hold here."""
