@@ -311,3 +311,12 @@ def test_the_digits_of_f_do_not_count_where_the_program_has_written_it() -> None
         chipbreak.rewrite(program, chipbreak.load("haas-lathe", [*sets, "output.feed_decimals=2"]))
     (error,) = [one for one in rejected.value.diagnostics if one.code == "VIB059"]
     assert "with 3 decimals of F this cut of 0.603 s would take 0.606 s" in error.message
+
+
+def test_a_corner_and_a_crest_that_digits_set_apart_are_refused() -> None:
+    """They are one moment, and no block between them has a feed."""
+    cuts = "G1 Z-0.7575 F4.7244\nX2.3717 Z-1.5449\n"
+    program = f"G20\nS1000 M3\nG94\n(VIB AUTO)\nG0 X1.5843 Z0.0299\n{cuts}".encode()
+    settings = chipbreak.load("generic-lathe", ("output.decimals=2", "planner.max_blocks_per_s=500"))
+    with pytest.raises(chipbreak.ProgramRejectedError):
+        chipbreak.rewrite(program, settings)

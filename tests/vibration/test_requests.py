@@ -259,3 +259,18 @@ def test_an_s_word_under_g96_is_no_rpm() -> None:
     run = run_program(out)
     assert run.cuts[0][-1].speed_rpm == 2000.0  # 120 m/min on 20 mm is 1910 rpm; N 1.5 at 50 Hz
     assert "G96 S120" in out.splitlines()
+
+
+@pytest.mark.parametrize("cycle", ["G70 P10 Q20 F0.1", "G71 U1. R0.5\nG71 P10 Q20 U0.4 W0.1 F0.2"])
+def test_a_cut_that_a_cycle_behind_it_takes_for_its_shape_stays(cycle: str) -> None:
+    """The control comes through it as it stands, and the cycle would cut the vibration again."""
+    shape = "N10 G1 Z-8. F0.2{word}\nN20 X30.\n"
+    program = f"G21 G99\nG97 S1200 M3\nG0 X20. Z5.\n{shape}G0 Z5.\n{cycle}\nG0 X90.\nM30\n"
+    settings = chipbreak.load("fanuc-lathe")
+    with pytest.raises(chipbreak.ProgramRejectedError) as caught:
+        chipbreak.rewrite(program.format(word=" N1.5").encode(), settings)
+    assert [one.code for one in caught.value.diagnostics][:1] == ["VIB043"]
+    plain = program.format(word="").encode()
+    asked = chipbreak.load("fanuc-lathe", ("vibration.n=1.5", "vibration.refused=leave"))
+    result = chipbreak.rewrite(plain, asked)
+    assert b"N10 G1 Z-8. F0.2\nN20 X30.\n" in result.data

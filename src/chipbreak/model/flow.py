@@ -46,6 +46,7 @@ class Flow(NamedTuple):
 
     ``targets``   lines that a GOTO may reach
     ``contours``  [first, last] lines of shapes that G70 to G73 before them call by P and Q: no moves there
+    ``run_again`` those that a cycle behind them calls: the control comes through them, and cuts them again
     ``missing``   the ends of shapes that are not in the program
     ``finishes``  line of a finishing cycle -> the last F and S of its shape, those that it says
     ``arrivals``  where other ways come in -> these ways; to a place that is not named they are not known
@@ -58,6 +59,7 @@ class Flow(NamedTuple):
     finishes: Mapping[int, Mapping[str, str]] = FrozenTable()
     arrivals: Arrivals = FrozenTable()
     ordered_targets: tuple[int, ...] = ()
+    run_again: tuple[_LineRange, ...] = ()
 
     def straight_until(self, line: int, last: int) -> int:
         """Where lines ``line`` to ``last`` (exclusive) end that each follow the one before them and move."""
@@ -73,8 +75,17 @@ class Flow(NamedTuple):
 
     def in_contour(self, line: int) -> bool:
         """True inside the shape of a cycle."""
-        at = bisect_right(self.contours, (line, 1 << 62)) - 1
-        return at >= 0 and self.contours[at][0] <= line <= self.contours[at][1]
+        return _is_in(line, self.contours)
+
+    def is_run_again(self, line: int) -> bool:
+        """True where the control comes through a line that a cycle behind it takes for its shape."""
+        return _is_in(line, self.run_again)
+
+
+def _is_in(line: int, ranges: Sequence[_LineRange]) -> bool:
+    """True inside one of some ranges, which rise."""
+    at = bisect_right(ranges, (line, 1 << 62)) - 1
+    return at >= 0 and ranges[at][0] <= line <= ranges[at][1]
 
 
 class _Cycle(NamedTuple):
@@ -106,6 +117,7 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
     numbers = sequence_lines(program) if jumps or cycles or returned_to else {}
     shapes = [_shape(cycle, numbers) for cycle in cycles]
     contours = _merged(_passed_over(cycles, shapes))
+    again = _merged(one for one in _run_again(cycles, shapes) if not _is_in(one[0], contours))
     missing = tuple(shape for shape in shapes if isinstance(shape, MissingNumber) and dialect.contour_cycles)
     finishes = {
         cycle.line: said
@@ -114,7 +126,8 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
     }
     arrivals = FrozenTable({**at_nests(ruled), **dict(at_targets(jumps, numbers, called))})
     targets = _targets({*(jump.number for jump in jumps), *returned_to}, numbers)
-    return Flow(targets, contours, missing, FrozenTable(finishes), arrivals, tuple(sorted(targets)))
+    ordered = tuple(sorted(targets))
+    return Flow(targets, contours, missing, FrozenTable(finishes), arrivals, ordered, again)
 
 
 def _passed_over(
@@ -123,6 +136,15 @@ def _passed_over(
     """The shapes that a cycle before them calls: to any other the control comes first, and cuts along it."""
     for cycle, shape in zip(cycles, shapes, strict=True):
         if not isinstance(shape, MissingNumber) and cycle.line < shape[0]:
+            yield shape
+
+
+def _run_again(
+    cycles: Sequence[_Cycle], shapes: Sequence[_LineRange | MissingNumber]
+) -> Iterator[_LineRange]:
+    """The shapes that a cycle behind them calls."""
+    for cycle, shape in zip(cycles, shapes, strict=True):
+        if not isinstance(shape, MissingNumber) and cycle.line > shape[1]:
             yield shape
 
 

@@ -373,6 +373,7 @@ def _feed_words(cut: CutPlan, ends: _Ends, settings: Settings) -> tuple[Floats, 
     """
     moved = np.diff(ends.words.points_mm, axis=0)
     spans = np.diff(ends.time_s)
+    _refuse_no_time(cut, spans, settings)
     plain_from = int(np.searchsorted(ends.time_s[:-1], cut.time_s[-2] - _SAME_S))
     law = control_along(settings, cut.path, cut.chain.before)
     digits = _feed_decimals(cut, settings)
@@ -399,6 +400,14 @@ def _feed_words(cut: CutPlan, ends: _Ends, settings: Settings) -> tuple[Floats, 
         by_feed_s = float((spans * exact / printed).sum())
     _check_digits(cut, by_feed_s, end_s, settings)
     return feeds, law.must_stand_before(blocks, feeds_mm_s)
+
+
+def _refuse_no_time(cut: CutPlan, spans_s: Floats, settings: Settings) -> None:
+    """A corner and the crest beside it, which coarse digits set apart, may be one moment.  Errors: VIB059."""
+    if spans_s.min() <= 0.0:
+        places = settings.output.decimals_of(is_inch=cut.chain.before.is_inch)
+        message = f"with {places} decimals of a place a block beside a corner would take no time"
+        raise RefusalError(TOO_FINE, message, "raise output.decimals")
 
 
 @remembered

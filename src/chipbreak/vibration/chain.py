@@ -197,6 +197,11 @@ def refusal_of(
         message = "this block is the shape of a cycle (G70 to G73); the control cuts it in its own way"
         help_text = f"write the passes as G1 without the cycle, or {_without(request)}"
         return RefusalError("VIB043", message, help_text), at
+    if interpreted.flow.is_run_again(effect.block.line):
+        message = (
+            "a cycle behind this block (G70 to G73) takes it for its shape, and would cut the vibration too"
+        )
+        return RefusalError("VIB043", message, f"write that cycle as G1, or {_without(request)}"), at
     if move is None or not move.is_cut:
         return _foreign_axis(effect, axis_words) or (_not_a_cut(move, _without(request)), at)
     if effect.block.skip:

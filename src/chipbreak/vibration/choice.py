@@ -223,7 +223,8 @@ class Chooser:
     def _first_that_works(self, cut: _Cut, others: Iterator[_Cut], make: MakeCut) -> _Cut | None:
         """The first of a few cuts for which conditions are found and break its chips."""
         group = command_group(self.settings)
-        is_dear = cut.law.unlike_stroke_costs > 1
+        form = expander_named(cut.chain.requests[0].waveform).form(self.settings.output.segments)
+        is_dear = form == "tick" or cut.law.unlike_stroke_costs > 1
         most = _FEW_OF_DEAR_OTHERS if is_dear else _FEW_OF_OTHERS
         for one in islice((one for one in others if _finds(one, group)), _MOST_OTHERS):
             # Where each try takes long, there are half as many.

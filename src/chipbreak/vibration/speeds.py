@@ -181,8 +181,9 @@ def _before_restart(at: _Place) -> _Blocks | None:
 
 
 def _before_target(at: _Place) -> _Blocks | None:
-    """A jump to here comes with the programmed speed."""
-    return at.own_blocks if at.effect.block.line in at.interpreted.flow.targets else None
+    """A jump to here comes with the programmed speed; in a shape of a later cycle nothing is commanded."""
+    flow, line = at.interpreted.flow, at.effect.block.line
+    return at.own_blocks if line in flow.targets or flow.is_run_again(line) else None
 
 
 def _before_other_path(at: _Place) -> _Blocks | None:
