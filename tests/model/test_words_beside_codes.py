@@ -244,3 +244,9 @@ def test_what_stands_beside_a_macro_is_said_to_nobody_else(code: str) -> None:
     *_, alone = interpreted("fanuc-mill", "G1 X1. F100. S900 M3 T4 H2").effects
     assert all(alone.says(letter) for letter in "FSTH")
     assert alone.does("spindle", "cw")
+
+
+def test_the_words_of_a_modal_macro_are_read() -> None:
+    """P is its program, and the others are numbers for it."""
+    assert not codes_said("fanuc-mill", "G66 P9010 A1. L2", "X5.", "G67", "M30")
+    assert codes_said("fanuc-mill", "G0 P9010", "M30")

@@ -47,6 +47,7 @@ _CENTRE_GROUPS: tuple[Group, ...] = ("rotation", "scaling", "mirror")
 _LOSES_NAMED_AXES = ("home", "machine", "skip")
 _LOST_BY_CYCLES: Mapping[Motion, str] = {"cycle": "a drilling cycle", "thread-cycle": "a threading cycle"}
 _AXES_WITHOUT_V = frozenset("XYZUWABCH")
+_TAKES_WORDS = frozenset({"compensation", "modal_macro"})
 _PLAIN_LETTERS = frozenset("GMTSFODHABC")
 _STARTS = frozenset({("spindle", "cw"), ("spindle", "ccw")})
 _ARCS: tuple[Motion, ...] = ("cw", "ccw")
@@ -161,7 +162,7 @@ class Interpreter:
         after = self._flow_of_control(after, block, functions)
         after = self._other_spindles(after, state, block, codes)
         mode_words += "P" if " P" in codes.changes.get("work_offset", "") else ""
-        mode_words += codes.taken if "compensation" in codes.changes else ""
+        mode_words += codes.taken if _TAKES_WORDS & codes.changes.keys() else ""
         seen = (*vibration, *block.words_of(mode_words)) if mode_words else vibration
         all_read = codes.reads_all or has_centre or block.has_macro
         unread = () if all_read else self._unread(block, seen, after, move)
