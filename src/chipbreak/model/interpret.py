@@ -47,6 +47,8 @@ _CENTRE_GROUPS: tuple[Group, ...] = ("rotation", "scaling", "mirror")
 _LOSES_NAMED_AXES = ("home", "machine", "skip")
 _LOST_BY_CYCLES: Mapping[Motion, str] = {"cycle": "a drilling cycle", "thread-cycle": "a threading cycle"}
 _AXES_WITHOUT_V = frozenset("XYZUWABCH")
+Steps = dict[int, tuple[State, BlockEffect]]
+_MOST_STEPS = 100_000
 _TAKES_WORDS = frozenset({"compensation", "modal_macro"})
 _PLAIN_LETTERS = frozenset("GMTSFODHABC")
 _STARTS = frozenset({("spindle", "cw"), ("spindle", "ccw")})
@@ -72,6 +74,8 @@ class Interpreter:
 
     ``entries`` are the states in which programs behind the first one of a file begin, by line.
     ``carried`` is what the ways bring that meet at a place; where it says nothing, they may bring anything.
+    ``steps`` are effects by their line, and the state each began in, of who has gone through the same program
+    with other entries and other ways: but for the lines where these come in, a block does the same again.
     """
 
     def __init__(
@@ -81,6 +85,8 @@ class Interpreter:
         source: Source | None = None,
         entries: Mapping[int, State] = _NO_ENTRIES,
         carried: CarriedTo = _NOTHING,
+        *,
+        steps: Steps | None = None,
     ) -> None:
         self.settings = settings
         self.flow = flow
@@ -91,9 +97,23 @@ class Interpreter:
         self.number_rule = settings.number_rule
         self.axis_letters = frozenset(settings.axis_words.axes)
         self.any_axis = self.axis_letters | frozenset(AXES)
+        self.steps = steps
+        self.others_come_in = {*entries, *flow.targets, *(place.line for place in flow.arrivals)}
 
     def advance(self, state: State, block: Block) -> BlockEffect:
         """What a block does."""
+        if self.steps is None or block.line in self.others_come_in:
+            return self._advanced(state, block)
+        was, effect = self.steps.get(block.line, (None, None))
+        if effect is not None and (was is state or was == state):
+            # A block that does nothing leaves the state as it is, and not one that is equal.
+            return effect if effect.after is not was else effect._replace(before=state, after=state)
+        effect = self._advanced(state, block)
+        if len(self.steps) < _MOST_STEPS:
+            self.steps[block.line] = (state, effect)
+        return effect
+
+    def _advanced(self, state: State, block: Block) -> BlockEffect:
         state = self._begun(state, block)
         if block.line in self.flow.targets:
             state = self._arrived(state, Place(block.line, is_behind=False), JUMPED)

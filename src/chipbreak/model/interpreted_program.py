@@ -20,7 +20,7 @@ from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.callers import Program as Called
 from chipbreak.model.callers import entry_states, lines_of_calls, local_programs, programs_of
 from chipbreak.model.flow import Flow, read_flow
-from chipbreak.model.interpret import Interpreter, initial_state
+from chipbreak.model.interpret import Interpreter, Steps, initial_state
 from chipbreak.model.modal import Position, State, one_unknown
 from chipbreak.model.quiet_calls import SAYS_FEED, SAYS_SPEED, calls_that_may_say
 from chipbreak.model.repeated_dwells import effects_of, repeated_dwells
@@ -226,11 +226,21 @@ def interpret(
     are interpreted themselves, so such a file is gone through again.  In one that was made of ``like`` they
     begin as they did there.
     """
+    steps: Steps = {}
+    interpreted = _as_called(program, settings, like, steps)
+    interpreted.interpreter.steps = None  # whoever walks there later may ask for any block
+    return interpreted
+
+
+def _as_called(
+    program: Program, settings: Settings, like: InterpretedProgram | None, steps: Steps
+) -> InterpretedProgram:
     flow = read_flow(program, settings.dialect)
-    first = _settled(program, settings, flow, {})
+    # Nearly every file is gone through once, and nothing need be kept of it.
+    first = _settled(program, settings, flow, {}, steps if flow.arrivals else None)
     if like is not None:
         entries = _entries_like(first, like)
-        return _settled(program, settings, flow, entries) if entries else first
+        return _settled(program, settings, flow, entries, steps) if entries else first
     programs = called_programs(first)
     if not programs:  # as nearly every file
         return first
@@ -244,7 +254,7 @@ def interpret(
         entries = {line: state for line, state in entries.items() if line not in not_followed}
         if entries == before:
             return interpreted
-        interpreted = _settled(program, settings, flow, entries)
+        interpreted = _settled(program, settings, flow, entries, steps)
     return first
 
 
@@ -282,7 +292,7 @@ def _entries_like(interpreted: InterpretedProgram, like: InterpretedProgram) -> 
 
 
 def _settled(
-    program: Program, settings: Settings, flow: Flow, entries: Mapping[int, State]
+    program: Program, settings: Settings, flow: Flow, entries: Mapping[int, State], steps: Steps | None
 ) -> InterpretedProgram:
     """Interpreted again until each way brings what the time before took it to bring.
 
@@ -290,12 +300,14 @@ def _settled(
     """
     carried: CarriedTo = dict.fromkeys(flow.arrivals, ())
     for _ in range(_MOST_ROUNDS):
-        interpreted = _interpreted(program, settings, flow, entries, carried)
+        interpreter = Interpreter(settings, flow, program.source, entries, carried, steps=steps)
+        interpreted = _interpreted(program, settings, flow, interpreter)
         found = _carried(interpreted) if carried else carried
         if found == carried:
             return interpreted
         carried = found
-    return _interpreted(program, settings, flow, entries, {})
+    interpreter = Interpreter(settings, flow, program.source, entries, {}, steps=steps)
+    return _interpreted(program, settings, flow, interpreter)
 
 
 def _carried(interpreted: InterpretedProgram) -> CarriedTo:
@@ -344,13 +356,12 @@ def _calls_that_may_say(says: str, interpreted: InterpretedProgram) -> list[int]
 
 
 def _interpreted(
-    program: Program, settings: Settings, flow: Flow, entries: Mapping[int, State], carried: CarriedTo
+    program: Program, settings: Settings, flow: Flow, interpreter: Interpreter
 ) -> InterpretedProgram:
-    interpreter = Interpreter(settings, flow, program.source, entries, carried)
     interpreted = InterpretedProgram(program, settings, flow, interpreter, [], [], [], {}, {})
     state = initial_state(settings)
     line = program.source.body.start
-    begins = sorted(entries)
+    begins = sorted(interpreter.entries)
     around: State | None = None  # a subprogram's body: the program goes on behind it as if it was not there
     interpreted.lines.append(line)
     interpreted.states.append(state)

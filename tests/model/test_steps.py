@@ -1,0 +1,29 @@
+"""A program that is gone through again, as its loops and calls ask for, is what it was."""
+
+from __future__ import annotations
+
+import pytest
+
+from chipbreak import load
+from chipbreak.model.from_source import interpret_source
+from chipbreak.model.interpret import Interpreter
+from chipbreak.text.source import read
+
+
+@pytest.mark.parametrize(
+    "program",
+    [
+        "G0 X1.\n(A)\nN5 G1 X2. F0.1\n#1=#1+1\nG91\nIF[#1LT3]GOTO5\nG1 X3.\nS500\nM30\n",
+        "G97 S900 M3\nWHILE[#1LT3]DO1\nG1 U1. F0.2\n(B)\n\nG1 Z1.\n#1=#1+1\nEND1\nM98 P7\nG0 X9.\nM30\nO7\nG91\nS40\nM99\n",
+    ],
+)
+def test_going_through_it_again_with_what_is_known_changes_nothing(
+    program: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A block that begins in the same state does the same; nothing is known of where other ways come in."""
+    found = interpret_source(read(program.encode()), load("fanuc-lathe"))
+    monkeypatch.setattr(Interpreter, "advance", lambda self, state, block: self._advanced(state, block))
+    alone = interpret_source(read(program.encode()), load("fanuc-lathe"))
+    assert found.lines == alone.lines
+    assert repr(found.states) == repr(alone.states)
+    assert repr(found.effects) == repr(alone.effects)
