@@ -13,8 +13,9 @@ from chipbreak.text.source import read
 @pytest.mark.parametrize(
     "program",
     [
-        "G0 X1.\n(A)\nN5 G1 X2. F0.1\n#1=#1+1\nG91\nIF[#1LT3]GOTO5\nG1 X3.\nS500\nM30\n",
-        "G97 S900 M3\nWHILE[#1LT3]DO1\nG1 U1. F0.2\n(B)\n\nG1 Z1.\n#1=#1+1\nEND1\nM98 P7\nG0 X9.\nM30\nO7\nG91\nS40\nM99\n",
+        "(EXPECT A)\nG0 X1.\n(VIB OFF)\nN5 G1 X2. F0.1\n#1=#1+1\nG91\nIF[#1LT3]GOTO5\nG1 X3.\nS500\nM30\n",
+        "G97 S900 M3\nWHILE[#1LT3]DO1\nG1 U1. F0.2\n(B)\n\nG1 Z1.\n#1=#1+1\nEND1\n"
+        "M98 P7\nG0 X9.\nM30\nO7\nG91\nS40\nM99\n",
     ],
 )
 def test_going_through_it_again_with_what_is_known_changes_nothing(
