@@ -24,6 +24,7 @@ from chipbreak.syntax.expressions import UnreadableError
 from chipbreak.text.diagnostics import Diagnostic, RefusalError, Severity
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.span import Place
+from chipbreak.vibration.cuts import _TooDearBehindError
 from chipbreak.vibration.speeds import UnknownSpeedError
 from chipbreak.whole_files import NotReplacedError
 
@@ -43,6 +44,7 @@ ERRORS = [
     TooDifficultError("too many ways"),
     NotReplacedError("it has other names"),
     _GroupError(7, RefusalError("CYC007", "no point", "write one")),
+    _TooDearBehindError("it would cost more than any behind a refused one may"),
 ]
 Copier = Callable[[Any], Any]
 
