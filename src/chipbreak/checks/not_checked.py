@@ -91,7 +91,11 @@ def _where_tools_are(interpreted: InterpretedProgram) -> str:
     inside = next(calls, None)
     if inside is not None:
         return f", and the call in line {place(inside).line} is not in the main program"
-    words = (effect.block.line for effect in interpreted.effects if effect.says("T"))
+    words = (
+        effect.block.line
+        for effect in interpreted.effects
+        if effect.says("T") and "macro-call" not in effect.non_modal
+    )
     prepared = next(words, None)
     if prepared is None or dialect.tool_by_word:
         return ""

@@ -272,7 +272,7 @@ def calls_tool(effect: BlockEffect, dialect: Dialect) -> bool:
 
     ``T0 M6`` leaves the spindle empty: the tool after it is 0, and no tool is that.
     """
-    if "T" in effect.taken:  # a number for a macro
+    if "macro-call" in effect.non_modal or "T" in effect.taken:  # a number for a macro
         return False
     if not dialect.tool_by_word:
         return effect.does("tool", "change")
