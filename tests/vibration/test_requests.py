@@ -274,3 +274,12 @@ def test_a_cut_that_a_cycle_behind_it_takes_for_its_shape_stays(cycle: str) -> N
     asked = chipbreak.load("fanuc-lathe", ("vibration.n=1.5", "vibration.refused=leave"))
     result = chipbreak.rewrite(plain, asked)
     assert b"N10 G1 Z-8. F0.2\nN20 X30.\n" in result.data
+
+
+def test_a_shape_of_another_program_of_the_file_is_not_meant() -> None:
+    """Both number their blocks alike, and only the cycle of the second one looks for a shape."""
+    first = "O1\nG21 G99 G97 S1200 M3\nG0 X20. Z5.\nN10 G1 Z-8. F0.2 N1.5\nN20 X30.\nM30\n"
+    cycle = "G71 U1. R0.5\nG71 P10 Q20 U0.4 W0.1 F0.2\nN10 G0 X40.\nG1 Z-5.\nN20 X50.\nG70 P10 Q20\n"
+    second = f"O2\nG97 S900 M3\nG0 X50. Z2.\n{cycle}M30\n"
+    result = chipbreak.rewrite((first + second).encode(), chipbreak.load("fanuc-lathe"))
+    assert len(result.cuts) == 1

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.base import NON_MODAL
 from chipbreak.model.arrivals import Arrivals, Jump, at_nests, at_targets
+from chipbreak.model.paths import begins_program
 from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.parse import Program
 from chipbreak.text.frozen_table import FrozenTable
@@ -107,7 +108,9 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
     ruled: list[Block] = []
     called: set[int] = set()
     returned_to: set[int] = set()
+    begins: list[int] = []
     for block in program.event_blocks():
+        begins += [block.line] if begins_program(block, dialect) else []
         cycles += _cycles_of(block, dialect)
         called.update(_called_numbers(block, dialect))
         returned_to.update(_returned_to(block, dialect))
@@ -117,7 +120,7 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
     numbers = sequence_lines(program) if jumps or cycles or returned_to else {}
     shapes = [_shape(cycle, numbers) for cycle in cycles]
     contours = _merged(_passed_over(cycles, shapes))
-    again = _merged(one for one in _run_again(cycles, shapes) if not _is_in(one[0], contours))
+    again = _merged(one for one in _run_again(cycles, shapes, begins) if not _is_in(one[0], contours))
     missing = tuple(shape for shape in shapes if isinstance(shape, MissingNumber) and dialect.contour_cycles)
     finishes = {
         cycle.line: said
@@ -140,11 +143,13 @@ def _passed_over(
 
 
 def _run_again(
-    cycles: Sequence[_Cycle], shapes: Sequence[_LineRange | MissingNumber]
+    cycles: Sequence[_Cycle], shapes: Sequence[_LineRange | MissingNumber], begins: Sequence[int]
 ) -> Iterator[_LineRange]:
-    """The shapes that a cycle behind them calls."""
+    """The shapes that a cycle behind them calls, in the same program: ``begins`` are their first lines."""
     for cycle, shape in zip(cycles, shapes, strict=True):
-        if not isinstance(shape, MissingNumber) and cycle.line > shape[1]:
+        if isinstance(shape, MissingNumber) or cycle.line <= shape[1]:
+            continue
+        if bisect_right(begins, shape[0]) == bisect_right(begins, cycle.line):
             yield shape
 
 
