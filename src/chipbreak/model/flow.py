@@ -108,9 +108,7 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
     ruled: list[Block] = []
     called: set[int] = set()
     returned_to: set[int] = set()
-    begins: list[int] = []
     for block in program.event_blocks():
-        begins += [block.line] if begins_program(block, dialect) else []
         cycles += _cycles_of(block, dialect)
         called.update(_called_numbers(block, dialect))
         returned_to.update(_returned_to(block, dialect))
@@ -120,6 +118,7 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
     numbers = sequence_lines(program) if jumps or cycles or returned_to else {}
     shapes = [_shape(cycle, numbers) for cycle in cycles]
     contours = _merged(_passed_over(cycles, shapes))
+    begins = _beginnings(program, dialect) if cycles else ()
     again = _merged(one for one in _run_again(cycles, shapes, begins) if not _is_in(one[0], contours))
     missing = tuple(shape for shape in shapes if isinstance(shape, MissingNumber) and dialect.contour_cycles)
     finishes = {
@@ -140,6 +139,11 @@ def _passed_over(
     for cycle, shape in zip(cycles, shapes, strict=True):
         if not isinstance(shape, MissingNumber) and cycle.line < shape[0]:
             yield shape
+
+
+def _beginnings(program: Program, dialect: Dialect) -> list[int]:
+    """The lines in which the programs of a file begin."""
+    return [block.line for block in program.event_blocks() if begins_program(block, dialect)]
 
 
 def _run_again(
