@@ -169,7 +169,7 @@ def test_a_pocket_whose_rim_is_above_the_start() -> None:
 
 def test_where_no_level_lies_above_the_contour_there_may_be_no_pass_at_all() -> None:
     cycle = Roughing(Point(-1.0, 2.0), line((0, 2), (5, 2), (5, 4)), 1.0, 0.5, finishes=False)
-    assert roughing_passes(cycle) == []
+    assert roughing_passes(cycle) == ()
     assert len(roughing_passes(cycle._replace(finishes=True))) == 1
 
 

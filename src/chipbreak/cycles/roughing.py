@@ -6,6 +6,7 @@ Where the contour has pockets, one pocket after the other is cleared, in the dir
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 from chipbreak.cycles.contour import Point, Segment, filled, parts_of
 from chipbreak.cycles.stock import Stock
@@ -82,12 +83,14 @@ class Roughing(NamedTuple):
         return Point(self.start.t - self.t_allowance_mm - self.t_first_mm, self.start.h)
 
 
-def roughing_passes(cycle: Roughing) -> list[Pass]:
+# Programs rough the same contour from the same start for one part after the other.
+@lru_cache(maxsize=4)
+def roughing_passes(cycle: Roughing) -> tuple[Pass, ...]:
     """The passes of a cycle, in order.
 
     Raises SelfCheckError when one of them would take more than the depth of cut or rush through stock.
     """
-    return _Cutter(cycle).passes()
+    return tuple(_Cutter(cycle).passes())
 
 
 class _Span(NamedTuple):

@@ -17,6 +17,7 @@ G71.1 leaves the pockets, G71.2 cuts nothing but them.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import takewhile
 
 from chipbreak.cycles.call import BAD_DEPTH, NO_CONTOUR, UNREAD_FORM, refuse_modes
@@ -83,7 +84,7 @@ class _Cut(NamedTuple):
 
     frame: Frame
     ways: list[Motion]
-    passes: list[Pass]
+    passes: Sequence[Pass]
     reason: str
     promise: UnrolledRoughing | PlannedMoves
 

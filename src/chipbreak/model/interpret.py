@@ -97,6 +97,8 @@ class Interpreter:
         self.number_rule = settings.number_rule
         self.axis_letters = frozenset(settings.axis_words.axes)
         self.any_axis = self.axis_letters | frozenset(AXES)
+        self.read_on_lines = _PLAIN_LETTERS | self.axis_letters
+        self.read_on_arcs = self.read_on_lines | _ARC_LETTERS
         self.steps = steps
         self.others_come_in = {*entries, *flow.targets, *(place.line for place in flow.arrivals)}
 
@@ -318,13 +320,14 @@ class Interpreter:
 
     def _unread(self, block: Block, seen: Words, after: State, move: Move | None) -> Words:
         motion = after.modes.motion
+        read = self.read_on_arcs if motion in _ARCS else self.read_on_lines
+        words = [word for word in block.words if word.letter.upper() not in read]
+        if not words:  # as in nearly every block
+            return ()
         if motion not in _PLAIN_MOTIONS or (block.numbers("M") and move is None):
             return ()
-        read = _PLAIN_LETTERS | self.axis_letters
-        if motion in _ARCS:
-            read |= _ARC_LETTERS
         seen_at = {word.start for word in seen}
-        return tuple(w for w in block.words if w.address not in read and w.start not in seen_at)
+        return tuple([word for word in words if word.start not in seen_at])
 
 
 def _names_a_centre(codes: BlockCodes) -> bool:

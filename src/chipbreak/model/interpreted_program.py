@@ -32,7 +32,8 @@ from chipbreak.syntax.shapes import MOTION_CODE, NO_POINT, bits_of
 from chipbreak.text.named_tuple import NamedTuple
 
 _MOTION: tuple[Motion, ...] = ("rapid", "line", "cw", "ccw")
-_SHORT_RUN = 8
+_SHORT_RUN = 2  # a step costs a third of a skip
+_FAR = 8  # lines that are walked anew rather than their state be kept
 _MOST_ROUNDS = 8
 _RECENT = 1000  # more than anybody looks ahead
 
@@ -207,6 +208,9 @@ def _used(bits: NDArray[np.uint16]) -> int:
 def _last_of(bits: NDArray[np.uint16], wanted: int) -> int:
     """The last line that has a bit which one of them has."""
     stop = len(bits)
+    for at, has in enumerate(reversed(bits[-_FAR:].tolist()), 1):
+        if has & wanted:
+            return stop - at
     window = 64
     while True:
         start = max(0, stop - window)
@@ -380,7 +384,7 @@ def _interpreted(
         if effect.after is not state or not effect.block.is_empty:
             _keep(interpreted, effect, state)
             line, state = _behind_dwells(interpreted, effect, begins)
-        elif line - interpreted.lines[-1] > _SHORT_RUN:  # comments alone stand between many moves
+        elif line - interpreted.lines[-1] > _FAR:  # comments alone stand between many moves
             interpreted.lines.append(line)
             interpreted.states.append(state)
     return interpreted

@@ -134,10 +134,13 @@ _RULES: tuple[_Rule, ...] = (
 
 def _feed_and_speed(after: State, said: Said) -> State:
     """F, and S or the limit of S, where no code of the block takes them for itself."""
+    words = said.block.words_of("FS")
+    if not words:  # as in most blocks
+        return after
     line = said.block.line
     is_limit = makes_a_limit(said.block, said.dialect)
     vibration_at = {word.start for word in said.vibration}
-    for word in said.block.words_of("FS"):
+    for word in words:
         if word.start in vibration_at or word.address in said.codes.taken:
             continue
         if word.address == "F":

@@ -26,6 +26,7 @@ from chipbreak.text.source import BLANKS, Source
 UNREADABLE = "SYN001"
 # No control reads blocks of this length; without a bound one line could fill the memory.
 LONGEST_LINE = 1 << 16
+_MOST_TEXTS = 4096  # of plain lines; the passes of cycles say the same again and again
 _COMMENT_HAS_ENDED = "where the comment has ended at its first ')'"
 _INNER = "take the inner parentheses out; "
 _NOTHING_CHANGED = "nothing is changed here; vibration and checks refuse to cross it"
@@ -40,7 +41,7 @@ class Program(NamedTuple):
     ``plain`` holds for every line the index of its shape in ``table.shapes``, or -1 where the line is more
     than a plain motion block; ``special_lines`` are those lines of the body.  ``bits`` says for every plain
     line what it has (see ``Shape.bits``), 0 for the others.  Blocks are read when asked for, and
-    of special lines with the same text only one.
+    of lines with the same text as a rule only one.
     """
 
     source: Source
@@ -60,16 +61,20 @@ class Program(NamedTuple):
     def block(self, line: int) -> Block:
         """The block on a line."""
         block = self.known.get(line)
-        if block is None and self.plain[line] < 0:
-            text = self.source.text(line)
-            like = self.texts.get(text)
-            if like is not None:
-                block = like._replace(line=line)
-            else:
-                block = read_block(line, text, self.dialect)
+        if block is not None:
+            return block
+        is_special = bool(self.plain[line] < 0)
+        text = self.source.text(line)
+        like = self.texts.get(text)
+        if like is not None:
+            block = Block(line, *like[1:])
+        else:
+            block = read_block(line, text, self.dialect)
+            if is_special or len(self.texts) < _MOST_TEXTS:
                 self.texts[text] = block
+        if is_special:
             self.known[line] = block
-        return block or read_block(line, self.source.text(line), self.dialect)
+        return block
 
     def event_blocks(self) -> Iterator[Block]:
         """Every block of the body that is more than a plain motion."""

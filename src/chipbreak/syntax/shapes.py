@@ -8,7 +8,8 @@ motion code becomes a mark of its own, so that G1 and G2 have different shapes.
 from __future__ import annotations
 
 import re
-from collections.abc import Container, Iterator
+from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,7 +55,8 @@ class Shape(NamedTuple):
         return bits_of(self.letters) | code | (0 if self.has_points else NO_POINT)
 
 
-def bits_of(letters: Container[str]) -> int:
+@lru_cache(maxsize=256)
+def bits_of(letters: str | frozenset[str]) -> int:
     """Those of ``PLAIN_LETTERS`` that are among the letters, as bits."""
     return sum(1 << bit for bit, letter in enumerate(PLAIN_LETTERS) if letter in letters)
 
