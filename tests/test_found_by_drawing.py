@@ -81,3 +81,11 @@ def test_a_point_beside_an_unknown_code_in_a_subroutine() -> None:
     )
     assert outcome(program.format("X1G12."), "linuxcnc-lathe") == [("CYC002", 16)]
     assert "CYC002" not in dict(outcome(program.format("X12."), "linuxcnc-lathe"))
+
+
+@pytest.mark.parametrize("move", ["G3 X62.4 Z3.8 R1.2", "G1 X62.4"])
+def test_a_stroke_just_as_long_as_the_tool_advances_in_it(move: str) -> None:
+    """Q1 with N0.5: what is left to go back was a rounding, and no feed runs it."""
+    cut = f"G97 S750 M3\nG95\nG0 X60. Y0. Z5.\n(VIB WAVE SINE N0.5)\nQ1. {move} F0.1\nM30\n"
+    sets = ("spindle.max_rpm=500", "output.form=expanded", "checks.enabled=false")
+    assert outcome(cut, "fanuc-mill", *sets) == [("VIB006", 5)]

@@ -9,7 +9,7 @@ units, compensation, offsets and the other modal groups, (8) non-modal codes, (9
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from chipbreak.dialects.base import MCode
 from chipbreak.dialects.modes import UNSAID, Group, Motion
@@ -187,7 +187,7 @@ class Interpreter:
         mode_words += codes.taken if _TAKES_WORDS & codes.changes.keys() else ""
         seen = (*vibration, *block.words_of(mode_words)) if mode_words else vibration
         all_read = codes.reads_all or has_centre or block.has_macro
-        unread = () if all_read else self._unread(block, seen, after, move)
+        unread = _stray(block.words, seen) if all_read else self._unread(block, seen, after, move)
         effect = BlockEffect(
             block, state, after, move, codes.non_modal, vibration, unread, functions=functions
         )
@@ -325,9 +325,15 @@ class Interpreter:
         if not words:  # as in nearly every block
             return ()
         if motion not in _PLAIN_MOTIONS or (block.numbers("M") and move is None):
-            return ()
+            return _stray(words, seen)
         seen_at = {word.start for word in seen}
         return tuple([word for word in words if word.start not in seen_at])
+
+
+def _stray(words: Sequence[Word], seen: Words) -> Words:
+    """N with a point is no sequence number, and no code takes it: a wish that stands where nothing is cut."""
+    seen_at = {word.start for word in seen}
+    return tuple([w for w in words if w.letter.upper() == "N" and w.has_point and w.start not in seen_at])
 
 
 def _names_a_centre(codes: BlockCodes) -> bool:

@@ -18,7 +18,7 @@ from chipbreak.units import S_PER_MIN
 from chipbreak.vibration.beginning import LIMITS, failure_of
 from chipbreak.vibration.blocks import Expansion, moves_of
 from chipbreak.vibration.chain import Chain
-from chipbreak.vibration.choice import NOTHING_FITS, Chooser
+from chipbreak.vibration.choice import NO_STROKE_MM, NOTHING_FITS, Chooser
 from chipbreak.vibration.diameter_steps import diameter_steps
 from chipbreak.vibration.dwell import NO_STAND
 from chipbreak.vibration.machine import control_along
@@ -309,7 +309,7 @@ def _runs(cut: CutPlan, period: Period, law: ControlLaw) -> bool:
     back_mm = stroke_mm - (1.0 - share) * advance_mm
     try:
         law.feed_for_time(stroke_mm + share * advance_mm, share * period.period_s)
-        if back_mm > 0.0:
+        if back_mm > NO_STROKE_MM:
             law.feed_for_time(back_mm, (1.0 - share) * period.period_s)
     except RefusalError:
         return False

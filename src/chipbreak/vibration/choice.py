@@ -43,7 +43,7 @@ from chipbreak.vibration.trial import fed
 from chipbreak.vibration.try_cost import cost_of
 
 NOTHING_FITS = "VIB036"
-_NO_STROKE_MM = 1e-9
+NO_STROKE_MM = 1e-9
 _USUAL_MM_S2 = 10_000.0  # of axes whose acceleration the profile does not say, no more is asked
 _MOST_COST_OF_A_CHAIN = 300_000  # of all tries together
 _MOST_TRIED = 10  # of what closed forms find, to say that there is something
@@ -398,7 +398,7 @@ def _runs(conditions: Conditions, cut: _Cut) -> bool:
             conditions.stroke_mm + conditions.alpha * advance_mm, conditions.alpha * period_s
         )
         back_mm = conditions.stroke_mm - back * advance_mm
-        if abs(back_mm) > _NO_STROKE_MM:
+        if abs(back_mm) > NO_STROKE_MM:
             cut.law.feed_for_time(back_mm, back * period_s)
     except RefusalError:
         return False
