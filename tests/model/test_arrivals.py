@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 import chipbreak
 from chipbreak import load
 from chipbreak.model import interpreted_program
+from chipbreak.dialects.modes import Modes
 from chipbreak.model.arrivals import Carried, carried_by, together
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
 from chipbreak.model.modal import Setting, State
@@ -311,12 +312,14 @@ def test_many_jumps_to_many_blocks_of_one_number_are_put_together_once(
     assert 300 <= len(looked_at) < 2000
 
 
-_MODES = ("mm", "per-minute", "rpm")
+_MODES = Modes()
+_INCHES = _MODES._replace(units="inch")
+_DISTANCES = _MODES._replace(distance="incremental")
 
 
-def brought(feed: float | None, line: int, read_by: tuple[str, str, str] = _MODES) -> Carried:
+def brought(feed: float | None, line: int, modes: Modes = _MODES, *left_open: str) -> Carried:
     setting = None if feed is None else Setting(feed, f"{feed:g}", line, "mm")
-    return Carried(setting, None, read_by)
+    return Carried(setting, None, modes, frozenset(left_open))
 
 
 @pytest.mark.parametrize(
@@ -327,9 +330,19 @@ def brought(feed: float | None, line: int, read_by: tuple[str, str, str] = _MODE
         pytest.param([brought(5.0, 8), brought(6.0, 3)], (brought(None, 0),), id="another F"),
         pytest.param([brought(5.0, 8), brought(None, 0)], (brought(None, 0),), id="F of nobody knows what"),
         pytest.param(
-            [brought(5.0, 8), brought(5.0, 9), brought(5.0, 9, ("inch", "per-minute", "rpm"))],
-            (brought(5.0, 8), brought(5.0, 9, ("inch", "per-minute", "rpm"))),
+            [brought(5.0, 8), brought(5.0, 9), brought(5.0, 9, _INCHES)],
+            (brought(None, 0, _MODES, "units"),),
             id="other units",
+        ),
+        pytest.param(
+            [brought(5.0, 8), brought(5.0, 9, _DISTANCES)],
+            (brought(5.0, 8, _MODES, "distance"),),
+            id="another meaning of places",
+        ),
+        pytest.param(
+            [brought(5.0, 8), brought(5.0, 9, _MODES, "plane")],
+            (brought(5.0, 8, _MODES, "plane"),),
+            id="a mode that was not sure before",
         ),
     ],
 )

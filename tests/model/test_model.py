@@ -397,7 +397,9 @@ def test_words_that_nothing_reads_are_named() -> None:
     assert shown == [["P5"], ["R2."], [], [], [], ["L3"]]
 
 
-@pytest.mark.parametrize("line", ["M3 S1000", "G4 P1", "#1=2", "M98 P100", "G10 L2 P1 X1.", "G65 P9 A1.", "M8"])
+@pytest.mark.parametrize(
+    "line", ["M3 S1000", "G4 P1", "#1=2", "M98 P100", "G10 L2 P1 X1.", "G65 P9 A1.", "M8"]
+)
 def test_a_wish_where_nothing_is_cut_is_named(line: str) -> None:
     block = traced(f"{line} N0.5\n").effect(0)
     assert [word.value_text for word in block.unread if word.address == "N"] == ["0.5"]

@@ -17,7 +17,6 @@ from collections.abc import Mapping
 from chipbreak.cycles import alarms
 from chipbreak.cycles.alarms import with_alarm
 from chipbreak.dialects.base import ContourCycle
-from chipbreak.dialects.modes import Modes
 from chipbreak.model.findings import NUMBER_THE_SHAPE
 from chipbreak.model.flow import ContourCall
 from chipbreak.model.interpreted_program import InterpretedProgram
@@ -32,6 +31,7 @@ from chipbreak.text.named_tuple import NamedTuple
 NO_CONTOUR = "CYC001"
 BAD_DEPTH = "CYC004"
 UNREAD_FORM = "CYC007"
+_READ_BY = frozenset({"units", "distance", "arc_distance", "plane", "diameter", "compensation"})
 _OFF_GROUPS = ("rotation", "scaling", "mirror", "polar", "cylinder", "polygon", "modal_macro")
 _WORDS_OF_CALL: Mapping[ContourCycle, frozenset[str]] = {
     "along-z": frozenset("GPQUWDIKRFSN"),
@@ -86,8 +86,13 @@ class Call(NamedTuple):
     wish: str = ""
 
 
-def refuse_modes(modes: Modes) -> None:
-    """Moves must mean plain places.  Errors: CYC007 for what gives them another meaning."""
+def refuse_modes(state: State) -> None:
+    """Moves must mean plain places.  Errors: CYC007 for what gives them another meaning, or may."""
+    modes = state.modes
+    for group, why in state.left_open:
+        if group in _READ_BY or group in _OFF_GROUPS:
+            message = f"{group.replace('_', ' ')} is not known for sure at this cycle: {why}"
+            raise RefusalError(UNREAD_FORM, message, "say the code again before the cycle")
     on = [group for group in _OFF_GROUPS if modes.value(group) != "off"]
     if on or modes.plane != "ZX" or modes.distance == "incremental" or modes.arc_distance == "absolute":
         what = on[0].replace("_", " ") if on else "another plane, G91 or G90.1"

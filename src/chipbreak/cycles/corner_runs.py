@@ -109,7 +109,7 @@ def corner_edit(interpreted: InterpretedProgram, run: CornerRun) -> Edit:
     """
     settings = interpreted.settings
     begin = interpreted.effect(run.first).before
-    refuse_modes(begin.modes)
+    refuse_modes(begin)
     effects = _effects(interpreted, run, begin)
     if any(math.isnan(value) for value in (begin.position.x, begin.position.z)):
         raise RefusalError(BAD_CONTOUR, "where a corner begins is not known", "move there with G0 X Z")

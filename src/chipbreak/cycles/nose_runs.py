@@ -185,13 +185,13 @@ def _is_of_the_move(word: Word) -> bool:
 
 
 def _refuse_run(interpreted: InterpretedProgram, effects: Sequence[BlockEffect]) -> None:
+    targets = interpreted.flow.targets
+    if any(effect.block.line in targets for effect in effects):
+        raise _refused("a jump leads into it", "take the jump out")
     side = effects[0].after.modes.compensation
     for effect in effects[:-1]:
         if effect.after.modes.compensation != "off" or effect.non_modal != _HOME:
             _refuse_block(effect, side, interpreted.settings)
-    targets = interpreted.flow.targets
-    if any(effect.block.line in targets for effect in effects):
-        raise _refused("a jump leads into it", "take the jump out")
     _refuse_way_out(effects[-1])
 
 
@@ -203,7 +203,7 @@ def _refuse_block(effect: BlockEffect, side: str, settings: Settings) -> None:
     if why:
         shown = effect.block.text.strip()[:40]
         raise _refused(f"the block {shown} {why}", "end it with G40 before, or write the block without it")
-    refuse_modes(effect.after.modes)
+    refuse_modes(effect.after)
 
 
 def _faults(effect: BlockEffect, side: str) -> Iterator[str]:

@@ -83,7 +83,7 @@ def _end_of_cycle(interpreted: InterpretedProgram, line: int) -> tuple[int, list
 
 
 def _refuse_hole(block: Block, state: State, way_mm: tuple[float, float]) -> None:
-    refuse_modes(state.modes)
+    refuse_modes(state)
     foreign = next((word for word in block.words if word.address not in _HOLE_WORDS), None)
     why = ""
     if foreign is not None or block.skip or block.has_macro or len(block.numbers("G")) > 1:
@@ -133,7 +133,7 @@ def peck_edit(interpreted: InterpretedProgram, line: int) -> Edit:
 
 
 def _refuse(block: Block, state: State) -> None:
-    refuse_modes(state.modes)
+    refuse_modes(state)
     foreign = next((word for word in block.words if word.address not in _WORDS), None)
     back = next((word for word in block.words_of("RD") if word.number != 0.0), None)
     why = ""

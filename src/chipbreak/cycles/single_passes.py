@@ -119,7 +119,7 @@ def _refuse_block(effect: BlockEffect, interpreted: InterpretedProgram) -> None:
 
 
 def _refuse_state(interpreted: InterpretedProgram, line: int, state: State) -> None:
-    refuse_modes(state.modes)
+    refuse_modes(state)
     refuse_unknown_start(interpreted, line, state)
     if state.modes.compensation != "off":
         raise RefusalError(UNREAD_FORM, UNDER_COMPENSATION, END_COMPENSATION)

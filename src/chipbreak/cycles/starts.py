@@ -34,7 +34,7 @@ def refuse_start(interpreted: InterpretedProgram, call: Call, state: State) -> N
 
     Errors: CYC007.
     """
-    refuse_modes(state.modes)
+    refuse_modes(state)
     refuse_unknown_start(interpreted, call.first, state)
     if leaves_motion(state):
         refuse_next_move(interpreted, call.last - 1)

@@ -135,7 +135,7 @@ def subroutine_edit(interpreted: InterpretedProgram, line: int) -> Edit:
 
 
 def _refuse_state(state: State, block: Block) -> None:
-    refuse_modes(state.modes)
+    refuse_modes(state)
     foreign = next((word for word in block.words if word.address not in _WORDS), None)
     has_more = block.has_macro or block.skip or block.marks or len(block.numbers("G")) > 1
     if foreign is not None or has_more:

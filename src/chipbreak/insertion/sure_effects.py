@@ -53,9 +53,10 @@ def words_for(what: str) -> str:
 
 
 def differing(one: State, other: State) -> frozenset[str]:
-    """What is set otherwise in two states."""
+    """What is set otherwise in two states, or may be."""
     parts = {what for what, name in _PARTS.items() if getattr(one, name) != getattr(other, name)}
     speeds = [state.speed and (state.speed.text, state.speed.value) for state in (one, other)]
+    left_open = {group for group, _ in {*one.left_open} ^ {*other.left_open}}
     return frozenset(one.modes.changed(other.modes)) | frozenset(
-        parts | ({"S"} if speeds[0] != speeds[1] else set())
+        parts | left_open | ({"S"} if speeds[0] != speeds[1] else set())
     )

@@ -17,7 +17,9 @@ import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from chipbreak.dialects.modes import Modes
 from chipbreak.model.giving_back import is_same
+from chipbreak.model.left_open import differing, merged
 from chipbreak.model.modal import Setting, State
 from chipbreak.syntax.nodes import Block, Control, Number
 from chipbreak.text.named_tuple import NamedTuple
@@ -34,6 +36,8 @@ _CLOSERS: Mapping[str, str] = {
 _ARMS = frozenset({"O-ELSE", "O-ELSEIF"})
 _LEAVES = frozenset({"O-BREAK", "O-CONTINUE"})
 _GOES_ELSEWHERE = _LEAVES | {"O-RETURN"}
+# By these F and S are read.
+_READ_BY = frozenset({"units", "feed_mode", "speed_mode"})
 
 
 class Place(NamedTuple):
@@ -58,15 +62,16 @@ class Jump(NamedTuple):
 
 
 class Carried(NamedTuple):
-    """F and S as a way brings them, and the modes by which their numbers are read."""
+    """F, S and the modes as a way brings them; ``left_open`` are groups in which these are not sure."""
 
     feed: Setting | None
     speed: Setting | None
-    read_by: tuple[str, str, str]
+    modes: Modes
+    left_open: frozenset[str] = frozenset()
 
     def without(self, *, feed: bool, speed: bool) -> Carried:
         """The same where what is called on the way may have said another F, or another S."""
-        return Carried(None if feed else self.feed, None if speed else self.speed, self.read_by)
+        return self._replace(feed=None if feed else self.feed, speed=None if speed else self.speed)
 
 
 Arrivals = Mapping[Place, Arrival]
@@ -204,8 +209,8 @@ def runs_at_least_once(opener: Control) -> bool:
 # --- what they bring -----------------------------------------------------------------------------------
 def carried_by(state: State) -> Carried:
     """F and S of a state; one that cannot be known is None."""
-    modes = state.modes
-    return Carried(_known(state.feed), _known(state.speed), (modes.units, modes.feed_mode, modes.speed_mode))
+    left_open = frozenset(group for group, _ in state.left_open)
+    return Carried(_known(state.feed), _known(state.speed), state.modes, left_open)
 
 
 def _known(setting: Setting | None) -> Setting | None:
@@ -213,16 +218,19 @@ def _known(setting: Setting | None) -> Setting | None:
 
 
 def together(ways: Sequence[Carried]) -> tuple[Carried, ...]:
-    """As few that say the same of the place where all these meet: one, or two read by other modes."""
+    """As one, what all these bring to the place where they meet; empty where there are none.
+
+    F and S are known where all bring the same and read them alike, the modes but for those left open.
+    """
     if not ways:
         return ()
-    first = ways[0]
-    other = next((way for way in ways if way.read_by != first.read_by), None)
-    if other is not None:
-        return (first, other)
+    modes = ways[0].modes
+    left_open = differing(modes, (way.modes for way in ways)).union(*(way.left_open for way in ways))
+    if not left_open.isdisjoint(_READ_BY):
+        return (Carried(None, None, modes, left_open),)
     feed = _common([way.feed for way in ways])
     speed = _common([way.speed for way in ways])
-    return (Carried(feed, speed, first.read_by),)
+    return (Carried(feed, speed, modes, left_open),)
 
 
 def met(state: State, carried: Sequence[Carried] | None, why: str, *, from_above: bool) -> State:
@@ -233,11 +241,12 @@ def met(state: State, carried: Sequence[Carried] | None, why: str, *, from_above
     after = state.forgotten(why)
     if carried is None:
         return after
-    ways = [carried_by(state), *carried] if from_above or not carried else [*carried]
-    if any(way.read_by != ways[0].read_by for way in ways):
-        return after
+    (all_ways,) = together([carried_by(state), *carried] if from_above or not carried else carried)
     return after._replace(
-        feed=_common([way.feed for way in ways]), speed=_common([way.speed for way in ways])
+        modes=all_ways.modes,
+        feed=all_ways.feed,
+        speed=all_ways.speed,
+        left_open=merged(state.left_open if from_above else (), all_ways.left_open, why),
     )
 
 

@@ -18,8 +18,9 @@ from chipbreak.model.block_effect import CUTTING, BlockEffect, Move
 from chipbreak.model.codes import LOSES, BlockCodes, read_codes
 from chipbreak.model.cutting_speed import cutting_speed_of
 from chipbreak.model.flow import Flow
+from chipbreak.model.left_open import either
 from chipbreak.model.m_codes import m_code
-from chipbreak.model.modal import CALLED, LOOPED, UNKNOWN, UNREAD, Position, Setting, State
+from chipbreak.model.modal import CALLED, LOOPED, UNKNOWN, UNREAD, Setting, State
 from chipbreak.model.motion import ANGLE, move_of
 from chipbreak.model.paths import (
     CALLERS_STATE,
@@ -131,7 +132,7 @@ class Interpreter:
             return BlockEffect(block, state, state, vibration=asks, in_contour=True, functions=functions)
         effect = self._with_cutting_speed(self._execute(state, block))
         if block.skip:
-            effect = effect._replace(after=_maybe(state, effect.after, self._user_line(block)))
+            effect = effect._replace(after=either(state, effect.after, self._user_line(block)))
         return effect
 
     def _begun(self, state: State, block: Block) -> State:
@@ -348,18 +349,3 @@ def _lose_axes(state: State, axes: list[str], why: str, *, everything: bool) -> 
         return state.lost(why)
     position = state.position._replace(**{a.lower(): math.nan for a in axes if a in AXES})
     return state._replace(position=position, unknown_why=why)
-
-
-def _maybe(before: State, after: State, line: int) -> State:
-    """After a block that an operator may switch off: what differs cannot be known.
-
-    ``line`` is that of the block in the user's file.
-    """
-    pairs = zip(before.position, after.position, strict=True)
-    position = Position(*(b if a == b else math.nan for a, b in pairs))
-    if position != after.position:
-        why = f"line {line} is skipped while block delete is on"
-        after = after._replace(position=position, unknown_why=why)
-    if before.choice != after.choice:
-        after = after._replace(spindle_why=f"line {line}, which chooses it, is skipped with block delete on")
-    return after._replace(ended=before.ended)

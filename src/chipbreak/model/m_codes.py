@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from chipbreak.dialects.base import MCode
 from chipbreak.dialects.modes import Group, Units
 from chipbreak.model.giving_back import is_same
-from chipbreak.model.modal import Setting, State
+from chipbreak.model.modal import LeftOpen, Setting, State
 from chipbreak.syntax.numbers import print_number
 from chipbreak.units import surface_speed_m_min, typed_feed, typed_surface_speed
 
@@ -61,12 +61,19 @@ def _given_back(state: State, kept: State) -> State:
         coolant=kept.coolant,
         path_words=kept.path_words,
         path_units=kept.path_units,
+        left_open=_left_open_given_back(state, kept),
         # Where it says G96, then without the D of the program.
         speed_limit=state.speed_limit if state.modes.speed_mode == modes.speed_mode else None,
     )
     if _PLACING.intersection(state.modes.changed(modes)):
         after = after.lost("M72 gave another offset back")
     return after
+
+
+def _left_open_given_back(state: State, kept: State) -> LeftOpen:
+    """Each group is as sure as it was when it was kept; the motion mode as it is."""
+    motion = [one for one in state.left_open if one[0] == "motion"]
+    return tuple(sorted([*motion, *(one for one in kept.left_open if one[0] != "motion")]))
 
 
 def _feed_given_back(state: State, kept: State) -> Setting | None:

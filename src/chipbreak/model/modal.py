@@ -34,6 +34,10 @@ UNREAD = "cannot be read"
 CALLED = "a subprogram moves the tool"
 
 
+# Modal groups that are not known for sure, and why, sorted by group.
+LeftOpen = tuple[tuple[str, str], ...]
+
+
 class Setting(NamedTuple):
     """A value that a word has set.
 
@@ -66,6 +70,7 @@ class State(NamedTuple):
     ``parked``         the states of the other paths, by mark
     ``kept``           what LinuxCNC's M70 has kept for M72
     ``motion_before_cycle`` the motion code that a G80 leaves in force where it is none itself
+    ``left_open``      the groups that may have another value than ``modes`` says, each with why
     """
 
     modes: Modes
@@ -88,12 +93,18 @@ class State(NamedTuple):
     path: str = ""
     parked: tuple[tuple[str, State], ...] = ()
     motion_before_cycle: Motion = "rapid"
+    left_open: LeftOpen = ()
 
     def with_motion(self, motion: Motion) -> State:
-        """The same under another motion code."""
-        return (
-            self if motion == self.modes.motion else self._replace(modes=self.modes._replace(motion=motion))
-        )
+        """The same under a motion code that the program says."""
+        state = self.said("motion") if self.left_open else self
+        if motion == state.modes.motion:
+            return state
+        return state._replace(modes=state.modes._replace(motion=motion))
+
+    def said(self, *groups: str) -> State:
+        """The same where the program says codes of groups: these are not left open any more."""
+        return self._replace(left_open=tuple([one for one in self.left_open if one[0] not in groups]))
 
     def lost(self, why: str) -> State:
         """The same with the position unknown."""

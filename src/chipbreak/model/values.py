@@ -41,6 +41,7 @@ def values_after(said: Said) -> State:
     modes = said.codes.modes
     after = said.was if modes is said.was.modes else said.was._replace(modes=modes)
     if said.codes.changes:
+        after = after.said(*said.codes.changes) if after.left_open else after
         for rule in _RULES:
             after = rule(after, said)
     return _feed_and_speed(after, said)

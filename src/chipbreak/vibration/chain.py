@@ -46,6 +46,11 @@ _AT_REST: dict[Group, tuple[str, str, str, str]] = {
     "modal_macro": ("off", "VIB042", "a modal macro call (G66) is active", "G67"),
 }
 SPEED_MODES = (96.0, 97.0)  # G codes
+# What a cut is read by, beside what must be at rest, and what is given back behind it.
+_READ_BY: tuple[Group, ...] = (
+    *("motion", "units", "distance", "feed_mode", "speed_mode"),
+    *("plane", "diameter", "arc_distance", "path", "look_ahead"),
+)
 _MOTION_CODES = (0.0, 1.0, 2.0, 3.0)
 _START_HERE = "give S and M3 or M4 (without a choice of spindle) between there and the cut"
 _NAME_IT = "where that code turns this spindle, name it: --set spindle.cw_codes=13 for M13"
@@ -212,7 +217,8 @@ def refusal_of(
             help_text = f"turn it off before the cut ({end}), or {_without(request)}"
             return RefusalError(code, f"{what}; a cut cannot vibrate in it", help_text), at
     return (
-        _mark_refusal(effect)
+        _open_refusal(request, at)
+        or _mark_refusal(effect)
         or _mode_refusal(effect, interpreted.settings.dialect)
         or _spindle_refusal(request, at)
         or _words_refusal(effect, axis_words, interpreted.settings.dialect)
@@ -220,6 +226,18 @@ def refusal_of(
         or _feed_refusal(interpreted, state)
         or _path_mode_refusal(interpreted, state)
     )
+
+
+def _open_refusal(
+    request: Request, at: tuple[int, int] | None
+) -> tuple[RefusalError, tuple[int, int] | None] | None:
+    """A mode that a skipped block, or another way to this one, may have left otherwise."""
+    for group, why in request.effect.after.left_open:
+        if group in _READ_BY or group in _AT_REST:
+            message = f"not known for sure: {words_for(group)}; {why}"
+            help_text = f"say the code again between there and this cut, or {_without(request)}"
+            return RefusalError("VIB050", message, help_text), at
+    return None
 
 
 def _mark_refusal(effect: BlockEffect) -> tuple[RefusalError, tuple[int, int]] | None:
@@ -346,7 +364,9 @@ def _feed_that_cannot_be(interpreted: InterpretedProgram, state: State, feed: Se
     line = program.source.place(feed.line).line
     word = program.block(feed.line).word("F")
     why = ""
-    if word is None:
+    if program.block(feed.line).skip:
+        why = f"is that of line {line}, which block delete may skip"
+    elif word is None:
         why = f"of the shape of the finishing cycle in line {line} may hold behind it or not"
     elif state.kept is not None and word.number is not None and math.isnan(feed.value):
         why = f"(line {line}) is rounded to a tenth by M72, at least in LinuxCNC since 2.9"

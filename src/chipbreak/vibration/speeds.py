@@ -165,7 +165,10 @@ def _ends(effect: BlockEffect) -> bool:
 
 
 def _is_unknown(state: State) -> bool:
-    return state.speed is None or math.isnan(state.speed.value)
+    """True without an S, or where block delete may skip it, or the limit that belongs to it."""
+    limit = state.speed_limit
+    limit_is_open = limit is not None and math.isnan(limit.value) and state.modes.speed_mode == "surface"
+    return state.speed is None or math.isnan(state.speed.value) or limit_is_open
 
 
 def _not_said(at: _Place) -> RefusalError:
@@ -201,6 +204,8 @@ def _before_own_speed(at: _Place) -> _Blocks | None:
     """The program commands a speed itself."""
     before = at.effect.before
     after = at.effect.after
+    if at.effect.block.skip:  # where it is skipped, the speed is the one from before
+        return _known_blocks(at, before) if _says_speed(at.effect) else None
     # Where a loop or a jump ends, several ways meet: nothing is commanded there.
     if after.speed == before.speed or after.speed is None or at.effect.block.statements:
         return None
@@ -241,6 +246,10 @@ _NEEDS = (
 )
 
 
+def _says_speed(effect: BlockEffect) -> bool:
+    return effect.says("S") or _says_speed_mode(effect) or effect.does("spindle")
+
+
 def _says_speed_mode(effect: BlockEffect) -> bool:
     return effect.block.has("G", *SPEED_MODES)
 
@@ -252,7 +261,8 @@ def _for_choice(speed: str, state: State) -> str:
 
 def _own_blocks(state: State, settings: Settings) -> _Blocks:
     """The program's own speed, in its own digits and units."""
-    text = "" if state.speed is None else _for_choice(f"S{state.speed.text}", state)
+    text = "" if state.speed is None or math.isnan(state.speed.value) else f"S{state.speed.text}"
+    text = _for_choice(text, state)
     if state.modes.speed_mode == "rpm":
         return (settings.dialect.with_code(state.spindle, text),) if text else ()
     words = [settings.dialect.code("speed_mode", state.modes.speed_mode)]
