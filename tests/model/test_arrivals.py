@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 import chipbreak
 from chipbreak import load
-from chipbreak.model import interpreted_program
 from chipbreak.dialects.modes import Modes
+from chipbreak.model import interpreted_program
 from chipbreak.model.arrivals import Carried, carried_by, together
 from chipbreak.model.interpreted_program import InterpretedProgram, interpret
 from chipbreak.model.modal import Setting, State

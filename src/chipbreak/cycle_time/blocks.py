@@ -62,7 +62,7 @@ class BlockTimer:
         if "dwell" not in effect.non_modal:
             return False
         self.clock.add(DWELLS, dwell_s(effect, self.settings))
-        return True
+        return effect.move is None
 
     def _home(self, effect: BlockEffect) -> bool:
         if not {"home", "machine"} & effect.non_modal:

@@ -12,6 +12,7 @@ TURNS_BACK = {"Z": "PS0064", "X": "PS0329"}
 FIRST_IS_NO_LINE = "PS0065"
 FOREIGN_COMMAND = "PS0325"
 OPEN_CORNER = "PS0069"
+NO_FEED_BEHIND_CORNER = "PS0052"
 
 
 def with_alarm(help_text: str, alarm: str) -> str:

@@ -11,11 +11,14 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from chipbreak.cycles import alarms
+from chipbreak.cycles.alarms import with_alarm
 from chipbreak.cycles.call import UNREAD_FORM, refuse_modes
 from chipbreak.cycles.contour import Frame
 from chipbreak.cycles.corners import (
@@ -44,7 +47,6 @@ _GROUPS = frozenset({"motion", "compensation", "feed_mode", "speed_mode"})
 _LATHE = Frame("Z", 1, 1)
 _WITH_COMMA = frozenset({",C", ",R", ",A"})
 _BESIDE_MOVES = frozenset("RIK")
-_TURNS = frozenset({"cw", "ccw"})
 _MOST_PLAIN = 2_000
 _MOST_SAID = 4
 _MOST_SHOWN = 40  # characters of a block
@@ -158,7 +160,20 @@ def _effects(interpreted: InterpretedProgram, run: CornerRun, state: State) -> l
             raise RefusalError(UNREAD_FORM, f"the block {shown} {why}", "draw the corner with G1, G2 and G3")
         state = add_placed(effects, effect, settings).after
     refuse_lone_angle(effects, settings)
+    _refuse_before_rapid(effects, settings)
     return effects
+
+
+def _refuse_before_rapid(effects: Sequence[BlockEffect], settings: Settings) -> None:
+    """Corners lie between feeds: a control that finds a rapid behind one stops.  Errors: CYC007."""
+    moves = [effect for effect in effects if effect.move is not None]
+    for effect, behind in itertools.pairwise(moves):
+        if _says_corner(effect, settings) and behind.move is not None and behind.move.kind == "rapid":
+            shown = effect.block.text.strip()[:_MOST_SHOWN]
+            message = f"the corner of the block {shown} has a rapid behind it"
+            raise RefusalError(
+                UNREAD_FORM, message, with_alarm("go on with G1", alarms.NO_FEED_BEHIND_CORNER)
+            )
 
 
 def _faults(effect: BlockEffect, settings: Settings) -> Iterator[str]:
@@ -191,7 +206,7 @@ class _Writer:
         self.pieces = iter(pieces_of(steps, _LATHE))
         self.lines: list[str] = []
         self.motions: list[Motion] = []
-        self.is_other = False  # the last block is the arc of a corner, or a line under G2 or G3
+        self.leaves = ""  # the motion code behind the last block; empty behind the arc of a corner
 
     def write(self, effect: BlockEffect) -> None:
         """The blocks that stand for one block."""
@@ -207,7 +222,7 @@ class _Writer:
 
         A corner may take in all of that move, and G2 and G3 may be without radius and centre: a line.
         """
-        if self.is_other:
+        if self.leaves != motion:
             self.lines.append(self.blocks.settings.dialect.code("motion", motion))
 
     def _move(self, effect: BlockEffect, said: str) -> str:
@@ -215,6 +230,7 @@ class _Writer:
         assert effect.move is not None
         cuts = effect.move.kind != "rapid"
         wish = _joined(effect.block, effect.vibration) if cuts else ""
+        own = str(effect.after.modes.motion)
         for number, piece in enumerate(next(self.pieces)):
             motion = Motion(cuts, piece.end, piece.centre, piece.turn)
             self.motions.append(motion)
@@ -222,8 +238,8 @@ class _Writer:
             if text:
                 self.lines.append(" ".join(filter(None, (said, text, wish))))
                 said = ""
-                is_round = number > 0 and piece.centre is not None
-                self.is_other = is_round or (piece.centre is None and effect.after.modes.motion in _TURNS)
+                code = own if number == 0 else ""
+                self.leaves = code if piece.centre is not None else "line" if cuts else "rapid"
         return said
 
 

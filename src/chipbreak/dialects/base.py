@@ -204,6 +204,7 @@ class Dialect(NamedTuple):
     ``surface_limit`` the letter that limits the spindle in the block of G96; without it there is no limit
     ``surface_needs_speed`` a G96 without S is refused
     ``lone_dwell_words`` letters that are the time of a G4 which has none of its own words
+    ``moves_beside_dwell`` axis words beside G4 are a move behind it, and no time
     ``dwell_word``    the letter of seconds in a G4 block
     ``dwells_per_s``  what a second is in this word: 1000 where it counts milliseconds
     ``machine_retract`` blocks that take the tool to the machine's safe end of travel, in order
@@ -298,6 +299,7 @@ class Dialect(NamedTuple):
     arc_turns: str = ""
     surface_needs_speed: bool = False
     lone_dwell_words: str = ""
+    moves_beside_dwell: bool = False
     dwells_per_s: float = 1.0
     settings: Mapping[int, str] = FrozenTable({})
     stops_at: Stops | None = None

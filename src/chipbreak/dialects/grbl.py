@@ -69,6 +69,7 @@ GRBL = Dialect(
     grammar="grbl",
     precedence=LOGIC_LAST,
     dwell_word="P",
+    moves_beside_dwell=True,
     axis_letters="XYZ",
     machine_retract=("G53 G0 Z0",),
     retract_is_absolute=True,

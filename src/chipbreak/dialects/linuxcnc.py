@@ -125,6 +125,7 @@ LINUXCNC_LATHE = Dialect(
     least_inverse_feed=0.1,
     surface_needs_speed=True,
     dwell_word="P",
+    moves_beside_dwell=True,
     axis_letters="XYZUW",
     machine_retract=("G53 G0 X0", "G53 G0 Z0"),
     retract_is_absolute=True,

@@ -208,7 +208,8 @@ class _Walk:
     def _look_at_axes(self, effect: BlockEffect) -> bool:
         named = named_axes(effect, self.interpreted.settings)
         decisions = (rule(self, effect, named) for rule in self._AXIS_RULES)
-        return next((decision for decision in decisions if decision is not None), False)
+        is_decided = next((decision for decision in decisions if decision is not None), False)
+        return is_decided or effect.after.ended  # what moves in the last block moves before the end
 
     def _reads_or_calls(self, effect: BlockEffect, _: frozenset[str]) -> bool | None:
         block = effect.block
@@ -223,15 +224,13 @@ class _Walk:
         return self._rely_on_rest() if is_unsure else None
 
     def _ends_or_calls_tool(self, effect: BlockEffect, named: frozenset[str]) -> bool | None:
-        ended = effect.after.ended
-        if not ended and not calls_tool(effect, self.dialect):
+        calls = calls_tool(effect, self.dialect)
+        if not effect.after.ended and not calls:
             return None
         self.axes |= self.homed - self.placed - named
         # M6 takes Z home on most machines, on a LinuxCNC without a changer nothing at all: X and Y that are
         # not named after it are those from before.
-        if ended or self.dialect.tool_by_word:
-            return ended or not effect.block.skip
-        return None
+        return not effect.block.skip if calls and self.dialect.tool_by_word else None
 
     def _goes_home(self, effect: BlockEffect, _: frozenset[str]) -> bool | None:
         if "home" not in effect.non_modal:

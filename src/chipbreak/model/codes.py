@@ -34,7 +34,8 @@ LOSES: Mapping[str, str] = FrozenTable(
 )
 _DWELL = Code(NON_MODAL, "dwell")
 # Codes whose block gives its other words a meaning of their own: no axis motion, no vibration words.
-_READS_ALL = frozenset(LOSES) - {"machine", "skip"} | {"dwell", "tuning"}
+_READS_ALL_BUT_DWELL = frozenset(LOSES) - {"machine", "skip"} | {"tuning"}
+_READS_ALL = _READS_ALL_BUT_DWELL | {"dwell"}
 
 
 class BlockCodes(NamedTuple):
@@ -79,7 +80,7 @@ def read_codes(block: Block, state: State, dialect: Dialect) -> BlockCodes:
     if ends_cycle and state.modes.motion == "cycle":
         changes.setdefault("motion", state.motion_before_cycle)
     _complete(changes, block)
-    reads_all = not non_modal.isdisjoint(_READS_ALL)
+    reads_all = not non_modal.isdisjoint(_READS_ALL_BUT_DWELL if dialect.moves_beside_dwell else _READS_ALL)
     modes = state.modes.replace(changes)
     taken = "".join([_taken_by(code, block, dialect) for code in said])
     return BlockCodes(changes, modes, frozenset(non_modal), unknown, reads_all, taken)

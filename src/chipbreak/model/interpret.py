@@ -185,7 +185,7 @@ class Interpreter:
         after = self._flow_of_control(after, block, functions)
         after = self._other_spindles(after, state, block, codes)
         mode_words += "P" if " P" in codes.changes.get("work_offset", "") else ""
-        mode_words += codes.taken if _TAKES_WORDS & codes.changes.keys() else ""
+        mode_words += codes.taken if codes.non_modal or _TAKES_WORDS & codes.changes.keys() else ""
         seen = (*vibration, *block.words_of(mode_words)) if mode_words else vibration
         all_read = codes.reads_all or has_centre or block.has_macro
         unread = _stray(block.words, seen) if all_read else self._unread(block, seen, after, move)

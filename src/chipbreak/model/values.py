@@ -81,7 +81,9 @@ def _path_words(after: State, said: Said) -> State:
     """``G64 P0.01 Q0.005``."""
     if "path" not in said.codes.changes:
         return after
-    words = _own_words(said, "path")
+    # G61 has none: P beside it is another code's.
+    letters = MODE_LETTERS["path"] if after.modes.path == "blend" else ""
+    words = _own_words(said, "path", letters)
     return after._replace(path_words=words, path_units=after.modes.units if has_lengths(words) else "mm")
 
 
@@ -89,15 +91,13 @@ def _smooth_words(after: State, said: Said) -> State:
     """``G5.1 Q1 R3``."""
     if "look_ahead" not in said.codes.changes:
         return after
-    return after._replace(smooth_words=_own_words(said, "look_ahead"))
+    return after._replace(smooth_words=_own_words(said, "look_ahead", MODE_LETTERS["look_ahead"]))
 
 
-def _own_words(said: Said, group: Group) -> str:
-    """A mode in the program's own words."""
+def _own_words(said: Said, group: Group, letters: str) -> str:
+    """A mode in the program's own words, the code and those of these letters."""
     codes = {number / 10.0 for number in codes_of(said.block, group, said.dialect)}
-    words = [
-        w for w in said.block.words_of(f"G{MODE_LETTERS[group]}") if w.address != "G" or w.number in codes
-    ]
+    words = [w for w in said.block.words_of(f"G{letters}") if w.address != "G" or w.number in codes]
     return " ".join(map(said.block.text_of, words))
 
 

@@ -454,9 +454,10 @@ def _smoothed(interpreted: InterpretedProgram, chains: Sequence[Chain]) -> Itera
 
 def _speed_back(change: SpeedChange, interpreted: InterpretedProgram) -> Edit:
     reason = "the programmed spindle speed comes back before the block that needs it"
-    effect = interpreted.effect(change.line)
+    is_last = change.line >= interpreted.program.source.body.stop  # a program need not say its end
+    effect = None if is_last else interpreted.effect(change.line)
     # A cut must find the speed reached, a thread above all; the end of the program need not.
-    waits = effect.before.turns and not effect.after.ended
+    waits = effect is not None and effect.before.turns and not effect.after.ended
     content = (*change.blocks, *(settling(interpreted.settings) if waits else ()))
     return Edit(change.line, change.line, content, "SPEED AS PROGRAMMED", reason, SpeedGivenBack())
 

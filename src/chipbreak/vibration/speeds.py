@@ -222,7 +222,7 @@ def _before_bare_mode(at: _Place) -> _Blocks | None:
 
 def _before_dependent(at: _Place) -> _Blocks | None:
     """What the block does depends on the speed.  Errors: VIB057."""
-    if at.is_air or not _depends_on_speed(at.effect, at.interpreted.settings.dialect):
+    if not _depends_on_speed(at.effect, at.interpreted.settings.dialect, is_air=at.is_air):
         return None
     return _known_blocks(at, at.effect.before)
 
@@ -277,7 +277,7 @@ def _own_blocks(state: State, settings: Settings) -> _Blocks:
     return (before, f"{now} {said}")
 
 
-def _depends_on_speed(effect: BlockEffect, dialect: Dialect) -> bool:
+def _depends_on_speed(effect: BlockEffect, dialect: Dialect, *, is_air: bool) -> bool:
     """True for a block whose effect depends on the spindle speed, or that hands the speed on."""
     if effect.block.is_empty or effect.in_contour:
         return False
@@ -285,7 +285,7 @@ def _depends_on_speed(effect: BlockEffect, dialect: Dialect) -> bool:
         return True
     if _reads_speed(effect.block, dialect):
         return True
-    if effect.move is not None and effect.move.kind != "rapid":
+    if effect.move is not None and effect.move.kind != "rapid" and not is_air:
         return True
     leaves = effect.does("subprogram") or effect.does("program", "end") or effect.does("modes", "keep")
     return leaves or effect.does("spindle", "cw", "ccw")
