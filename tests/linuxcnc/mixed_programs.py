@@ -148,10 +148,10 @@ class Writer:
             self.write("G7" if self.diameter else "G8")
 
     def skipped(self) -> None:
-        """A block that a switch may skip; behind it the program says everything again."""
+        """A block that a switch may skip; behind it the program says its place again, S and F at times."""
         was, self.incremental = self.incremental, False
         block = self.random.choice(["M8", self.speed(), self.feed(), "G0 " + self.words(self.place())])
-        again = [self.speed(), self.feed()]
+        again = [text for text in (self.speed(), self.feed()) if self.random.random() < 0.5]
         self.write(*(["G90"] if was else []), f"/{block}", *again, *(["G91"] if was else []))
         self.incremental = was
         self.arrive()

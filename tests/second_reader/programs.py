@@ -200,14 +200,14 @@ class Writer:
             self.arrive()
 
     def skipped(self) -> None:
-        """A block that is skipped by a switch; behind it the program says everything again."""
-        block = self.random.choice(
-            ["M8", "M1", self.speed(), f"G0 {self.random.choice(self.axes)}{self.length(30.0)}"]
-        )
+        """A block that is skipped by a switch; behind it the program says its place again, and S at times."""
+        away = f"G0 {self.random.choice(self.axes)}{self.length(30.0)}"
+        block = self.random.choice(["M8", "M1", self.speed(), self.feed(), away, "M5", "M4"])
         was, self.incremental = self.incremental, False
         if was:
             self.write("G90")
-        self.write(f"/{block}", *([self.speed()] if block.startswith("S") else []))
+        again = [self.speed()] if block.startswith("S") and self.random.random() < 0.5 else []
+        self.write(f"/{block}", *again)
         self.write("G0 " + " ".join(axis + self.length(mm) for axis, mm in self.drawn().items()))
         self.place = {}
         self.write("G0 " + self.to(self.drawn()))

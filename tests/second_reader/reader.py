@@ -80,7 +80,8 @@ class Machine:
         self.incremental = False
         self.feed_mode = "rev" if lathe else "min"
         self.feed: tuple[str, float] = ("", 0.0)
-        self.speed: tuple[str, float] = ("rpm", 0.0)
+        self.rpm: object = 0.0
+        self.surface_speed = 0.0
         self.surface = False
         self.most = 0.0
         self.spindle = 5
@@ -131,7 +132,7 @@ class Machine:
             "plane": self.plane,
             "incremental": self.incremental,
             "feed": (self.feed_mode, *self.feed),
-            "speed": (self.surface, *self.speed),
+            "speed": (self.surface, self.surface_speed if self.surface else self.rpm),
             "most": self.most,
             "spindle": self.spindle,
             "coolant": tuple(sorted(self.coolant)),
@@ -177,9 +178,15 @@ class Machine:
         elif code in (90, 91) and control.has_distance_codes:
             self.incremental = code == 91
         elif code in (96, 97):
-            self.surface = code == 96
+            self._speed_mode(is_surface=code == 96)
         else:
             self._other_mode(code)
+
+    def _speed_mode(self, *, is_surface: bool) -> None:
+        """G96 without S takes the last surface speed again; G97 without S what the spindle turns there."""
+        if self.surface and not is_surface:
+            self.rpm = ("of", self.surface_speed, self.at[0] - self.zero(0))
+        self.surface = is_surface
 
     def _other_mode(self, code: float) -> None:
         if 54 <= code <= 59:
@@ -201,8 +208,10 @@ class Machine:
             self.feed = (self.feed_mode, words["F"] * self.scale)
         if "S" in words and once == self.control.shift:
             self.most = words["S"]
+        elif "S" in words and self.surface:
+            self.surface_speed = words["S"] * self._per_minute()
         elif "S" in words:
-            self.speed = ("surface", words["S"] * self._per_minute()) if self.surface else ("rpm", words["S"])
+            self.rpm = words["S"]
         if "T" in words:
             self._take_tool(words["T"])
         if "D" in words:

@@ -109,8 +109,10 @@ def test_the_centre_of_an_arc(size: str, centre: tuple[float, float]) -> None:
     ("text", "key", "value"),
     [
         ("G50 S2000\nS500 M3\nG1 X1. F0.1", "most", 2000.0),
-        ("G96 S120 M3\nG1 X1. F0.1", "speed", (True, "surface", 120.0)),
-        ("G20\nG96 S100 M3\nG1 X1. F0.1", "speed", (True, "surface", 30.48)),
+        ("G96 S120 M3\nG1 X1. F0.1", "speed", (True, 120.0)),
+        ("G96 S120 M3\nG97 S900\nG96\nG1 X1. F0.1", "speed", (True, 120.0)),
+        ("G50 X30.\nG96 S120 M3\nG97\nG1 X1. F0.1", "speed", (False, ("of", 120.0, 30.0))),
+        ("G20\nG96 S100 M3\nG1 X1. F0.1", "speed", (True, 30.48)),
         ("G98 F100.\nG1 X1.", "feed", ("min", "min", 100.0)),
         ("M8\nG1 X1. F0.1 M9\nG1 X2.", "coolant", ()),
         ("M3 S100\nG1 X1. F0.1 M5\nG1 X2.", "spindle", 5),
