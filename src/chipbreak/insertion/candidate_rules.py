@@ -76,6 +76,11 @@ class Case:
         retract_ends_it = self.surroundings.retract.is_home and not self.candidate.z_is_home
         return self.surroundings.calls_end_offset or retract_ends_it
 
+    @property
+    def spindle_is_unsure(self) -> bool:
+        """M3 was active at a tool change; some machines stop the spindle there, some do not."""
+        return self.surroundings.obstacles.spindle_is_unsure(self.line)
+
     @cached_property
     def dependencies(self) -> PositionDependencies:
         """What the next blocks rely on."""
@@ -201,7 +206,7 @@ def _may_be_in_a_bore(case: Case) -> Obstacle | None:
 
 
 def _spindle_is_unsure(case: Case) -> Obstacle | None:
-    if case.candidate.spindle_is_unsure:
+    if case.spindle_is_unsure:
         return Obstacle("the spindle was on at the tool change; whether it still turns cannot be known")
     return None
 

@@ -46,7 +46,6 @@ class Candidate(NamedTuple):
     ``z_is_shifted``  the length offset changed after the last move of Z: its number says nothing now
     ``is_displaced``  X and Y are beside their numbers: G40 has ended cutter compensation without a move
     ``is_low``  Z has not gone up since the last cut; not said behind a run that was not stepped through
-    ``spindle_is_unsure``  M3 was active at a tool change; some machines stop the spindle there, some do not
     """
 
     line: int
@@ -57,7 +56,6 @@ class Candidate(NamedTuple):
     z_is_shifted: bool = False
     is_displaced: bool = False
     is_low: bool = False
-    spindle_is_unsure: bool = False
 
 
 def candidates(
@@ -118,7 +116,6 @@ class Candidates:
             before.z_is_home and "Z" not in named,
             before.z_is_shifted and "Z" not in named,
             before.is_displaced and (_compensates(before.state) or not named & {"X", "Y"}),
-            spindle_is_unsure=before.spindle_is_unsure,
         )
 
     def _stepped(self, before: Candidate, line: int) -> Candidate:
@@ -150,7 +147,6 @@ class _Step:
             self._z_is_shifted(before),
             self._is_displaced(before, mover),
             self._is_low(before),
-            self._spindle_is_unsure(before),
         )
 
     def _homed(self, before: Candidate) -> frozenset[str]:
@@ -190,11 +186,6 @@ class _Step:
         if self.deed == "cut":
             return not (rises and move.axes == "Z" and move.kind == "line")
         return before.is_low and not rises
-
-    def _spindle_is_unsure(self, before: Candidate) -> bool:
-        if self.deed == "tool change":
-            return self.effect.after.turns and not self.effect.does("spindle", "cw", "ccw")
-        return before.spindle_is_unsure and not self.effect.does("spindle")
 
     def _moves(self, axes: str) -> bool:
         move = self.effect.move

@@ -151,6 +151,7 @@ class _Walk:
         self.ends = list(parts)
         self.outermost = list(_outermost(parts))
         self.setters: dict[str, int] = {}
+        self.kept: dict[str, int] = {}  # by LinuxCNC's M70, which M72 gives back
 
     def read(self, effect: BlockEffect) -> Iterator[Conditional]:
         """Take in a block, and say what it changes."""
@@ -158,6 +159,10 @@ class _Walk:
         yield from self.close(line)
         before = dict(self.setters)
         called = self.subprograms.changes(effect) or frozenset()
+        if effect.does("modes", "keep"):
+            self.kept = before
+        elif effect.does("modes"):
+            self.setters |= self.kept
         if effect.block.skip or called:
             self.setters |= dict.fromkeys(sorted(_changed(effect) | called), line)
         elif self.setters and not _is_within(line, self.outermost):

@@ -81,6 +81,19 @@ def orientations(interpreted: InterpretedProgram) -> Iterator[tuple[int, int]]:
             yield effect.block.line, 0
 
 
+def unsure_spindles(interpreted: InterpretedProgram) -> Iterator[tuple[int, int]]:
+    """(line, whether the spindle may have been stopped after it), wherever a tool changes or M3 to M5 stand.
+
+    Some machines stop it at a tool change, some do not.
+    """
+    dialect = interpreted.settings.dialect
+    for effect in interpreted.effects:
+        if effect.does("spindle"):
+            yield effect.block.line, 0
+        elif calls_tool(effect, dialect):
+            yield effect.block.line, int(effect.after.turns)
+
+
 class UnitSwitch(NamedTuple):
     """A line that changes the units; whether an F, and a tolerance, are in force there from other units."""
 

@@ -23,6 +23,7 @@ from chipbreak.insertion.lasting_effects import (
     turned_offsets,
     unit_switches,
     unreadable_lines,
+    unsure_spindles,
 )
 from chipbreak.insertion.looking_back import effects_before
 from chipbreak.insertion.subprograms import Subprograms
@@ -77,6 +78,7 @@ class Obstacles:
         self._through = list(coolant_through(interpreted))
         self._turned = list(turned_offsets(interpreted))
         self._oriented = list(orientations(interpreted))
+        self._unsure_spindles = list(unsure_spindles(interpreted))
         self._units = list(unit_switches(interpreted))
 
     def at(self, line: int, state: State) -> Obstacle | None:
@@ -115,6 +117,10 @@ class Obstacles:
     def is_oriented(self, line: int) -> bool:
         """True where M19 holds the spindle at an angle before a line."""
         return last_switch(self._oriented, line) is not None
+
+    def spindle_is_unsure(self, line: int) -> bool:
+        """True where a tool change may have stopped the spindle before a line."""
+        return last_switch(self._unsure_spindles, line) is not None
 
     def _conditional_at(self, line: int) -> int:
         """Index of what is conditional before a line, -1 where nothing has been yet."""

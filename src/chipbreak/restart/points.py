@@ -110,7 +110,7 @@ class RestartPoints:
     def _case(self, place: int, candidate: Candidate) -> RestartCase:
         calls = self._calls_tool_next(candidate.line)
         if calls:  # whatever moved the tool before it: it is changed at the safe end of its travel
-            candidate = candidate._replace(mover="home", spindle_is_unsure=False)
+            candidate = candidate._replace(mover="home")
         return RestartCase(self.around, candidate, self.program, place, calls_tool=calls)
 
     def _why_not(self, case: RestartCase) -> str:

@@ -35,6 +35,11 @@ class RestartCase(Case):
         self.file_line = file_line
         self.calls_tool = calls_tool
 
+    @property
+    def spindle_is_unsure(self) -> bool:
+        """A tool call that comes next starts it anew."""
+        return not self.calls_tool and super().spindle_is_unsure
+
     @cached_property
     def has_offset(self) -> bool:
         """A length offset is in force."""

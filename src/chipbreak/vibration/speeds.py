@@ -283,12 +283,22 @@ def _depends_on_speed(effect: BlockEffect, dialect: Dialect, *, is_air: bool) ->
         return False
     if effect.block.opaque or effect.block.controls or effect.non_modal - _FREE_NON_MODAL:
         return True
-    if _reads_speed(effect.block, dialect):
+    if _reads_speed(effect.block, dialect) or _may_cut(effect, dialect):
         return True
     if effect.move is not None and effect.move.kind != "rapid" and not is_air:
         return True
     leaves = effect.does("subprogram") or effect.does("program", "end") or effect.does("modes", "keep")
     return leaves or effect.does("spindle", "cw", "ccw")
+
+
+def _may_cut(effect: BlockEffect, dialect: Dialect) -> bool:
+    """True for a code that the profile does not know, and for axis words that are perhaps no new zero.
+
+    Beside LinuxCNC's G92.1 they are a move.
+    """
+    codes = [dialect.g_codes.get(round(number * 10)) for number in effect.block.numbers("G")]
+    moves = "set-position" in effect.non_modal and effect.after.modes.motion != "rapid"
+    return None in codes or (moves and effect.block.has_any(dialect.axis_letters))
 
 
 def _reads_speed(block: Block, dialect: Dialect) -> bool:
