@@ -10,6 +10,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Collection, Mapping
 from itertools import takewhile
+from math import isnan
 from typing import ClassVar
 
 from chipbreak.dialects.base import PATH, WAIT
@@ -198,7 +199,8 @@ class Obstacles:
             return ""
         switch = self._units[at]
         feed = state.feed
-        has_feed = switch.has_feed and (feed is None or feed.units != state.modes.units)
+        is_open = feed is None or isnan(feed.value)  # it may be one from before
+        has_feed = switch.has_feed and (is_open or (feed is not None and feed.units != state.modes.units))
         what = "F" if has_feed else "the P of G64" if self._keeps_tolerance(switch, line) else ""
         return what and f"{what} is from before the change of units in line {self._user_line(switch.line)}"
 

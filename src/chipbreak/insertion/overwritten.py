@@ -63,10 +63,15 @@ def _is_idle(effect: BlockEffect, interpreted: InterpretedProgram, free: frozens
         return not block.opaque
     is_always_run = not (block.skip or block.opaque or block.has_macro or block.controls or block.assignments)
     is_plain = is_always_run and block.line not in interpreted.flow.targets and not effect.in_contour
-    # G53 G1 feeds.
-    goes_home = effect.move is None or (bool(effect.non_modal & _WAYS_HOME) and effect.move.kind == "rapid")
+    goes_home = not effect.feeds_others if effect.move is None else _is_way_home(effect)
     does_little = goes_home and effect.non_modal <= free and _has_idle_functions(effect, interpreted)
     return is_plain and does_little and not calls_tool(effect, interpreted.settings.dialect)
+
+
+def _is_way_home(effect: BlockEffect) -> bool:
+    """G53 G1 feeds."""
+    is_rapid = effect.move is not None and effect.move.kind == "rapid"
+    return is_rapid and bool(effect.non_modal & _WAYS_HOME)
 
 
 def _has_idle_functions(effect: BlockEffect, interpreted: InterpretedProgram) -> bool:

@@ -89,7 +89,8 @@ class Subprograms:
         if key in callers:
             return None
         speed = state.speed and state.speed.text
-        here = (key, state.modes, state.spindle, state.coolant, speed)
+        words = (state.path_words, state.path_units, state.smooth_words)
+        here = (key, state.modes, state.left_open, state.spindle, state.coolant, speed, *words)
         if here not in self._runs:
             self._runs[here] = self._follow(key, state, callers)
         return self._runs[here]

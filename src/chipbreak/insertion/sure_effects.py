@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from chipbreak.dialects.base import NON_MODAL
 from chipbreak.model.block_effect import BlockEffect
+from chipbreak.model.giving_back import is_same_path_mode
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
 from chipbreak.operations.operations import calls_tool
@@ -56,6 +57,10 @@ def differing(one: State, other: State) -> frozenset[str]:
     """What is set otherwise in two states, or may be."""
     parts = {what for what, name in _PARTS.items() if getattr(one, name) != getattr(other, name)}
     speeds = [state.speed and (state.speed.text, state.speed.value) for state in (one, other)]
+    if not is_same_path_mode(one, other):
+        parts.add("path")
+    if one.smooth_words != other.smooth_words:
+        parts.add("look_ahead")
     left_open = {group for group, _ in {*one.left_open} ^ {*other.left_open}}
     return frozenset(one.modes.changed(other.modes)) | frozenset(
         parts | left_open | ({"S"} if speeds[0] != speeds[1] else set())

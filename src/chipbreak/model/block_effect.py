@@ -12,6 +12,7 @@ from chipbreak.syntax.nodes import Block, Word
 from chipbreak.text.named_tuple import NamedTuple
 
 CUTTING: tuple[Motion, ...] = ("line", "cw", "ccw")
+_OTHER_AXES = frozenset("ABCUVW")
 MoveKind = Literal["rapid", "line", "cw", "ccw", "thread", "other"]
 
 
@@ -65,6 +66,16 @@ class BlockEffect(NamedTuple):
     cutting_speed: CuttingSpeed | None = None
     functions: tuple[MCode, ...] = ()
     taken: str = ""
+
+    @property
+    def feeds_others(self) -> bool:
+        """True where axes feed that are none of X, Y and Z: ``G1 B90. F500.`` may cut, too."""
+        return (
+            self.move is None
+            and not self.non_modal
+            and self.after.modes.motion in CUTTING
+            and any(word.letter.upper() in _OTHER_AXES for word in self.block.words)
+        )
 
     def says(self, letter: str) -> bool:
         """True where the block has a word of this letter for the control itself."""

@@ -17,9 +17,9 @@ _DECIMALS = 12
 
 
 def feed_text(state: State) -> str:
-    """The number of the F in force: as the program wrote it, unless that was in other units; "" without."""
+    """The number of the F in force: as the program wrote it, unless that was in other units; "" unknown."""
     feed = state.feed
-    if feed is None:
+    if feed is None or math.isnan(feed.value):
         return ""
     if feed.units == state.modes.units or state.modes.feed_mode == "inverse":
         return feed.text
@@ -30,7 +30,7 @@ def feed_text(state: State) -> str:
 def feed_blocks(state: State, dialect: Dialect) -> list[str]:
     """The F in force, with the number that the program wrote: ``#<_feed>`` and M70 read that."""
     feed = state.feed
-    if feed is None:
+    if feed is None or math.isnan(feed.value):
         return []
     text = feed_text(state)
     if text == feed.text or not dialect.feed_before_units:
@@ -41,9 +41,9 @@ def feed_blocks(state: State, dialect: Dialect) -> list[str]:
 
 
 def speed_text(state: State) -> str:
-    """The number of the S in force: as the program wrote it, unless that was in other units; "" without."""
+    """The number of the S in force: as the program wrote it, unless that was in other units; "" unknown."""
     speed = state.speed
-    if speed is None:
+    if speed is None or math.isnan(speed.value):
         return ""
     if speed.units == state.modes.units or state.modes.speed_mode == "rpm":
         return speed.text

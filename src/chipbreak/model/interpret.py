@@ -188,7 +188,7 @@ class Interpreter:
         mode_words += codes.taken if codes.non_modal or _TAKES_WORDS & codes.changes.keys() else ""
         seen = (*vibration, *block.words_of(mode_words)) if mode_words else vibration
         all_read = codes.reads_all or has_centre or block.has_macro
-        unread = _stray(block.words, seen) if all_read else self._unread(block, seen, after, move)
+        unread = _stray(block.words, vibration) if all_read else self._unread(block, seen, after, move)
         effect = BlockEffect(
             block, state, after, move, codes.non_modal, vibration, unread, functions=functions
         )

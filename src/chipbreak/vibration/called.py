@@ -17,8 +17,12 @@ if TYPE_CHECKING:
 
 NOT_FOLLOWED = "VIB095"
 IN_A_CALLED_PROGRAM = "VIB096"
-# By these the numbers of a cut, its feed and its speed are read.
-_READ_BY: tuple[Group, ...] = ("units", "distance", "feed_mode", "speed_mode", "plane", "diameter")
+# By these a cut is read, in these it cannot vibrate, and the path mode is given back behind it.
+READ_BY: tuple[Group, ...] = (
+    *("units", "distance", "feed_mode", "speed_mode", "plane", "diameter", "arc_distance", "motion"),
+    *("compensation", "rotation", "polar", "interpolation", "cylinder", "polygon", "scaling", "mirror"),
+    *("modal_macro", "path", "look_ahead"),
+)
 
 
 class Called:
@@ -46,7 +50,7 @@ class Called:
         """
         for call in self._between(0, line):
             changed = self.subprograms.changes(call) or ()
-            for group in _READ_BY:
+            for group in READ_BY:
                 if group in changed and not self._is_said(group, call.block.line + 1, line):
                     return call.block.line, group
         return None

@@ -27,7 +27,7 @@ from chipbreak.syntax.shapes import bits_of
 from chipbreak.text.diagnostics import Diagnostic, RefusalError
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.named_tuple import NamedTuple
-from chipbreak.vibration.called import Called
+from chipbreak.vibration.called import READ_BY, Called
 from chipbreak.vibration.directive import KEYS
 from chipbreak.vibration.left_cut import NO_SPINDLE, UNKNOWN_SPEED, LeftCut
 from chipbreak.vibration.request import Request
@@ -46,11 +46,6 @@ _AT_REST: dict[Group, tuple[str, str, str, str]] = {
     "modal_macro": ("off", "VIB042", "a modal macro call (G66) is active", "G67"),
 }
 SPEED_MODES = (96.0, 97.0)  # G codes
-# What a cut is read by, beside what must be at rest, and what is given back behind it.
-_READ_BY: tuple[Group, ...] = (
-    *("motion", "units", "distance", "feed_mode", "speed_mode"),
-    *("plane", "diameter", "arc_distance", "path", "look_ahead"),
-)
 _MOTION_CODES = (0.0, 1.0, 2.0, 3.0)
 _START_HERE = "give S and M3 or M4 (without a choice of spindle) between there and the cut"
 _NAME_IT = "where that code turns this spindle, name it: --set spindle.cw_codes=13 for M13"
@@ -233,7 +228,7 @@ def _open_refusal(
 ) -> tuple[RefusalError, tuple[int, int] | None] | None:
     """A mode that a skipped block, or another way to this one, may have left otherwise."""
     for group, why in request.effect.after.left_open:
-        if group in _READ_BY or group in _AT_REST:
+        if group in READ_BY:
             message = f"not known for sure: {words_for(group)}; {why}"
             help_text = f"say the code again between there and this cut, or {_without(request)}"
             return RefusalError("VIB050", message, help_text), at

@@ -292,13 +292,14 @@ def _depends_on_speed(effect: BlockEffect, dialect: Dialect, *, is_air: bool) ->
 
 
 def _may_cut(effect: BlockEffect, dialect: Dialect) -> bool:
-    """True for a code that the profile does not know, and for axis words that are perhaps no new zero.
+    """True for a code that the profile does not know, a rotary feed, and words that are perhaps no new zero.
 
-    Beside LinuxCNC's G92.1 they are a move.
+    Beside LinuxCNC's G92.1 axis words are a move.
     """
     codes = [dialect.g_codes.get(round(number * 10)) for number in effect.block.numbers("G")]
     moves = "set-position" in effect.non_modal and effect.after.modes.motion != "rapid"
-    return None in codes or (moves and effect.block.has_any(dialect.axis_letters))
+    is_move = moves and effect.block.has_any(dialect.axis_letters)
+    return None in codes or is_move or effect.feeds_others
 
 
 def _reads_speed(block: Block, dialect: Dialect) -> bool:

@@ -1,0 +1,101 @@
+"""What block delete may skip, and what another way may bring otherwise, is not taken for granted."""
+
+from __future__ import annotations
+
+import pytest
+
+import chipbreak
+
+HEAD = "G21 G18 G40 G99\nT0101\nG97 S2000 M3\nG0 X30. Z5.\n"
+SETS = ("checks.enabled=false", "vibration.refused=leave", "planner.model=ideal")
+
+
+def filtered(program: str, profile: str = "fanuc-lathe") -> chipbreak.Result:
+    settings = chipbreak.load(profile, SETS)
+    return chipbreak.rewrite(program.encode(), settings, allow_unbroken=True)
+
+
+def why_left(program: str, profile: str = "fanuc-lathe") -> list[str]:
+    """The codes of the cuts that stay."""
+    return [cut.said.code for cut in filtered(program, profile).left]
+
+
+@pytest.mark.parametrize(
+    ("skipped", "again", "code"),
+    [
+        ("S900", "S900", "VIB053"),
+        ("M3 S700", "S700", "VIB053"),
+        ("G96 S100", "G97 S900", "VIB050"),
+        ("G97 S500", "S500", "VIB053"),
+        ("F0.3", "F0.1", "VIB050"),
+        ("G1 Z3. F0.3", "F0.1", "VIB050"),
+        ("G98", "G99 F0.1", "VIB050"),
+        ("G20", "G21 F0.1", "VIB050"),
+        ("G17", "G18", "VIB050"),
+        ("M4", "M3", "VIB069"),
+        ("M5", "M3", "VIB069"),
+    ],
+)
+def test_a_cut_behind_what_may_be_skipped_stays(skipped: str, again: str, code: str) -> None:
+    cut = "G0 X28. Z5.\n(VIB N1.5)\nG1 Z-5.\n(VIB OFF)\nG0 X40.\nM30\n"
+    assert why_left(f"{HEAD}F0.1\n/{skipped}\n{cut}") == [code]
+    assert why_left(f"{HEAD}F0.1\n/{skipped}\n{again}\n{cut}") == []
+
+
+@pytest.mark.parametrize("line", ["S2000", "F0.1", "G99", "M3", "M8", "M1", "G4 X1.", "G54", "G21"])
+def test_what_is_the_same_skipped_or_not_stays_known(line: str) -> None:
+    assert why_left(f"{HEAD}F0.1\n/{line}\nG0 X28. Z5.\n(VIB N1.5)\nG1 Z-5.\n(VIB OFF)\nM30\n") == []
+
+
+@pytest.mark.parametrize("line", ["S2000", "S900", "G96 S100", "G97", "M3 S700", "M5"])
+def test_the_programmed_speed_is_back_before_one_that_may_be_skipped(line: str) -> None:
+    cut = "(VIB N1.5 F62.5)\nG1 Z-5. F0.1\n(VIB OFF)\n"
+    lines = filtered(f"{HEAD}{cut}/{line}\nG0 X40.\nG1 X41. F0.2\nM30\n").data.decode().splitlines()
+    at = lines.index(f"/{line}")
+    assert lines[at - 3 : at] == ["(CHIPBREAK BEGIN SPEED AS PROGRAMMED)", "S2000", lines[at - 1]]
+
+
+def test_a_speed_that_may_be_skipped_is_given_back_to_nobody() -> None:
+    program = f"{HEAD}/S900\n(VIB N1.5 F62.5)\nG1 Z-5. F0.1\n(VIB OFF)\nG0 X40.\nG1 X41. F0.2\nM30\n"
+    assert why_left(program) == ["VIB057"]
+
+
+@pytest.mark.parametrize(
+    ("part", "again"),
+    [
+        ("o10 if [#1 EQ 1]\nG20\no10 endif\n", "G21"),
+        ("o10 if [#1 EQ 1]\nG94\no10 else\nG95\no10 endif\n", "G95"),
+        ("o10 if [#1 EQ 1]\nG8\no10 endif\n", "G7"),
+        ("o10 while [#1 LT 3]\nG61\no10 endwhile\n", "G64"),
+        ("o10 sub\nG61\no10 endsub\no10 call\n", "G64"),
+        ("o10 sub\nG17\no10 endsub\no10 call\n", "G18"),
+    ],
+)
+def test_a_cut_behind_a_branch_that_sets_a_mode_stays(part: str, again: str) -> None:
+    """LinuxCNC would read its numbers otherwise, or finds another path mode given back."""
+    head = "G21 G18 G7 G40 G95 G64\n"
+    cut = "G97 S2000 M3\nG0 X30. Z5.\n(VIB N1.5)\nG1 Z-5. F0.1\n(VIB OFF)\nM2\n"
+    assert why_left(f"{head}{part}{cut}", "linuxcnc-lathe") == ["VIB050"]
+    assert why_left(f"{head}{part}{again}\n{cut}", "linuxcnc-lathe") == []
+
+
+def test_the_other_arm_has_the_modes_from_before_the_branch() -> None:
+    """G20 in the first arm does not hold in the second."""
+    head = "G21 G18 G7 G40 G95 G64\nG97 S2000 M3\no10 if [#1 EQ 1]\nG20\no10 else\n"
+    cut = "G0 X30. Z5.\n(VIB N1.5)\nG1 Z-5. F0.1\n(VIB OFF)\no10 endif\nM2\n"
+    (found,) = filtered(head + cut, "linuxcnc-lathe").cuts
+    assert found.plan.wave.feed_mm_rev == pytest.approx(0.1)
+
+
+def test_a_cycle_whose_units_may_be_skipped_stays() -> None:
+    program = f"{HEAD}/G20\nG0 X30. Z5.\n(VIB N1.5)\nG90 X28. Z-5. F0.1\nG0 X40.\nM30\n"
+    result = filtered(program)
+    assert result.data == program.encode()
+    assert "CYC007" in {said.code for said in result.diagnostics}
+
+
+@pytest.mark.parametrize("line", ["G81 Z-3.", "G777", "G777 X5.", "B90. F0.2"])
+def test_what_may_cut_finds_the_programmed_speed(line: str) -> None:
+    program = f"{HEAD}(VIB N1.5 F62.5)\nG1 Z-5. F0.1\n(VIB OFF)\n{line}\nM30\n"
+    lines = filtered(program).data.decode().splitlines()
+    assert lines[lines.index(line) - 2] == "S2000"
