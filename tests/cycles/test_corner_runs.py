@@ -217,3 +217,17 @@ def test_an_o_in_a_block_of_a_run_leaves_the_corner(last: str) -> None:
     with pytest.raises(chipbreak.ProgramRejectedError) as rejected:
         chipbreak.rewrite(program.encode(), chipbreak.load("fanuc-lathe"))
     assert ",R2. cannot stand in a block that vibrates" in str(rejected.value)
+
+
+@pytest.mark.parametrize(
+    ("behind", "left"), [("G0 X40.", ["VIB048"]), ("G1 X40.", []), ("G2 X40. Z-30. R10.", [])]
+)
+def test_a_corner_before_a_rapid_is_not_drawn(behind: str, left: list[str]) -> None:
+    """Corners lie between feeds: a control stops there."""
+    program = (
+        f"G97 S1000 M3\nG0 X20. Z2.\n(VIB N1.5)\nG1 Z-20. F0.2 ,C2.\n{behind}\n(VIB OFF)\nG0 X50.\nM30\n"
+    )
+    settings = load("fanuc-lathe", ["vibration.refused=leave"])
+    result = chipbreak.rewrite(program.encode(), settings, allow_unbroken=True)
+    assert [cut.said.code for cut in result.left] == left
+    assert (b"UNROLLED CORNERS" in result.data) is (not left)

@@ -206,12 +206,8 @@ class Machine:
         """F, S, T, H and D are taken where they stand; S beside the code of a zero is a limit."""
         if "F" in words:
             self.feed = (self.feed_mode, words["F"] * self.scale)
-        if "S" in words and once == self.control.shift:
-            self.most = words["S"]
-        elif "S" in words and self.surface:
-            self.surface_speed = words["S"] * self._per_minute()
-        elif "S" in words:
-            self.rpm = words["S"]
+        if "S" in words:
+            self._take_speed(words["S"], is_limit=once == self.control.shift)
         if "T" in words:
             self._take_tool(words["T"])
         if "D" in words:
@@ -220,6 +216,14 @@ class Machine:
             self.length = words.get("H", self.length)
         if once == 54.1:
             self.work = 1000.0 + words.get("P", 1.0)
+
+    def _take_speed(self, speed: float, *, is_limit: bool) -> None:
+        if is_limit:
+            self.most = speed
+        elif self.surface:
+            self.surface_speed = speed * self._per_minute()
+        else:
+            self.rpm = speed
 
     def _per_minute(self) -> float:
         """Surface speeds are m/min or feet/min."""

@@ -194,7 +194,7 @@ class _Walk:
         block = effect.block
         move = effect.move
         is_home = "home" in effect.non_modal and "Z" in homed_axes(effect, self.interpreted.settings)
-        ends_it = effect.after.ended or bool(codes_of(block, "length_offset", self.dialect))
+        ends_it = bool(codes_of(block, "length_offset", self.dialect))
         if ends_it or (is_home and self.home_ends_offset):
             self.offset_is_decided = True
         elif move is not None and "machine" not in effect.non_modal:
@@ -203,7 +203,7 @@ class _Walk:
             acts = effect.non_modal - _HARMLESS - {"machine", "home"}
             acts |= {"data-setting"} & effect.non_modal if reads_position(effect, self.dialect) else set()
             self.length_offset = bool(block.opaque or block.controls or acts) or calls_subprogram(effect)
-        self.offset_is_decided |= self.length_offset
+        self.offset_is_decided |= self.length_offset or effect.after.ended
 
     def _look_at_axes(self, effect: BlockEffect) -> bool:
         named = named_axes(effect, self.interpreted.settings)

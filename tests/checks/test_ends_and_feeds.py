@@ -1,0 +1,62 @@
+"""A check before a block that ends the program, feeds in machine coordinates, or changes the tool anew."""
+
+from __future__ import annotations
+
+import pytest
+
+import chipbreak
+from checks.filtered import Filtered, check, filtered
+
+CUT = "T1 M6\nS1000 M3\nG0 X1. Y2.\nG43 Z15. H1\nG1 Z-1. F100.\nX9.\nG0 Z15.\n"
+HEAD = "G21 G90 G94 G17 G49 G40 G80\nG0 G53 Z0.\n"
+
+
+def run(program: str, profile: str = "fanuc-mill") -> Filtered:
+    result = filtered((HEAD + program).encode(), profile)
+    check(result)
+    return result
+
+
+@pytest.mark.parametrize(
+    ("last", "back"),
+    [
+        ("G0 Z40. M30", ["G0 X9. Y2.", "G0 G43 H1 Z15."]),  # straight up where the tool was
+        ("G0 X20. Y30. Z40. M30", ["G0 X9. Y2.", "G0 G43 H1 Z15."]),  # no slant from the tool setter
+        ("G0 X20. Y30. M30", []),
+        ("M30", []),
+    ],
+)
+def test_what_the_last_block_moves_it_moves_from_where_the_tool_was(last: str, back: list[str]) -> None:
+    result = run(f"{CUT}{last}\n")
+    edit = next(edit for edit in result.edits if "CHIP CHECK" in edit.title)
+    assert [text for text in edit.content if isinstance(text, str) and text.startswith("G0 ")] == back
+
+
+@pytest.mark.parametrize(("feeds", "turns"), [("G53 G1 X1. F50.", True), ("G53 G0 X1.", False)])
+def test_a_feed_in_machine_coordinates_finds_the_spindle_turning(feeds: str, *, turns: bool) -> None:
+    result = run(f"{CUT}{feeds}\nM5\nM2\n", "linuxcnc-mill")
+    edit = next(edit for edit in result.edits if "CHIP CHECK" in edit.title)
+    assert ("S1000 M3" in edit.content) is turns
+
+
+@pytest.mark.parametrize(("starts", "why"), [("M3\n", ""), ("", "whether it still turns cannot be known")])
+def test_m6_alone_may_stop_the_spindle(starts: str, why: str) -> None:
+    """A check behind it would start it again, where it had stood."""
+    operation = "G0 X3. Y4.\nG43 Z40. H1\nG1 Z-2. F100.\nG0 Z40.\n"
+    result = run(f"{CUT}M6\n{starts}{operation}(ROUGH)\n{operation}M5\nM2\n", "linuxcnc-mill")
+    assert [title for title in result.titles if "T1 W0.05" in title] == (
+        [] if why else ["CHIP CHECK T1 W0.05"]
+    )
+    assert why in str(result.diagnostics)
+
+
+def test_coolant_that_m72_gives_back_is_no_surer_than_it_was() -> None:
+    program = f"/M8\nM70\nM9\nM72\n{CUT}G0 Z50.\nM5\nM9\nM2\n"
+    assert "coolant" in str(run(program, "linuxcnc-mill").diagnostics)
+    assert "coolant" not in str(run(program.replace("/M8", "M8"), "linuxcnc-mill").diagnostics)
+
+
+def test_a_program_without_an_end_is_checked_behind_its_last_cut() -> None:
+    settings = chipbreak.load("haas-mill")
+    cut = "T1\nM6\nS800 M3\nZ25.\nG95\nG1 Z-3. F0.1 E2.\nG0 Z25.\n"
+    assert b"BEGIN VIB" in chipbreak.rewrite(cut.encode(), settings, allow_unbroken=True).data
