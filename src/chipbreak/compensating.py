@@ -45,7 +45,7 @@ def offset_noses(
     # Few programs pay for loading what offsets.
     from chipbreak.cycles.nose_runs import compensated_runs
 
-    why: dict[int, RefusalError] = {}
+    why = dict(unrolled.reasons)
     written: list[Written] = []
     table = read_tools()
     for run in compensated_runs(unrolled.interpreted):
@@ -56,7 +56,7 @@ def offset_noses(
             written.append(_written(unrolled.interpreted, run, table, idle))
         except RefusalError as error:
             why |= dict.fromkeys(asked, error)
-    return _rewritten(unrolled, written, why) if written else unrolled._replace(compensated=why)
+    return _rewritten(unrolled, written, why) if written else unrolled._replace(reasons=why)
 
 
 def _asked_lines(unrolled: Unrolled) -> list[int]:
@@ -119,7 +119,7 @@ def _rewritten(unrolled: Unrolled, written: Sequence[Written], why: Mapping[int,
         named=frozenset(map(place, unrolled.named)),
         diagnostics=[*unrolled.diagnostics, *notes],
         runs=runs,
-        compensated={place(line): error for line, error in why.items()},
+        reasons={place(line): error for line, error in why.items()},
     )
 
 

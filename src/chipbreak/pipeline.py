@@ -324,7 +324,7 @@ def _context(whole: Whole, unrolled: Unrolled, options: RunOptions) -> Context:
         options,
         split_operations=unrolled.cut_operations,
         named_cycles=unrolled.named,
-        compensated=unrolled.compensated,
+        reasons=unrolled.reasons,
         said=read_as_shown(whole.interpreted.program, whole.interpreted.settings),
     )
 

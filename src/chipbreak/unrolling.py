@@ -57,7 +57,8 @@ class Unrolled(NamedTuple):
 
     ``cut_operations`` are the operations with the cycles as operations of their own, for wishes by kind.
     ``diagnostics`` and ``left`` are about cycles that stay; ``named`` are their lines.  ``runs`` are lines
-    under nose compensation that were offset; ``compensated`` says why other cuts under it, by line, stay.
+    under nose compensation that were offset; ``reasons`` say, by line, why other cuts under it stay, and
+    why corners are not drawn.
     """
 
     interpreted: InterpretedProgram
@@ -70,7 +71,7 @@ class Unrolled(NamedTuple):
     left: Sequence[LeftCut] = ()
     named: frozenset[int] = frozenset()
     runs: Sequence[Span] = ()
-    compensated: Mapping[int, RefusalError] = _NO_REASONS
+    reasons: Mapping[int, RefusalError] = _NO_REASONS
 
     def idle(self, edits: Sequence[Edit]) -> set[int]:
         """The groups of cycles in whose blocks none of the edits lies."""
@@ -110,12 +111,14 @@ def unroll(
         [one for one in plan.edits if one.group not in idle],
         [*plan.refused, *(Refused(line, error) for line, error in idle.items() if line in asked)],
         plan.notes,
+        plan.undrawn,
     )
     diagnostics, left = _said(interpreted, plan.refused, asked)
     diagnostics += _noted(interpreted, plan)
     named = {line for one in plan.refused for line in (one.line, *one.others)}
     if not plan.edits:
-        return plain._replace(diagnostics=diagnostics, left=left, named=frozenset(named))
+        named_lines = frozenset(named)
+        return plain._replace(diagnostics=diagnostics, left=left, named=named_lines, reasons=plan.undrawn)
     edits = [one.edit._replace(pass_name=UNROLL) for one in plan.edits]
     output = b"".join(render(interpreted.program, edits, interpreted.settings, UNROLLED_CYCLES))
     result = verify_unrolled(interpreted, output, edits)
@@ -139,6 +142,7 @@ def unroll(
         diagnostics,
         left,
         frozenset(map(place, named)),
+        reasons={place(line): error for line, error in plan.undrawn.items()},
     )
 
 

@@ -228,4 +228,5 @@ def test_a_corner_before_a_rapid_is_not_drawn(behind: str, left: list[str]) -> N
     settings = load("fanuc-lathe", ["vibration.refused=leave"])
     result = chipbreak.rewrite(program.encode(), settings, allow_unbroken=True)
     assert [cut.said.code for cut in result.left] == left
+    assert ("has a rapid behind it" in str(result.left)) is bool(left)
     assert (b"UNROLLED CORNERS" in result.data) is (not left)

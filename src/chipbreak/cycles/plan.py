@@ -105,11 +105,15 @@ class Refused(NamedTuple):
 
 
 class UnrollPlan(NamedTuple):
-    """What the unroll stage does with a program; ``notes`` are said of cycles that are written out."""
+    """What the unroll stage does with a program; ``notes`` are said of cycles that are written out.
+
+    ``undrawn``: why the corners of a run are not drawn, by the lines of its cuts.
+    """
 
     edits: list[UnrolledEdit]
     refused: list[Refused]
     notes: list[Refused]
+    undrawn: dict[int, RefusalError]
 
 
 def cycle_lines(interpreted: InterpretedProgram) -> dict[int, Kind | None]:
@@ -135,7 +139,7 @@ def plan_unrolling(
     ``cuts`` are lines of other cuts that are asked: the corners that they say are drawn.
     """
     wanted = set(asked)
-    plan = UnrollPlan([], [], [])
+    plan = UnrollPlan([], [], [], {})
     _add_single_passes(plan, interpreted, wanted)
     _add_subroutine_cycles(plan, interpreted, wanted)
     _add_pecks(plan, interpreted, wanted)
@@ -147,11 +151,13 @@ def plan_unrolling(
 def _add_corners(plan: UnrollPlan, interpreted: InterpretedProgram, cuts: set[int]) -> None:
     """Runs of cuts with corners; one that cannot be drawn stays, and its cuts say why they do not vibrate."""
     for run in corner_runs(interpreted) if cuts else ():
-        if cuts.isdisjoint(range(run.first, run.last)):
+        own = cuts.intersection(range(run.first, run.last))
+        if not own:
             continue
         try:
             edit = corner_edit(interpreted, run)
-        except RefusalError:
+        except RefusalError as error:
+            plan.undrawn.update(dict.fromkeys(own, error))
             continue
         plan.edits.append(UnrolledEdit(edit, None, run.first))
 
@@ -197,7 +203,7 @@ def _add_contours(plan: UnrollPlan, interpreted: InterpretedProgram, wanted: set
     calls = contour_calls(interpreted.program, interpreted.settings.dialect)
     staying: frozenset[int] = frozenset()
     while True:
-        planned = UnrollPlan([], [], [])
+        planned = UnrollPlan([], [], [], {})
         starts = _start_states(interpreted, calls, staying)
         found = _add_groups(planned, interpreted, _groups(calls), starts, wanted)
         if found <= staying:

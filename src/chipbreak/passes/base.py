@@ -50,7 +50,7 @@ class Context(Record):
     passes before.  ``given_up`` are edits, by their first line, that were tried and are not planned again.
     ``split_operations`` are the operations with each cycle that was written out as one of its own.
     ``named_cycles`` are lines of cycles of which it is said already why they stay as they are.
-    ``compensated``: why cuts under nose compensation, by their line, stay under it.
+    ``reasons``: why cuts, by their line, stay under nose compensation, or why corners there are not drawn.
     ``said`` is what was said of the program as it came in.
     """
 
@@ -63,7 +63,7 @@ class Context(Record):
     given_up: Mapping[int, Diagnostic] = field(default_factory=FrozenTable)
     split_operations: Sequence[Operation] = ()
     named_cycles: frozenset[int] = frozenset()
-    compensated: Mapping[int, RefusalError] = field(default_factory=FrozenTable)
+    reasons: Mapping[int, RefusalError] = field(default_factory=FrozenTable)
     said: Sequence[Diagnostic] = ()
 
     @property

@@ -46,7 +46,7 @@ class Vibrate(Pass):
                 air_lines=asked.air_lines,
                 given_up=context.given_up,
                 allow_unbroken=context.options.allow_unbroken,
-                compensated=context.compensated,
+                reasons=context.reasons,
             )
             edits = cuts.edits
             diagnostics = diagnostics + cuts.diagnostics

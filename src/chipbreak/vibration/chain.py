@@ -46,6 +46,8 @@ _AT_REST: dict[Group, tuple[str, str, str, str]] = {
     "modal_macro": ("off", "VIB042", "a modal macro call (G66) is active", "G67"),
 }
 SPEED_MODES = (96.0, 97.0)  # G codes
+# What is said of a corner in a block, and of a cut behind one.
+_BY_CORNERS = ("VIB048", "VIB051")
 _MOTION_CODES = (0.0, 1.0, 2.0, 3.0)
 _START_HERE = "give S and M3 or M4 (without a choice of spindle) between there and the cut"
 _NAME_IT = "where that code turns this spindle, name it: --set spindle.cw_codes=13 for M13"
@@ -137,11 +139,11 @@ class Chains(NamedTuple):
 def chains_of(
     interpreted: InterpretedProgram,
     requests: Sequence[Request],
-    compensated: Mapping[int, RefusalError] = _NO_REASONS,
+    reasons: Mapping[int, RefusalError] = _NO_REASONS,
 ) -> Chains:
     """Group requests into chains, and say which of them must not vibrate.
 
-    ``compensated``: why cuts under nose compensation, by their line, stay under it.
+    ``reasons``: why cuts, by their line, stay under nose compensation, or why corners there are not drawn.
     """
     key = interpreted.settings.vibration.refused
     refused: list[Diagnostic] = []
@@ -153,8 +155,8 @@ def chains_of(
         refusal = refusal_of(request, interpreted) or _refusal_by_what_came(request, called, ways_out)
         if refusal is not None:
             error, at = refusal
-            error = compensated.get(request.effect.block.line, error) if error.code == COMPENSATED else error
             line = request.effect.block.line
+            error = _with_reason(error, reasons.get(line))
             said = interpreted.program.diagnose(line, error.code, error.message, error.help, at=at)
             if request.may_be_left(key):
                 left.append(Chain((request,)).left(said))
@@ -166,6 +168,16 @@ def chains_of(
             groups.append([request])
     chains = [Chain(tuple(group)) for group in groups]
     return Chains(chains, left, refused)
+
+
+def _with_reason(error: RefusalError, reason: RefusalError | None) -> RefusalError:
+    """The same, with what stood in the way of the offset that the control would make, or of a corner."""
+    if reason is not None and error.code == COMPENSATED:
+        return reason
+    if reason is None or error.code not in _BY_CORNERS:
+        return error
+    message = f"{error.message}; the corners here are not drawn: {reason.message}"
+    return RefusalError(error.code, message, reason.help)
 
 
 def _joins(interpreted: InterpretedProgram, one: Request, other: Request) -> bool:

@@ -73,7 +73,7 @@ def edits_of_cuts(
     air_lines: Collection[int] = (),
     given_up: Mapping[int, Diagnostic] = NONE_GIVEN_UP,
     allow_unbroken: bool = False,
-    compensated: Mapping[int, RefusalError] = _NO_REASONS,
+    reasons: Mapping[int, RefusalError] = _NO_REASONS,
 ) -> Cuts:
     """The edits of every vibrated cut.  Errors are diagnostics; with one, there are no edits.
 
@@ -81,11 +81,11 @@ def edits_of_cuts(
     of moves that do not depend on its speed.  ``given_up`` are cuts, by their first line, that were tried and
     stay as they are.
     ``allow_unbroken``: cuts too short to vibrate stay as they are, with a warning, where no word of theirs
-    asks for vibration (it would reach the control).  ``compensated``: why cuts under nose compensation, by
-    their line, stay under it.
+    asks for vibration (it would reach the control).  ``reasons``: why cuts, by their line, stay under
+    nose compensation, or why corners there are not drawn.
     """
     up = dict(given_up)
-    around = _Around(restarted_at, air_lines, allow_unbroken, compensated)
+    around = _Around(restarted_at, air_lines, allow_unbroken, reasons)
     while True:  # each round gives up one cut more
         found = _tried(interpreted, requests, around, up)
         if isinstance(found, Cuts):
@@ -99,7 +99,7 @@ class _Around(NamedTuple):
     restarted_at: Collection[int]
     air_lines: Collection[int]
     allow_unbroken: bool
-    compensated: Mapping[int, RefusalError]
+    reasons: Mapping[int, RefusalError]
 
 
 def _tried(
@@ -109,7 +109,7 @@ def _tried(
     given_up: Mapping[int, Diagnostic],
 ) -> Cuts | dict[int, Diagnostic]:
     """The edits; or, by its first line, a cut that must be given up for the spindle speed behind it."""
-    chains, left, refused = chains_of(interpreted, requests, around.compensated)
+    chains, left, refused = chains_of(interpreted, requests, around.reasons)
     try:
         names = free_names(interpreted.program, interpreted.settings) if chains else None
     except RefusalError as error:
