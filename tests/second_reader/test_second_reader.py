@@ -9,6 +9,7 @@ the package: each block outside the brackets with the state that it meets, and t
 from __future__ import annotations
 
 import math
+from random import Random
 
 import pytest
 from hypothesis import event, given
@@ -17,6 +18,7 @@ from hypothesis import strategies as st
 
 import chipbreak
 from brackets import marked
+from lines_anywhere import changed
 
 from .compared import checked, difference, differing, settings_of
 from .programs import program
@@ -34,6 +36,15 @@ def test_all_else_stays_as_it_was(seed: int) -> None:
     found, wrong = checked(text, control)
     event(found)
     assert not wrong, f"{wrong}\n{control}\n{text}"
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_lines_and_words_anywhere(seed: int) -> None:
+    """A few of what ``tests/mixed_search.py fanuc-lines`` draws."""
+    text, control = program(seed)
+    other = changed(Random(seed), text, "fanuc")
+    assert changed(Random(seed), text, "fanuc") == other
+    assert not checked(other, control)[1]
 
 
 # --- the reader itself ------------------------------------------------------------------------------------
