@@ -99,3 +99,20 @@ def test_what_may_cut_finds_the_programmed_speed(line: str) -> None:
     program = f"{HEAD}(VIB N1.5 F62.5)\nG1 Z-5. F0.1\n(VIB OFF)\n{line}\nM30\n"
     lines = filtered(program).data.decode().splitlines()
     assert lines[lines.index(line) - 2] == "S2000"
+
+
+@pytest.mark.parametrize(
+    ("call", "codes"), [("/T0202", ["VIB040"] * 2), ("T0202", []), ("/T0202\nT0202", [])]
+)
+def test_the_nose_of_a_tool_that_may_not_have_been_called(call: str, codes: list[str]) -> None:
+    noses = [
+        f"tools.nose_{what}.{number}={value}"
+        for number in (1, 2)
+        for what, value in (("radius_mm", 0.4 * number), ("tip", 3))
+    ]
+    settings = chipbreak.load("fanuc-lathe", [*SETS, *noses])
+    program = f"{HEAD}{call}\nG0 X42. Z2.\n(VIB N1.5)\nG0 G42 X30.\nG1 Z-20. F0.1\n"
+    program += "X40. Z-30.\nG0 G40 X50.\n(VIB OFF)\nM30\n"
+    result = chipbreak.rewrite(program.encode(), settings, allow_unbroken=True)
+    assert [cut.said.code for cut in result.left] == codes
+    assert (b"COMPENSATED G42 R0.8" in result.data) is (not codes)

@@ -8,7 +8,7 @@ from chipbreak.dialects.base import NON_MODAL
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.giving_back import is_same_path_mode
 from chipbreak.model.interpreted_program import InterpretedProgram
-from chipbreak.model.modal import State
+from chipbreak.model.modal import TOOLS, State
 from chipbreak.operations.operations import calls_tool
 
 # Modal groups as a machinist knows them; a group without words of its own is called what it is.
@@ -61,7 +61,7 @@ def differing(one: State, other: State) -> frozenset[str]:
         parts.add("path")
     if one.smooth_words != other.smooth_words:
         parts.add("look_ahead")
-    left_open = {group for group, _ in {*one.left_open} ^ {*other.left_open}}
+    left_open = {group for group, _ in {*one.left_open} ^ {*other.left_open}}.difference(TOOLS)
     return frozenset(one.modes.changed(other.modes)) | frozenset(
         parts | left_open | ({"S"} if speeds[0] != speeds[1] else set())
     )

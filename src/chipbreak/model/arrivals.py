@@ -62,12 +62,13 @@ class Jump(NamedTuple):
 
 
 class Carried(NamedTuple):
-    """F, S and the modes as a way brings them; ``left_open`` are groups in which these are not sure."""
+    """F, S, the modes and the tool as a way brings them; ``left_open`` are groups in which it is not sure."""
 
     feed: Setting | None
     speed: Setting | None
     modes: Modes
     left_open: frozenset[str] = frozenset()
+    tool: int | None = None
 
     def without(self, *, feed: bool, speed: bool) -> Carried:
         """The same where what is called on the way may have said another F, or another S."""
@@ -210,7 +211,7 @@ def runs_at_least_once(opener: Control) -> bool:
 def carried_by(state: State) -> Carried:
     """F and S of a state; one that cannot be known is None."""
     left_open = frozenset(group for group, _ in state.left_open)
-    return Carried(_known(state.feed), _known(state.speed), state.modes, left_open)
+    return Carried(_known(state.feed), _known(state.speed), state.modes, left_open, state.tool)
 
 
 def _known(setting: Setting | None) -> Setting | None:
@@ -226,11 +227,14 @@ def together(ways: Sequence[Carried]) -> tuple[Carried, ...]:
         return ()
     modes = ways[0].modes
     left_open = differing(modes, (way.modes for way in ways)).union(*(way.left_open for way in ways))
+    tool = ways[0].tool
+    if any(way.tool != tool for way in ways):
+        left_open |= {"tool"}
     if not left_open.isdisjoint(_READ_BY):
-        return (Carried(None, None, modes, left_open),)
+        return (Carried(None, None, modes, left_open, tool),)
     feed = _common([way.feed for way in ways])
     speed = _common([way.speed for way in ways])
-    return (Carried(feed, speed, modes, left_open),)
+    return (Carried(feed, speed, modes, left_open, tool),)
 
 
 def met(state: State, carried: Sequence[Carried] | None, why: str, *, from_above: bool) -> State:
@@ -246,6 +250,7 @@ def met(state: State, carried: Sequence[Carried] | None, why: str, *, from_above
         modes=all_ways.modes,
         feed=all_ways.feed,
         speed=all_ways.speed,
+        tool=all_ways.tool,
         left_open=merged(state.left_open if from_above else (), all_ways.left_open, why),
     )
 

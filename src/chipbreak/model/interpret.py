@@ -18,7 +18,7 @@ from chipbreak.model.block_effect import CUTTING, BlockEffect, Move
 from chipbreak.model.codes import LOSES, BlockCodes, read_codes
 from chipbreak.model.cutting_speed import cutting_speed_of
 from chipbreak.model.flow import Flow
-from chipbreak.model.left_open import either
+from chipbreak.model.left_open import either, merged
 from chipbreak.model.m_codes import m_code
 from chipbreak.model.modal import CALLED, LOOPED, UNKNOWN, UNREAD, Setting, State
 from chipbreak.model.motion import ANGLE, move_of
@@ -229,7 +229,7 @@ class Interpreter:
             elif not math.isnan(value) and int(value) in self.dialect.m_codes:
                 state = m_code(state, self.dialect.m_codes[int(value)])
         if any(code.group == "tool" for code in functions):
-            state = state._replace(tool=state.next_tool).lost("a tool change moves the machine")
+            state = _changed_tool(state).lost("a tool change moves the machine")
         return state
 
     def _functions(self, block: Block, codes: BlockCodes) -> tuple[MCode, ...]:
@@ -242,9 +242,9 @@ class Interpreter:
     def _tool_word(self, state: State, value: float) -> State:
         number = None if math.isnan(value) else self.dialect.tool_of(int(value))
         if not self.dialect.tool_by_word:
-            return state._replace(next_tool=number)
+            return state._replace(next_tool=number).said("next_tool")
         number = state.tool if number == 0 else number  # T0 ends the offset of the tool that is in the turret
-        return state._replace(tool=number, next_tool=None).lost("a tool or its offset changed")
+        return state._replace(tool=number, next_tool=None).said("tool").lost("a tool or its offset changed")
 
     def _motion(self, state: State, block: Block, codes: BlockCodes) -> tuple[State, Move | None]:
         """(8) non-modal codes, (9) motion."""
@@ -329,6 +329,13 @@ class Interpreter:
             return _stray(words, seen)
         seen_at = {word.start for word in seen}
         return tuple([word for word in words if word.start not in seen_at])
+
+
+def _changed_tool(state: State) -> State:
+    """The next tool is in the spindle, as sure as it was known."""
+    why = dict(state.left_open).get("next_tool")
+    after = state._replace(tool=state.next_tool).said("tool")
+    return after if why is None else after._replace(left_open=merged(after.left_open, ("tool",), why))
 
 
 def _stray(words: Sequence[Word], seen: Words) -> Words:

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 
 from chipbreak.dialects.modes import Modes
 from chipbreak.model.giving_back import is_same, is_same_path_mode
-from chipbreak.model.modal import UNKNOWN, LeftOpen, Position, Setting, State
+from chipbreak.model.modal import TOOLS, UNKNOWN, LeftOpen, Position, Setting, State
 
 
 def either(before: State, after: State, line: int) -> State:
@@ -65,10 +65,11 @@ def _either_setting(before: Setting | None, after: Setting | None) -> Setting | 
 
 
 def _changed(before: State, after: State) -> tuple[str, ...]:
-    """The groups that the block changes, with the words that belong to their codes."""
+    """The groups that the block changes, with the words that belong to their codes, and the tool."""
     groups = before.modes.changed(after.modes)
     if not is_same_path_mode(before, after):
         groups += ("path",)
     if before.smooth_words != after.smooth_words:
         groups += ("look_ahead",)
+    groups += tuple(name for name in TOOLS if getattr(before, name) != getattr(after, name))
     return groups

@@ -34,6 +34,8 @@ UNREAD = "cannot be read"
 CALLED = "a subprogram moves the tool"
 
 
+# The tool and the next one are left open like a modal group.
+TOOLS = ("tool", "next_tool")
 # Modal groups that are not known for sure, and why, sorted by group.
 LeftOpen = tuple[tuple[str, str], ...]
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from chipbreak.cycles.nose import Nose
 from chipbreak.model.findings import COMPENSATED
 from chipbreak.model.interpreted_program import InterpretedProgram
+from chipbreak.model.modal import State
 from chipbreak.syntax.nodes import Block
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
@@ -90,7 +91,8 @@ def _row(interpreted: InterpretedProgram, block: Block) -> _Row:
     dialect = interpreted.settings.dialect
     if not dialect.tool_by_word:
         tool = block.number("D") if block.has("D") else interpreted.before(block.line).tool
-        if tool is None or tool != int(tool) or tool < 1:
+        is_open = not block.has("D") and _is_open(interpreted.before(block.line))
+        if tool is None or tool != int(tool) or tool < 1 or is_open:
             raise _refused(
                 "which tool is in the spindle is not known", "call the tool before it with T and M6"
             )
@@ -107,7 +109,17 @@ def _row(interpreted: InterpretedProgram, block: Block) -> _Row:
     number = whole % offsets if whole >= offsets else whole
     if number == 0:
         raise _refused(f"T{word.value_text} takes the offset off", "call the tool with its offset: T0101")
+    before = interpreted.before(block.line)
+    if called[-1].skip or before.tool != tool or _is_open(before):
+        line = interpreted.program.source.place(called[-1].line).line
+        why = f"T{word.value_text} in line {line} may be skipped or passed by"
+        raise _refused(why, "call the tool and its offset again before this block")
     return _Row(number, tool if number == tool else None)
+
+
+def _is_open(state: State) -> bool:
+    """True where a call of another tool may have been skipped, or passed by."""
+    return "tool" in dict(state.left_open)
 
 
 def _refused(why: str, help_text: str) -> RefusalError:
