@@ -60,3 +60,12 @@ def test_a_program_without_an_end_is_checked_behind_its_last_cut() -> None:
     settings = chipbreak.load("haas-mill")
     cut = "T1\nM6\nS800 M3\nZ25.\nG95\nG1 Z-3. F0.1 E2.\nG0 Z25.\n"
     assert b"BEGIN VIB" in chipbreak.rewrite(cut.encode(), settings, allow_unbroken=True).data
+
+
+def test_a_block_that_begins_another_program_with_a_cut() -> None:
+    """``O5 G98 G73 ..``: what it starts from is none of the program before it."""
+    first = "T1\nM6\nG1 Z-4. F0.1\nG0 Z25.\nT2 M6\nG0 X10. Y0.\nG43 H2 Z25.\n"
+    program = f"{first}O5 G98 G73 Z-5. R2. Q1. F100.\n".encode()
+    result = chipbreak.rewrite(program, chipbreak.load("fanuc-mill-renishaw"))
+    assert result.changed
+    assert chipbreak.restore(result.data) == program

@@ -20,6 +20,7 @@ from chipbreak.editing.restore import Region
 from chipbreak.model.block_effect import BlockEffect
 from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.model.modal import State
+from chipbreak.model.paths import begins_program
 from chipbreak.model.state_difference import spindle_speed
 from chipbreak.text.diagnostics import SelfCheckError
 from chipbreak.text.record import Record
@@ -65,8 +66,9 @@ class Written(Record):
         Without the shapes of cycles, over which the control passes.
         """
         path = self.was_behind.path
+        dialect = self.original.settings.dialect
         for effect in self.original.effects_of(self.edit.last, self.stop):
-            if effect.after.ended:
+            if effect.after.ended or begins_program(effect.block, dialect):
                 return
             if effect.after.path == path and not effect.in_contour:
                 yield effect
