@@ -88,15 +88,22 @@ def _said_by_block(interpreted: InterpretedProgram, block: Block) -> Nose:
 
 def _row(interpreted: InterpretedProgram, block: Block) -> _Row:
     """Which offset is in force.  Errors: VIB040 where none is known."""
+    is_turret = interpreted.settings.dialect.tool_by_word
+    return _row_of_word(interpreted, block) if is_turret else _row_of_tool(interpreted, block)
+
+
+def _row_of_tool(interpreted: InterpretedProgram, block: Block) -> _Row:
+    """D of the block, or the tool in the spindle."""
+    before = interpreted.before(block.line)
+    tool = block.number("D") if block.has("D") else None if _is_open(before) else before.tool
+    if tool is None or tool != int(tool) or tool < 1:
+        raise _refused("which tool is in the spindle is not known", "call the tool before it with T and M6")
+    return _Row(int(tool), int(tool))
+
+
+def _row_of_word(interpreted: InterpretedProgram, block: Block) -> _Row:
+    """The last digits of the T word that has turned the turret."""
     dialect = interpreted.settings.dialect
-    if not dialect.tool_by_word:
-        tool = block.number("D") if block.has("D") else interpreted.before(block.line).tool
-        is_open = not block.has("D") and _is_open(interpreted.before(block.line))
-        if tool is None or tool != int(tool) or tool < 1 or is_open:
-            raise _refused(
-                "which tool is in the spindle is not known", "call the tool before it with T and M6"
-            )
-        return _Row(int(tool), int(tool))
     called = [e.block for e in interpreted.effects if e.block.line <= block.line and e.says("T")]
     word = called[-1].word("T") if called else None
     if word is None or word.number is None:
