@@ -441,3 +441,9 @@ def test_which_f_finishing_leaves_is_not_known_and_need_not_be(
         assert not is_safe
         return
     assert (resumed.line == 11) == is_safe
+
+
+def test_a_subprogram_behind_the_line_that_is_never_closed() -> None:
+    program = b"G21 G18 G90\nT1 M6\nG97 S1000 M3\nG0 X30 Z5\nG1 Z-5 F0.1\nG0 X40\no100 sub\nG0 X50\nM2"
+    resumed = resume(program, chipbreak.load("linuxcnc-lathe"), 4)
+    assert resumed.data.endswith(b"G0 X40\no100 sub\nG0 X50\nM2")

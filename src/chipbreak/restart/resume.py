@@ -227,9 +227,9 @@ def _written(program: Standing, case: RestartCase, head: range, texts: list[str]
     note = f"{marks.before}CHIPBREAK RESUME LINE {line}{marks.behind}"
     pieces = [_lines(file, head.start, head.stop)]
     for first, last in program.main.bodies:
-        start, stop = (int(program.places[at]) for at in (first, last))
-        if head.stop <= start < case.file_line:
-            pieces.append(_lines(file, start, stop + 1))
+        start = int(program.places[first])
+        if head.stop <= start < case.file_line:  # one that is never closed stands behind it
+            pieces.append(_lines(file, start, int(program.places[last]) + 1))
     notes = (note,) if file.user_lines is None else ()  # its control takes none
     pieces += [text.encode("latin-1") + file.line_end for text in (*notes, *texts)]
     pieces.append(file.data[file.starts[case.file_line] :])
