@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 import chipbreak
+from chipbreak.model import arrivals
 
 HEAD = "G21 G18 G40 G99\nT0101\nG97 S2000 M3\nG0 X30. Z5.\n"
 SETS = ("checks.enabled=false", "vibration.refused=leave", "planner.model=ideal")
@@ -77,6 +78,46 @@ def test_a_cut_behind_a_branch_that_sets_a_mode_stays(part: str, again: str) -> 
     cut = "G97 S2000 M3\nG0 X30. Z5.\n(VIB N1.5)\nG1 Z-5. F0.1\n(VIB OFF)\nM2\n"
     assert why_left(f"{head}{part}{cut}", "linuxcnc-lathe") == ["VIB050"]
     assert why_left(f"{head}{part}{again}\n{cut}", "linuxcnc-lathe") == []
+
+
+@pytest.mark.parametrize(
+    ("part", "again", "code"),
+    [
+        pytest.param("GOTO#1\nG98\nN20", "G99", "VIB050", id="over the mode from above"),
+        pytest.param("G98\nGOTO#1\nG99\nN20", "G99", "VIB050", id="with another mode"),
+        pytest.param("GOTO#1\nG98\nN10\nGOTO20\nN20", "G99", "VIB050", id="beside a jump to it"),
+        pytest.param("GOTO#1\nG20\nN20", "G21", "VIB050", id="units"),
+        pytest.param("M98 P7\nG98\nM99 P20\nG99\nN20", "M3\nG99", "VIB050", id="a return that may come"),
+    ],
+)
+def test_a_cut_behind_a_jump_that_is_worked_out_stays(part: str, again: str, code: str) -> None:
+    """It says its F and S, which are read by the modes that the jump brings."""
+    cut = "G0 X28. Z5.\n(VIB N1.5)\nG1 Z-5. F0.1 S2000\n(VIB OFF)\nM30\n"
+    assert why_left(f"{HEAD}{part}\n{cut}")[:1] == [code]
+    assert why_left(f"{HEAD}{part}\n{again}\n{cut}") == []
+
+
+def test_a_jump_that_is_worked_out_brings_what_is_in_force_there() -> None:
+    cut = "G0 X28. Z5.\n(VIB N1.5)\nG1 Z-5.\n(VIB OFF)\nM30\n"
+    assert why_left(f"{HEAD}F0.1\nGOTO#1\nG4 X1.\nN20\n{cut}") == []
+    assert why_left(f"{HEAD}F0.1\nGOTO#1\nF0.2\nN20\n{cut}") == ["VIB050"]
+
+
+def test_behind_very_many_places_of_a_jump_the_modes_are_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where it is not followed, what the program says in two ways is not known, and F and S are not."""
+    monkeypatch.setattr(arrivals, "_MOST_NUMBERS", 50)
+    cut = "G0 X28. Z5.\n(VIB N1.5)\nG1 Z-5. F0.1 S2000\n(VIB OFF)\nM30\n"
+    places = "".join(f"N{number}\n" for number in range(100, 200))
+    assert why_left(f"{HEAD}G98\nGOTO#1\nG99\n{places}{cut}") == ["VIB050"]
+    assert why_left(f"{HEAD}GOTO#1\n{places}{cut}") == []
+
+
+def test_a_smoothing_that_a_jump_may_bring_is_not_given_back() -> None:
+    """Of one code with other words the ways that are not known may bring either."""
+    cut = "G97 S2000 M3\nG0 X30. Z5.\n(VIB N1.5)\nG1 Z-5. F0.1\n(VIB OFF)\nM2\n"
+    head = "G21 G18 G7 G40 G95\nG64 P0.1\no10 while [#1 LT 3]\nG64 P0.02\n"
+    assert why_left(f"{head}o11 endif\n{cut}", "linuxcnc-lathe") == ["VIB050"]
+    assert why_left(f"{head}o11 endif\nG64 P0.02\n{cut}", "linuxcnc-lathe") == []
 
 
 def test_the_other_arm_has_the_modes_from_before_the_branch() -> None:

@@ -14,7 +14,7 @@ interpreted: where all ways bring the same, they are known behind the meeting to
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 
 from chipbreak.dialects.modes import Modes
@@ -36,6 +36,7 @@ _CLOSERS: Mapping[str, str] = {
 _ARMS = frozenset({"O-ELSE", "O-ELSEIF"})
 _LEAVES = frozenset({"O-BREAK", "O-CONTINUE"})
 _GOES_ELSEWHERE = _LEAVES | {"O-RETURN"}
+_MOST_NUMBERS = 5_000  # of a program with a jump that the machine works out
 # By these F and S are read.
 _READ_BY = frozenset({"units", "feed_mode", "speed_mode"})
 
@@ -48,10 +49,14 @@ class Place(NamedTuple):
 
 
 class Arrival(NamedTuple):
-    """The ways that meet at a place; ``from_above``: the block above is one of them, beside ``ways``."""
+    """The ways that meet at a place; ``from_above``: the block above is one of them, beside ``ways``.
+
+    ``beside`` are more of them, which come to other places as well.
+    """
 
     ways: tuple[Place, ...]
     from_above: bool = True
+    beside: tuple[Place, ...] = ()
 
 
 class Jump(NamedTuple):
@@ -81,20 +86,25 @@ CarriedTo = Mapping[Place, tuple[Carried, ...]]
 
 # --- the ways ------------------------------------------------------------------------------------------
 def at_targets(
-    jumps: Sequence[Jump], numbers: Mapping[int, Sequence[int]], called: Collection[int]
+    jumps: Sequence[Jump], numbers: Mapping[int, Sequence[int]], called: Set[int]
 ) -> Iterator[tuple[Place, Arrival]]:
-    """The ways to the numbered lines that a GOTO reaches; none where the machine works out a number.
+    """The ways to the numbered lines that a GOTO reaches: to all where the machine works out a number.
 
+    Of very many numbers that it may work out nothing is said: to go through these again takes too long.
     ``called`` are numbers that calls and returns name (``M99 P100``): nothing is said of these.
     """
     ways: dict[int, list[Place]] = {}
+    to_any: list[Place] = []
     for jump in jumps:
-        if jump.number is None:
-            return
-        ways.setdefault(jump.number, []).append(Place(jump.line, is_behind=True))
-    for number in ways.keys() - called:
-        arrival = Arrival(tuple(ways[number]))
-        for line in numbers.get(number, ()):
+        found = to_any if jump.number is None else ways.setdefault(jump.number, [])
+        found.append(Place(jump.line, is_behind=True))
+    if to_any and len(numbers) > _MOST_NUMBERS:
+        return
+    anywhere = Arrival((), beside=tuple(to_any))  # one for all, so that what it brings is put together once
+    reached = numbers.keys() if to_any else ways.keys() & numbers.keys()
+    for number in sorted(reached - called):
+        arrival = anywhere._replace(ways=tuple(ways[number])) if number in ways else anywhere
+        for line in numbers[number]:
             yield Place(line, is_behind=False), arrival
 
 
@@ -237,14 +247,17 @@ def together(ways: Sequence[Carried]) -> tuple[Carried, ...]:
     return (Carried(feed, speed, modes, left_open, tool),)
 
 
-def met(state: State, carried: Sequence[Carried] | None, why: str, *, from_above: bool) -> State:
+def met(
+    state: State, carried: Sequence[Carried] | None, why: str, *, from_above: bool, said: frozenset[str]
+) -> State:
     """The state where ways meet; ``carried`` is what the other ones bring, None where they are not known.
 
-    Empty where nothing has come by them yet.
+    Empty where nothing has come by them yet.  ``said`` are the groups that a way which is not known may bring
+    otherwise, and the tool.
     """
     after = state.forgotten(why)
     if carried is None:
-        return after
+        return after._replace(left_open=merged(state.left_open, said, why))
     (all_ways,) = together([carried_by(state), *carried] if from_above or not carried else carried)
     return after._replace(
         modes=all_ways.modes,

@@ -148,7 +148,13 @@ def _last_return(inside: Sequence[BlockEffect], flow: Flow) -> int:
 def _may_come(first: int, last: int, target: int, flow: Flow) -> bool:
     """True where a jump in lines ``first`` to ``last`` may lead to a numbered line."""
     arrival = flow.arrivals.get(Place(target, is_behind=False))
-    return arrival is None or any(first <= way.line <= last for way in arrival.ways)
+    return arrival is None or any(_has_one_in(first, last, ways) for ways in (arrival.ways, arrival.beside))
+
+
+def _has_one_in(first: int, last: int, ways: Sequence[Place]) -> bool:
+    """True where one of some ways, in the order of their lines, begins in lines ``first`` to ``last``."""
+    at = bisect_left(ways, first, key=lambda way: way.line)
+    return at < len(ways) and ways[at].line <= last
 
 
 def _names(block: Block) -> bool:

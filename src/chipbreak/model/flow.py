@@ -9,6 +9,7 @@ from chipbreak.dialects import Dialect
 from chipbreak.dialects.base import NON_MODAL
 from chipbreak.model.arrivals import Arrivals, Jump, at_nests, at_targets
 from chipbreak.model.paths import begins_program
+from chipbreak.model.values import MODE_LETTERS
 from chipbreak.syntax.nodes import Block
 from chipbreak.syntax.parse import Program
 from chipbreak.text.frozen_table import FrozenTable
@@ -52,6 +53,7 @@ class Flow(NamedTuple):
     ``finishes``  line of a finishing cycle -> the last F and S of its shape, those that it says
     ``arrivals``  where other ways come in -> these ways; to a place that is not named they are not known
     ``ordered_targets``  the targets from the first to the last
+    ``said_otherwise``  the modal groups, and "tool", of which the program says more than one thing
     """
 
     targets: frozenset[int]
@@ -61,6 +63,7 @@ class Flow(NamedTuple):
     arrivals: Arrivals = FrozenTable()
     ordered_targets: tuple[int, ...] = ()
     run_again: tuple[_LineRange, ...] = ()
+    said_otherwise: frozenset[str] = frozenset()
 
     def straight_until(self, line: int, last: int) -> int:
         """Where lines ``line`` to ``last`` (exclusive) end that each follow the one before them and move."""
@@ -121,15 +124,25 @@ def read_flow(program: Program, dialect: Dialect) -> Flow:
     begins = _beginnings(program, dialect) if cycles else ()
     again = _merged(one for one in _run_again(cycles, shapes, begins) if not _is_in(one[0], contours))
     missing = tuple(shape for shape in shapes if isinstance(shape, MissingNumber) and dialect.contour_cycles)
-    finishes = {
-        cycle.line: said
-        for cycle, shape in zip(cycles, shapes, strict=True)
-        if cycle.finishes and not isinstance(shape, MissingNumber) and (said := _last_said(program, shape))
-    }
+    finishes = dict(_finishes(program, cycles, shapes))
     arrivals = FrozenTable({**at_nests(ruled), **dict(at_targets(jumps, numbers, called))})
     targets = _targets({*(jump.number for jump in jumps), *returned_to}, numbers)
     ordered = tuple(sorted(targets))
-    return Flow(targets, contours, missing, FrozenTable(finishes), arrivals, ordered, again)
+    otherwise = _said_otherwise(program, dialect) if targets or ruled else frozenset[str]()
+    return Flow(targets, contours, missing, FrozenTable(finishes), arrivals, ordered, again, otherwise)
+
+
+def _said_otherwise(program: Program, dialect: Dialect) -> frozenset[str]:
+    """The modal groups of which a program says more than one code, and "tool" where it names several."""
+    said: dict[str, set[object]] = {"motion": {"rapid", "linear"}}  # no program does without
+    for block in program.event_blocks():
+        for number in block.numbers("G"):
+            code = dialect.g_codes.get(round(number * 10))
+            if code is not None and code.group != NON_MODAL:
+                own = [(w.address, w.value_text) for w in block.words_of(MODE_LETTERS.get(code.group, ""))]
+                said.setdefault(code.group, set()).add((code.value, *own))
+        said.setdefault("tool", set()).update(word.value_text for word in block.words_of("T"))
+    return frozenset(group for group, values in said.items() if len(values) > 1)
 
 
 def _passed_over(
@@ -155,6 +168,15 @@ def _run_again(
             continue
         if bisect_right(begins, shape[0]) == bisect_right(begins, cycle.line):
             yield shape
+
+
+def _finishes(
+    program: Program, cycles: Sequence[_Cycle], shapes: Sequence[_LineRange | MissingNumber]
+) -> Iterator[tuple[int, dict[str, str]]]:
+    """The lines of the finishing cycles, with the last F and S of their shapes, where these say any."""
+    for cycle, shape in zip(cycles, shapes, strict=True):
+        if cycle.finishes and not isinstance(shape, MissingNumber) and (said := _last_said(program, shape)):
+            yield cycle.line, said
 
 
 def _last_said(program: Program, shape: _LineRange) -> dict[str, str]:

@@ -307,7 +307,8 @@ class Interpreter:
         """The state at a place to which other ways lead than the one from above, which brings ``state``."""
         arrival = self.flow.arrivals.get(place)
         from_above = arrival is None or arrival.from_above
-        return met(state, self.carried.get(place), why, from_above=from_above)
+        carried = self.carried.get(place)
+        return met(state, carried, why, from_above=from_above, said=self.flow.said_otherwise)
 
     def _other_spindles(self, after: State, before: State, block: Block, codes: BlockCodes) -> State:
         """What is left of the spindle where another path, or a choice of spindle, comes between."""

@@ -323,7 +323,11 @@ def _carried(interpreted: InterpretedProgram) -> CarriedTo:
     say_speed = _calls_that_may_say(SAYS_SPEED, interpreted)
     arrivals = interpreted.flow.arrivals
     each = {id(arrival): arrival for arrival in arrivals.values()}
-    brought = {key: _Brought.by(arrival, interpreted) for key, arrival in each.items()}
+    shared = {ways: _Brought.by(ways, interpreted) for ways in {one.beside for one in each.values()}}
+    brought = {
+        key: _Brought.by(arrival.ways, interpreted).beside(shared[arrival.beside])
+        for key, arrival in each.items()
+    }
 
     def brought_to(place: Place, arrival: Arrival) -> tuple[Carried, ...]:
         all_ways = brought[id(arrival)]
@@ -344,11 +348,17 @@ class _Brought(NamedTuple):
     last_line: int
 
     @classmethod
-    def by(cls, arrival: Arrival, interpreted: InterpretedProgram) -> _Brought:
-        """What the ways of an arrival bring."""
-        effects = ((way, interpreted.reached[way.line][1]) for way in arrival.ways)
+    def by(cls, ways: Sequence[Place], interpreted: InterpretedProgram) -> _Brought:
+        """What some ways bring."""
+        effects = ((way, interpreted.reached[way.line][1]) for way in ways)
         carried = [carried_by(effect.after if way.is_behind else effect.before) for way, effect in effects]
-        return cls(together(carried), max((way.line for way in arrival.ways), default=0))
+        return cls(together(carried), max((way.line for way in ways), default=0))
+
+    def beside(self, other: _Brought) -> _Brought:
+        """What these and other ways bring."""
+        if not other.carried:
+            return self
+        return _Brought(together([*self.carried, *other.carried]), max(self.last_line, other.last_line))
 
 
 def _calls_that_may_say(says: str, interpreted: InterpretedProgram) -> list[int]:

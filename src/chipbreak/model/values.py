@@ -19,7 +19,7 @@ from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.named_tuple import NamedTuple
 
 # The words beside G64 and beside G5.1 that are theirs.
-MODE_LETTERS: Mapping[Group, str] = FrozenTable({"path": "PQ", "look_ahead": "PQR"})
+MODE_LETTERS: Mapping[str, str] = FrozenTable({"path": "PQ", "look_ahead": "PQR"})
 _COORDINATE_GROUPS: frozenset[Group] = frozenset(
     {"work_offset", "rotation", "polar", "scaling", "mirror", "interpolation"}
 )
