@@ -120,6 +120,46 @@ def test_a_smoothing_that_a_jump_may_bring_is_not_given_back() -> None:
     assert why_left(f"{head}o11 endif\nG64 P0.02\n{cut}", "linuxcnc-lathe") == []
 
 
+@pytest.mark.parametrize(
+    ("line", "again", "code"),
+    [
+        ("IF[#1EQ1]THEN G98", "G99 F0.1", "VIB050"),
+        ("IF[#1EQ1] F0.3", "F0.1", "VIB050"),
+        ("IF[#1EQ1] S900", "S2000", "VIB053"),
+        ("IF[#1EQ1] M5", "M3", "VIB069"),
+        ("M#1", "M3", "VIB069"),
+        ("G98 X[1", "G99 F0.1 S2000", "VIB050"),
+        ("G20 ?", "G21 F0.1 S2000", "VIB050"),
+        ("M4 ?", "M3 F0.1 S2000", "VIB069"),
+    ],
+)
+def test_a_cut_behind_what_may_be_said_stays(line: str, again: str, code: str) -> None:
+    """Under a condition, worked out by the control, or in a line that nobody here can read."""
+    cut = "G0 X28. Z5.\n(VIB N1.5)\nG1 Z-5.\n(VIB OFF)\nG0 X40.\nM30\n"
+    assert why_left(f"{HEAD}F0.1\n{line}\n{cut}")[:1] == [code]
+    assert why_left(f"{HEAD}F0.1\n{line}\n{again}\n{cut}") == []
+
+
+def test_a_g_code_that_is_worked_out_may_be_any() -> None:
+    cut = "G0 X28. Z5.\n(VIB N1.5)\nG1 Z-5. F0.1\n(VIB OFF)\nG0 X40.\nM30\n"
+    assert why_left(f"{HEAD}G#1\n{cut}") == ["VIB050"]
+    assert why_left(f"{HEAD}G21 G18 G40 G99 G97 G#1\n{cut}") == ["VIB050"]
+    assert why_left(f"{HEAD}G65 P9 M#1\n{HEAD}{cut}") == []
+
+
+@pytest.mark.parametrize("line", ["SETTING X[1", "IF[#1EQ1]THEN #2=98", "IF[#1EQ1] GOTO 5\nN5"])
+def test_what_says_no_code_leaves_the_modes_known(line: str) -> None:
+    cut = "G0 X28. Z5.\n(VIB N1.5)\nG1 Z-5. F0.1 S2000\n(VIB OFF)\nG0 X40.\nM30\n"
+    assert why_left(f"{HEAD}{line}\n{cut}") == []
+
+
+def test_the_programmed_speed_is_back_before_one_under_a_condition() -> None:
+    cut = "(VIB N1.5 F62.5)\nG1 Z-5. F0.1\n(VIB OFF)\n"
+    lines = filtered(f"{HEAD}{cut}IF[#1EQ1] S900\nG0 X40.\nG1 X41. F0.2\nM30\n").data.decode().splitlines()
+    at = lines.index("IF[#1EQ1] S900")
+    assert lines[at - 3 : at] == ["(CHIPBREAK BEGIN SPEED AS PROGRAMMED)", "S2000", lines[at - 1]]
+
+
 def test_the_other_arm_has_the_modes_from_before_the_branch() -> None:
     """G20 in the first arm does not hold in the second."""
     head = "G21 G18 G7 G40 G95 G64\nG97 S2000 M3\no10 if [#1 EQ 1]\nG20\no10 else\n"

@@ -119,7 +119,7 @@ class Uses:
         return True
 
     def _may_be_left_out(self, line: int | None) -> bool:
-        return line is not None and bool(self._program.block(line).skip)
+        return line is not None and self._program.block(line).is_optional
 
     def _may_be_passed_by(self, last_cut: int, later: Operation) -> bool:
         """True when block delete or a jump after a cut may leave out an operation, or give it to another."""

@@ -659,7 +659,7 @@ def _leaves_compensation(interpreted: InterpretedProgram, call: Call, before: St
         if effect.in_contour:
             continue
         if codes_of(effect.block, "compensation", dialect):
-            return not effect.block.skip
+            return not effect.block.is_optional
         if effect.move is not None or effect.non_modal or effect.after.ended:
             return False
     return False

@@ -161,7 +161,7 @@ def _feed_is_said(written: Written) -> bool:
     """True where the first block behind that feeds says F itself."""
     for effect in written.blocks_behind():
         if effect.says("F"):
-            return not effect.block.skip
+            return not effect.block.is_optional
         if effect.move is not None and effect.move.kind != "rapid":
             return False
     return True

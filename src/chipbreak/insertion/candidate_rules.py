@@ -186,7 +186,7 @@ def _takes_bare_line(case: Case) -> bool:
     feed = case.state.feed
     if feed is None or not feed.value > 0.0 or case.state.modes.feed_mode == "inverse":
         return False
-    if case.interpreted.program.block(feed.line).skip:
+    if case.interpreted.program.block(feed.line).is_optional:
         return False
     for effect in effects_before(case.interpreted, case.line):
         if effect.block.line <= feed.line:
@@ -266,7 +266,7 @@ def _mode_cannot_be_given_back(case: Case) -> Obstacle | None:
         group
         for effect in effects_before(case.interpreted, case.line)
         for group in _NEEDED.values()
-        if codes_of(effect.block, group, case.dialect) and not effect.block.skip
+        if codes_of(effect.block, group, case.dialect) and not effect.block.is_optional
     }
     unsaid = [name for name, group in _NEEDED.items() if group not in said]
     if unsaid:

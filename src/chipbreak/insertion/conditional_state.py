@@ -163,7 +163,7 @@ class _Walk:
             self.kept = before
         elif effect.does("modes"):
             self.setters |= self.kept
-        if effect.block.skip or called:
+        if effect.block.is_optional or called:
             self.setters |= dict.fromkeys(sorted(_changed(effect) | called), line)
         elif self.setters and not _is_within(line, self.outermost):
             for what in set_by(effect, self.interpreted):
@@ -195,7 +195,7 @@ def _is_within(line: int, parts: Sequence[tuple[int, int]]) -> bool:
 
 def _changed(effect: BlockEffect) -> set[str]:
     """What a block changed that an insertion has to know."""
-    if not effect.block.skip:
+    if not effect.block.is_optional:
         return set()
     one = effect.before
     other = effect.after

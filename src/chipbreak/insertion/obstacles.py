@@ -261,7 +261,7 @@ class Obstacles:
     # --- words of messages ----------------------------------------------------------------------------
     def _how(self, line: int) -> str:
         """How a line has left open what it sets."""
-        if self.interpreted.program.block(line).skip:
+        if self.interpreted.program.block(line).is_optional:
             return "with block delete (/)"
         if (self._jumps and line == self._jumps[1]) or any(line == nest.last for nest in self._nests):
             return "ends a loop, a branch or a jump, which"

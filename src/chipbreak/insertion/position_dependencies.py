@@ -220,7 +220,7 @@ class _Walk:
 
     def _may_set_modes(self, effect: BlockEffect, _: frozenset[str]) -> bool | None:
         """``/G91`` may be skipped, and what comes is a distance."""
-        is_unsure = effect.block.skip and effect.before.modes != effect.after.modes
+        is_unsure = effect.block.is_optional and effect.before.modes != effect.after.modes
         return self._rely_on_rest() if is_unsure else None
 
     def _ends_or_calls_tool(self, effect: BlockEffect, named: frozenset[str]) -> bool | None:
@@ -230,7 +230,7 @@ class _Walk:
         self.axes |= self.homed - self.placed - named
         # M6 takes Z home on most machines, on a LinuxCNC without a changer nothing at all: X and Y that are
         # not named after it are those from before.
-        return not effect.block.skip if calls and self.dialect.tool_by_word else None
+        return not effect.block.is_optional if calls and self.dialect.tool_by_word else None
 
     def _goes_home(self, effect: BlockEffect, _: frozenset[str]) -> bool | None:
         if "home" not in effect.non_modal:
@@ -259,7 +259,7 @@ class _Walk:
         move = effect.move
         if move is None or move.kind != "rapid" or move.incremental:
             return self._rely_on_rest()
-        return self._rapid(frozenset(move.axes), bool(effect.block.skip))
+        return self._rapid(frozenset(move.axes), effect.block.is_optional)
 
     # The first that has something to say of a block decides.
     _AXIS_RULES = (
@@ -295,10 +295,10 @@ class _Walk:
         words = [w for w in effect.block.words if self.words.axes.get(w.address, "") in self.words.signs]
         distances = [w for w in words if incremental or w.address in self.words.distances]
         if len(distances) < len(words):
-            return self._rapid(named, bool(effect.block.skip))
+            return self._rapid(named, effect.block.is_optional)
         if any(plain_value(word) != 0.0 for word in distances):
             return self._rely_on_rest()
-        self.placed |= set() if effect.block.skip else named
+        self.placed |= set() if effect.block.is_optional else named
         return self.placed >= self.all_axes
 
     def _machine(self, effect: BlockEffect, named: frozenset[str]) -> bool:
@@ -306,6 +306,6 @@ class _Walk:
         if effect.after.modes.motion != "rapid":
             return self._rely_on_rest()
         if depth and plain_value(depth) != 0.0:
-            return self._rapid(named, bool(effect.block.skip))
-        self.placed |= set() if effect.block.skip else named
+            return self._rapid(named, effect.block.is_optional)
+        self.placed |= set() if effect.block.is_optional else named
         return self.placed >= self.all_axes

@@ -129,9 +129,9 @@ class _BodyWalk:
         if effect.block.opaque or effect.after.ended or calls_tool(effect, dialect):
             return False
         keywords = {control.keyword for control in effect.block.controls} - {"O-CALL"}
-        self._is_optional = self._is_optional or bool(effect.block.skip)
+        self._is_optional = self._is_optional or effect.block.is_optional
         self.has_one_end = self.has_one_end and "O-RETURN" not in keywords
-        self._is_straight = self._is_straight and not keywords and not effect.block.skip
+        self._is_straight = self._is_straight and not keywords and not effect.block.is_optional
         by_calls = differing(effect.after, end.state) | end.perhaps
         self._by_calls |= by_calls
         self._perhaps |= set_by(effect, self.interpreted) | differing(self.state, effect.after) | by_calls

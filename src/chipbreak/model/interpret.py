@@ -18,9 +18,9 @@ from chipbreak.model.block_effect import CUTTING, BlockEffect, Move
 from chipbreak.model.codes import LOSES, BlockCodes, read_codes
 from chipbreak.model.cutting_speed import cutting_speed_of
 from chipbreak.model.flow import Flow
-from chipbreak.model.left_open import either, merged
+from chipbreak.model.left_open import behind_unread, behind_worked_out, either, merged
 from chipbreak.model.m_codes import m_code
-from chipbreak.model.modal import CALLED, LOOPED, UNKNOWN, UNREAD, Setting, State
+from chipbreak.model.modal import CALLED, LOOPED, UNKNOWN, Setting, State
 from chipbreak.model.motion import ANGLE, move_of
 from chipbreak.model.paths import (
     CALLERS_STATE,
@@ -121,7 +121,8 @@ class Interpreter:
         if block.line in self.flow.targets:
             state = self._arrived(state, Place(block.line, is_behind=False), JUMPED)
         if block.opaque:
-            return BlockEffect(block, state, state.forgotten(f"line {self._user_line(block)} {UNREAD}"))
+            after = behind_unread(state, block, self.dialect, self._user_line(block))
+            return BlockEffect(block, state, after)
         if block.is_empty:
             effect = BlockEffect(block, state, state)
             return self._with_cutting_speed(effect) if block.comments else effect
@@ -131,8 +132,8 @@ class Interpreter:
             functions = self._functions(block, codes)
             return BlockEffect(block, state, state, vibration=asks, in_contour=True, functions=functions)
         effect = self._with_cutting_speed(self._execute(state, block))
-        if block.skip:
-            effect = effect._replace(after=either(state, effect.after, self._user_line(block)))
+        if block.is_optional:
+            effect = effect._replace(after=either(state, effect.after, block, self._user_line(block)))
         return effect
 
     def _begun(self, state: State, block: Block) -> State:
@@ -184,10 +185,13 @@ class Interpreter:
             after, move = self._motion(after, block, codes)
         after = self._flow_of_control(after, block, functions)
         after = self._other_spindles(after, state, block, codes)
+        has_macro = block.has_macro
+        if has_macro:
+            after = behind_worked_out(after, block, codes.taken, self.dialect, self._user_line(block))
         mode_words += "P" if " P" in codes.changes.get("work_offset", "") else ""
         mode_words += codes.taken if codes.non_modal or _TAKES_WORDS & codes.changes.keys() else ""
         seen = (*vibration, *block.words_of(mode_words)) if mode_words else vibration
-        all_read = codes.reads_all or has_centre or block.has_macro
+        all_read = codes.reads_all or has_centre or has_macro
         unread = _stray(block.words, vibration) if all_read else self._unread(block, seen, after, move)
         effect = BlockEffect(
             block, state, after, move, codes.non_modal, vibration, unread, functions=functions

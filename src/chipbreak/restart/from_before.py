@@ -188,7 +188,7 @@ def _rotary_axis_is_not_known(before: Before) -> str:
     """Rotary axes are put back where a mill has sent them to a number."""
     for letter, effect in rotary_places(before).items():
         word = effect.block.word(letter)
-        is_plain = word is not None and word.number is not None and not effect.block.skip
+        is_plain = word is not None and word.number is not None and not effect.block.is_optional
         is_placed = effect.before.modes.distance == "absolute" == effect.after.modes.distance
         if not (is_plain and is_placed and effect.move is not None) or before.dialect.is_lathe:
             return f"where axis {letter} stands after line {before.user_line(effect.block.line)} is not known"

@@ -128,7 +128,7 @@ class RestartPoints:
             return False
         for effect in self.interpreted.effects_of(line, last):
             if calls_tool(effect, self.dialect):
-                return not effect.block.skip
+                return not effect.block.is_optional
             if not (effect.block.is_empty or effect.does("stop")):
                 return False
         return False

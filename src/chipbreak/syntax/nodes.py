@@ -122,6 +122,13 @@ class Block(NamedTuple):
         return not (self.words or self.assignments or self.controls or self.opaque)
 
     @property
+    def is_optional(self) -> bool:
+        """True where its words may not act: under block delete, or where a condition stands before them."""
+        if self.skip:
+            return True
+        return bool(self.controls and self.words) and any(one.keyword == "IF" for one in self.controls)
+
+    @property
     def marks(self) -> tuple[Control, ...]:
         """Its marks: ``$1``, ``!2L1``, ``:100``."""
         return tuple([control for control in self.controls if control.keyword in MARKS])

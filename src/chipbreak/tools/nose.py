@@ -117,7 +117,7 @@ def _row_of_word(interpreted: InterpretedProgram, block: Block) -> _Row:
     if number == 0:
         raise _refused(f"T{word.value_text} takes the offset off", "call the tool with its offset: T0101")
     before = interpreted.before(block.line)
-    if called[-1].skip or before.tool != tool or _is_open(before):
+    if called[-1].is_optional or before.tool != tool or _is_open(before):
         line = interpreted.program.source.place(called[-1].line).line
         why = f"T{word.value_text} in line {line} may be skipped or passed by"
         raise _refused(why, "call the tool and its offset again before this block")

@@ -79,7 +79,7 @@ class Called:
     def _is_said(self, group: Group, first: int, last: int) -> bool:
         dialect = self.interpreted.settings.dialect
         blocks = (self.interpreted.program.block(line) for line in range(first, last + 1))
-        return any(codes_of(block, group, dialect) for block in blocks if not block.skip)
+        return any(codes_of(block, group, dialect) for block in blocks if not block.is_optional)
 
 
 def not_followed(interpreted: InterpretedProgram, chains: Sequence[Chain]) -> list[Diagnostic]:

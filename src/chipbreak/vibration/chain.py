@@ -371,7 +371,7 @@ def _feed_that_cannot_be(interpreted: InterpretedProgram, state: State, feed: Se
     line = program.source.place(feed.line).line
     word = program.block(feed.line).word("F")
     why = ""
-    if program.block(feed.line).skip:
+    if program.block(feed.line).is_optional:
         why = f"is that of line {line}, which block delete may skip"
     elif word is None:
         why = f"of the shape of the finishing cycle in line {line} may hold behind it or not"

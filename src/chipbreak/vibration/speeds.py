@@ -204,7 +204,7 @@ def _before_own_speed(at: _Place) -> _Blocks | None:
     """The program commands a speed itself."""
     before = at.effect.before
     after = at.effect.after
-    if at.effect.block.skip:  # where it is skipped, the speed is the one from before
+    if at.effect.block.is_optional:  # where it is skipped, the speed is the one from before
         return _known_blocks(at, before) if _says_speed(at.effect) else None
     # Where a loop or a jump ends, several ways meet: nothing is commanded there.
     if after.speed == before.speed or after.speed is None or at.effect.block.statements:
