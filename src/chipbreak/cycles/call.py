@@ -11,6 +11,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections import Counter
 from collections.abc import Mapping
 
@@ -116,7 +117,8 @@ def read_call(interpreted: InterpretedProgram, contour: ContourCall) -> Call:
     if kind is None:
         raise RefusalError(UNREAD_FORM, "this cycle is not written out as passes", "write its passes as G1")
     if contour.first is None or contour.last is None:
-        missing = next(one for one in interpreted.flow.missing if one.line == contour.line)
+        all_missing = interpreted.flow.missing  # in the order of their lines
+        missing = all_missing[bisect_left(all_missing, contour.line, key=lambda one: one.line)]
         help_text = with_alarm(NUMBER_THE_SHAPE, alarms.NO_SUCH_BLOCK)
         raise RefusalError(NO_CONTOUR, missing.message, help_text)
     _refuse_words(block, _WORDS_OF_CALL[kind])

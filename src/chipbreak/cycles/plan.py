@@ -309,19 +309,19 @@ def _under_compensation(
 
 
 def _groups(calls: Sequence[ContourCall]) -> list[list[ContourCall]]:
-    """The calls whose contours share lines."""
-    groups: list[list[ContourCall]] = []
-    for one in calls:
-        shared = [group for group in groups if any(_shares(one, other) for other in group)]
-        merged = [call for group in shared for call in group] + [one]
-        groups = [group for group in groups if group not in shared] + [merged]
-    return groups
-
-
-def _shares(one: ContourCall, other: ContourCall) -> bool:
-    if one.first is None or one.last is None or other.first is None or other.last is None:
-        return False
-    return one.first <= other.last and other.first <= one.last
+    """The calls whose contours share lines; the group that ends first in the program is the first."""
+    shapes = sorted(
+        (one.first, one.last, one) for one in calls if one.first is not None and one.last is not None
+    )
+    groups = [[one] for one in calls if one.first is None or one.last is None]
+    reached = -1
+    for first, last, one in shapes:
+        if first > reached:
+            groups.append([])
+        groups[-1].append(one)
+        reached = max(reached, last)
+    in_order = (sorted(group, key=lambda one: one.line) for group in groups)
+    return sorted(in_order, key=lambda group: group[-1].line)
 
 
 def _start_states(
