@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 
 from chipbreak.api import motions
@@ -17,6 +17,7 @@ from chipbreak.report.model import ExplainedCut, Report
 from chipbreak.settings import Settings
 from chipbreak.text.diagnostics import RefusalError
 from chipbreak.text.named_tuple import NamedTuple
+from chipbreak.vibration.measure import CutMotion
 from chipbreak.vibration.plan import command_group
 
 # What can be drawn of a cut, and of a program.
@@ -46,9 +47,27 @@ def figures_of_cut(result: Result, settings: Settings, number: int) -> list[Draw
     if not 1 <= number <= count:
         way_out = f"the program has cuts 1 to {count}" if count else "only vibrated cuts can be drawn"
         raise RefusalError(_NO_CUT, f"there is no vibrated cut {number} in {report.file}", way_out)
-    motion = next(m for index, m in enumerate(motions(result, settings), 1) if index == number)
-    cut = DrawnCut(report.cuts[number - 1], motion, result.cuts[number - 1].plan.edges)
-    chart = _chart(result, settings, number - 1, report.cuts[number - 1])
+    return next(figures_of_cuts(result, settings, report, [number]))
+
+
+def figures_of_cuts(
+    result: Result, settings: Settings, report: Report, numbers: Sequence[int]
+) -> Iterator[list[Drawn]]:
+    """The figures of each of some vibrated cuts; ``numbers`` count from 1 and rise.
+
+    The program is read once for all.
+    """
+    asked = frozenset(numbers)
+    for number, motion in enumerate(motions(result, settings), 1):
+        if number in asked:
+            yield _figures(result, settings, report.cuts[number - 1], number - 1, motion)
+
+
+def _figures(
+    result: Result, settings: Settings, told: ExplainedCut, index: int, motion: CutMotion
+) -> list[Drawn]:
+    cut = DrawnCut(told, motion, result.cuts[index].plan.edges)
+    chart = _chart(result, settings, index, told)
     return [
         Drawn(CHIPS, "chip pattern", partial(chip_pattern, cut=cut)),
         Drawn(THICKNESS, "chip thickness", partial(chip_thickness, cut=cut), (7.6, 2.6)),

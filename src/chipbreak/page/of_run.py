@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from html import escape
 
-from chipbreak.figures.of_run import CHIPS, RAMP, SPEEDS, THICKNESS, figure_of_times, figures_of_cut
+from chipbreak.figures.of_run import CHIPS, RAMP, SPEEDS, THICKNESS, figure_of_times, figures_of_cuts
 from chipbreak.figures.times import cut_names
 from chipbreak.page.figure_text import inline
 from chipbreak.page.style import STYLE
@@ -98,7 +98,10 @@ def _cuts(run: _Run) -> Iterator[str]:
 def _drawn_cuts(run: _Run) -> Iterator[str]:
     """The figures of each cut that is unlike those before it."""
     numbers = _unlike(run.report.cuts)
-    for number in numbers[:_MOST_DRAWN]:
+    drawn = numbers[:_MOST_DRAWN]
+    figures_of = figures_of_cuts(run.result, run.settings, run.report, drawn)
+    # Not strict: the motion of the cuts behind the last of these is not asked for.
+    for number, pictures in zip(drawn, figures_of, strict=False):
         cut = run.report.cuts[number - 1]
         lines = (
             f"s {cut.first_line} to {cut.last_line}"
@@ -109,7 +112,7 @@ def _drawn_cuts(run: _Run) -> Iterator[str]:
         yield f"<pre>{_text(cut.block)}</pre>"
         if cut.reasons:
             yield "<ul>" + "".join(f"<li>{_text(reason)}</li>" for reason in cut.reasons) + "</ul>"
-        figures = {one.name: one for one in figures_of_cut(run.result, run.settings, number)}
+        figures = {one.name: one for one in pictures}
         for name, caption in _CAPTIONS.items():
             figure = inline(figures[name], f"cut{number}-{name}")
             yield f"<figure>{figure}<figcaption>{caption}</figcaption></figure>"
