@@ -69,3 +69,14 @@ def test_a_block_that_begins_another_program_with_a_cut() -> None:
     result = chipbreak.rewrite(program, chipbreak.load("fanuc-mill-renishaw"))
     assert result.changed
     assert chipbreak.restore(result.data) == program
+
+
+@pytest.mark.parametrize(
+    ("line", "is_checked"), [("F100. G20", False), ("F100.\nG20", False), ("G20\nF4.", True)]
+)
+def test_an_f_that_is_read_before_the_units_change_lets_no_check_in(line: str, *, is_checked: bool) -> None:
+    """LinuxCNC's M72 would give it back as a number in the other units; F stands beside G20 or before it."""
+    operation = "G0 X3. Y4.\nG43 Z10. H2\nG1 Z-2. F100.\nG0 Z10.\n"
+    result = run(f"{line}\nT2 M6\nS900 M3\n(ROUGH)\n{operation}M5\nM2\n", "linuxcnc-mill")
+    assert bool(result.edits) is is_checked
+    assert ("F is from before the change of units" in str(result.diagnostics)) is not is_checked

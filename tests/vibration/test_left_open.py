@@ -68,6 +68,9 @@ def test_a_speed_that_may_be_skipped_is_given_back_to_nobody() -> None:
         ("o10 if [#1 EQ 1]\nG94\no10 else\nG95\no10 endif\n", "G95"),
         ("o10 if [#1 EQ 1]\nG8\no10 endif\n", "G7"),
         ("o10 while [#1 LT 3]\nG61\no10 endwhile\n", "G64"),
+        ("o10 if [#1 EQ 1]\nG64 P0.01\no10 endif\n", "G64"),
+        ("o10 if [#1 EQ 1]\nG64 P0.01\no10 else\nG64 P0.02\no10 endif\n", "G64"),
+        ("o10 repeat [3]\nG64\nG64 P0.01\no10 continue\nG64\no10 endrepeat\n", "G64"),
         ("o10 sub\nG61\no10 endsub\no10 call\n", "G64"),
         ("o10 sub\nG17\no10 endsub\no10 call\n", "G18"),
     ],
@@ -158,6 +161,13 @@ def test_the_programmed_speed_is_back_before_one_under_a_condition() -> None:
     lines = filtered(f"{HEAD}{cut}IF[#1EQ1] S900\nG0 X40.\nG1 X41. F0.2\nM30\n").data.decode().splitlines()
     at = lines.index("IF[#1EQ1] S900")
     assert lines[at - 3 : at] == ["(CHIPBREAK BEGIN SPEED AS PROGRAMMED)", "S2000", lines[at - 1]]
+
+
+def test_a_cut_in_a_loop_that_ends_with_another_tolerance_stays() -> None:
+    head = "G21 G18 G7 G40 G95 G64\nG97 S2000 M3\no10 repeat [2]\nG0 X30. Z5.\n"
+    cut = "(VIB N1.5)\nG1 Z-5. F0.1\n(VIB OFF)\n"
+    assert why_left(f"{head}{cut}G64 P0.01\no10 endrepeat\nM2\n", "linuxcnc-lathe") == ["VIB050"]
+    assert why_left(f"{head}{cut}G64\no10 endrepeat\nM2\n", "linuxcnc-lathe") == []
 
 
 def test_the_other_arm_has_the_modes_from_before_the_branch() -> None:

@@ -108,7 +108,8 @@ def unit_switches(interpreted: InterpretedProgram) -> Iterator[UnitSwitch]:
     has_tolerance = False
     for effect in interpreted.effects:
         before = effect.before
-        has_feed |= before.feed is not None  # after a loop it is not known any more, but in force
+        # After a loop it is not known any more, but in force; one beside G20 is read before it.
+        has_feed |= before.feed is not None or effect.says("F")
         if before.modes.units != effect.after.modes.units:
             has_tolerance = has_tolerance or has_lengths(before.path_words)
             yield UnitSwitch(effect.block.line, has_feed, has_tolerance)

@@ -17,8 +17,8 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 
-from chipbreak.dialects.modes import Modes
-from chipbreak.model.giving_back import is_same
+from chipbreak.dialects.modes import Modes, Units
+from chipbreak.model.giving_back import is_same, is_same_path_mode
 from chipbreak.model.left_open import differing, merged
 from chipbreak.model.modal import Setting, State
 from chipbreak.syntax.nodes import Block, Control, Number
@@ -67,13 +67,19 @@ class Jump(NamedTuple):
 
 
 class Carried(NamedTuple):
-    """F, S, the modes and the tool as a way brings them; ``left_open`` are groups in which it is not sure."""
+    """F, S, the modes and the tool as a way brings them; ``left_open`` are groups in which it is not sure.
+
+    ``path_words``, ``path_units`` and ``smooth_words`` are those of the state.
+    """
 
     feed: Setting | None
     speed: Setting | None
     modes: Modes
     left_open: frozenset[str] = frozenset()
     tool: int | None = None
+    path_words: str = ""
+    path_units: Units = "mm"
+    smooth_words: str = ""
 
     def without(self, *, feed: bool, speed: bool) -> Carried:
         """The same where what is called on the way may have said another F, or another S."""
@@ -221,7 +227,8 @@ def runs_at_least_once(opener: Control) -> bool:
 def carried_by(state: State) -> Carried:
     """F and S of a state; one that cannot be known is None."""
     left_open = frozenset(group for group, _ in state.left_open)
-    return Carried(_known(state.feed), _known(state.speed), state.modes, left_open, state.tool)
+    words = (state.path_words, state.path_units, state.smooth_words)
+    return Carried(_known(state.feed), _known(state.speed), state.modes, left_open, state.tool, *words)
 
 
 def _known(setting: Setting | None) -> Setting | None:
@@ -235,16 +242,22 @@ def together(ways: Sequence[Carried]) -> tuple[Carried, ...]:
     """
     if not ways:
         return ()
-    modes = ways[0].modes
-    left_open = differing(modes, (way.modes for way in ways)).union(*(way.left_open for way in ways))
-    tool = ways[0].tool
-    if any(way.tool != tool for way in ways):
-        left_open |= {"tool"}
+    first = ways[0]
+    left_open = differing(first.modes, (way.modes for way in ways)).union(*(way.left_open for way in ways))
+    left_open |= {name for name, is_other in _OTHERWISE.items() if any(is_other(first, way) for way in ways)}
     if not left_open.isdisjoint(_READ_BY):
-        return (Carried(None, None, modes, left_open, tool),)
+        return (first._replace(feed=None, speed=None, left_open=left_open),)
     feed = _common([way.feed for way in ways])
     speed = _common([way.speed for way in ways])
-    return (Carried(feed, speed, modes, left_open, tool),)
+    return (first._replace(feed=feed, speed=speed, left_open=left_open),)
+
+
+# What belongs to no modal group, or to the words beside a code of it.
+_OTHERWISE: Mapping[str, Callable[[Carried, Carried], bool]] = {
+    "tool": lambda one, other: one.tool != other.tool,
+    "path": lambda one, other: not is_same_path_mode(one, other),
+    "look_ahead": lambda one, other: one.smooth_words != other.smooth_words,
+}
 
 
 def met(
@@ -264,6 +277,9 @@ def met(
         feed=all_ways.feed,
         speed=all_ways.speed,
         tool=all_ways.tool,
+        path_words=all_ways.path_words,
+        path_units=all_ways.path_units,
+        smooth_words=all_ways.smooth_words,
         left_open=merged(state.left_open if from_above else (), all_ways.left_open, why),
     )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Protocol
 
 from chipbreak.dialects import Dialect
 from chipbreak.dialects.path_mode import has_lengths
@@ -60,7 +61,17 @@ def path_mode_blocks(state: State, dialect: Dialect) -> list[str]:
     return [f"{was} {state.path_words}", now]
 
 
-def is_same_path_mode(was: State, now: State) -> bool:
+class PathMode(Protocol):
+    """The path mode as a program said it, and the units of its words."""
+
+    @property
+    def path_words(self) -> str: ...  # noqa: D102
+
+    @property
+    def path_units(self) -> str: ...  # noqa: D102
+
+
+def is_same_path_mode(was: PathMode, now: PathMode) -> bool:
     """True for the same words in the same units."""
     same_units = was.path_units == now.path_units or not has_lengths(was.path_words)
     return same_units and was.path_words == now.path_words

@@ -224,8 +224,8 @@ def refusal_of(
             help_text = f"turn it off before the cut ({end}), or {_without(request)}"
             return RefusalError(code, f"{what}; a cut cannot vibrate in it", help_text), at
     return (
-        _open_refusal(request, at)
-        or _mark_refusal(effect)
+        _mark_refusal(effect)
+        or _open_refusal(request, at)
         or _mode_refusal(effect, interpreted.settings.dialect)
         or _spindle_refusal(request, at)
         or _words_refusal(effect, axis_words, interpreted.settings.dialect)
