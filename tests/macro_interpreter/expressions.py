@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from operator import and_, or_, xor
 
-from chipbreak.model.evaluate import FUNCTIONS, OPERATORS
+from chipbreak.syntax.evaluate import FUNCTIONS, OPERATORS
 from chipbreak.syntax.nodes import Call, Expression, Number, Operation, Variable
 from macro_interpreter.faults import ARITHMETIC, UNREADABLE, VARIABLE, fault
 

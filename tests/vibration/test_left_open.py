@@ -170,6 +170,16 @@ def test_a_cut_in_a_loop_that_ends_with_another_tolerance_stays() -> None:
     assert why_left(f"{head}{cut}G64\no10 endrepeat\nM2\n", "linuxcnc-lathe") == []
 
 
+@pytest.mark.parametrize(
+    ("line", "codes"),
+    [("G[64]", ["VIB050"]), ("G[60+1]", ["VIB050"]), ("M[5]", ["VIB046"]), ("G[90+5]", []), ("M[3]", [])],
+)
+def test_a_code_that_is_worked_out_from_numbers_is_that_code(line: str, codes: list[str]) -> None:
+    """A path mode of this kind cannot be given back; the others hold as if they were written plainly."""
+    cut = "G0 X30. Z5.\n(VIB N1.5)\nG1 Z-5. F0.1\n(VIB OFF)\nM2\n"
+    assert why_left(f"G21 G18 G7 G40 G95 G97 S2000 M3\n{line}\n{cut}", "linuxcnc-lathe") == codes
+
+
 def test_the_other_arm_has_the_modes_from_before_the_branch() -> None:
     """G20 in the first arm does not hold in the second."""
     head = "G21 G18 G7 G40 G95 G64\nG97 S2000 M3\no10 if [#1 EQ 1]\nG20\no10 else\n"

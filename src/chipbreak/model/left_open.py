@@ -6,7 +6,6 @@ group when it says a code of it.
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterable
 
@@ -15,7 +14,6 @@ from chipbreak.dialects.base import CYCLE_END, NON_MODAL, Code
 from chipbreak.dialects.modes import Modes
 from chipbreak.model.giving_back import is_same, is_same_path_mode
 from chipbreak.model.modal import TOOLS, UNKNOWN, UNREAD, LeftOpen, Position, Setting, State
-from chipbreak.model.words import plain_value
 from chipbreak.syntax.nodes import Block
 
 # A code as it may stand in a line that cannot be read; without digits where the control works it out.
@@ -39,9 +37,7 @@ def behind_worked_out(state: State, block: Block, taken: str, dialect: Dialect, 
 
     ``taken`` are the letters of words that are numbers for a macro.
     """
-    unknown = {word.address for word in block.words_of("GM") if math.isnan(plain_value(word))}.difference(
-        taken
-    )
+    unknown = {word.address for word in block.words_of("GM") if word.number is None}.difference(taken)
     if "G" in unknown:
         state = _with_codes_open(state, [None], dialect, f"line {line} works out a G code")
     return state._replace(spindle_why=f"line {line} works out an M code") if "M" in unknown else state

@@ -6,9 +6,9 @@ from chipbreak.dialects import Dialect
 from chipbreak.dialects.base import CYCLE_END
 from chipbreak.dialects.modes import UNSAID, Group, SpeedMode, Units
 from chipbreak.dialects.numbers import NumberRule
-from chipbreak.model.evaluate import constant
 from chipbreak.model.modal import UNKNOWN, Setting, State, one_unknown
 from chipbreak.settings.sections import Control, Settings
+from chipbreak.syntax.evaluate import constant
 from chipbreak.syntax.nodes import Block, Word
 from chipbreak.units import surface_speed_m_min, typed_surface_speed
 

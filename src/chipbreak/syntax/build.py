@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from chipbreak.dialects.base import Precedence
+from chipbreak.syntax.evaluate import constant
 from chipbreak.syntax.expressions import ExpressionReader, finite, is_token, rule_of
 from chipbreak.syntax.nodes import MARKS, Assignment, Block, Comment, Control, Expression, Variable, Word
 
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from lark import Token, Tree
 
 _O_WORD_SYNONYMS = {"CALLSUB": "CALL"}
+_CODE_LETTERS = frozenset("GgMm")
 _MACRO_KEYWORDS = {
     "condition": "IF",
     "loop": "WHILE",
@@ -119,7 +121,10 @@ class _Rules:
         is_number = rule_of(children[-1]) == "number"
         number = finite(value_text, value_start) if is_number else None
         expression = None if is_number else self.expression(children[-1])
-        self.builder.add_word(Word(str(children[0]), value_text, number, expression, start, end))
+        letter = str(children[0])
+        if expression is not None and letter in _CODE_LETTERS:  # G[64] is G64
+            number = constant(expression)
+        self.builder.add_word(Word(letter, value_text, number, expression, start, end))
 
     def _assignment(self, rule: str, children: list[Any], start: int, end: int) -> None:
         target = self.expression(children[0])

@@ -42,7 +42,8 @@ Expression = Number | Variable | Operation | Call
 class Word(NamedTuple):
     """A letter and its value.  ``start`` and ``end`` are offsets in the text of the block.
 
-    ``letter`` is as written (``f`` is not ``F``).  ``number`` is None where the value is an expression.
+    ``letter`` is as written (``f`` is not ``F``).  ``number`` is None where the value is an expression, but
+    for a code that is one without variables (``G[60+4]``).
     """
 
     letter: str
