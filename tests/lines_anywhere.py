@@ -28,7 +28,8 @@ G33.1 Z-5 K1 | G28.1 | G30.1 | G53 G1 X1 F10 | M70 | M72 | M73 | M48 | M49 | M61
 G41 D1 | G42.1 D0.5 | #1=5 | #1=#5420 | F#<_feed> | X#5420 | S#<_rpm> | o900 if [1 EQ 1] | o900 else
 o900 endif | o901 while [1 EQ 0] | o901 endwhile | o902 repeat [2] | o902 endrepeat | o903 sub
 o903 return | o903 endsub | o903 call | o200 call | G4 P.1 X9 | G2 X9 Z9 R9 | G3 I1 J0 P2 | G38.2 Z-5 F5
-G1 X7 A5 | G1 W1 F1 | g1 z8 f.1 | G[10*2] | G[94] | G[95] | G[17] | G[8] | G[90+1] | G[96] S[80] | M[5] | M[4]
+G1 X7 A5 | G1 W1 F1 | g1 z8 f.1 | G[10*2] | G[94] | G[95] | G[17] | G[8] | G[90+1] | G[64] | G[61] | M[5]
+G[96] S[80] | M[4]
 """
 _FANUC = """
 T0101 | T0202 | T0100 | G98 | G99 | G50 S2000 | G92 S2000 | G50 X20. Z10. | G92 X20. Z10. | G50 U1. | U1.
