@@ -96,9 +96,9 @@ RIGHT = (
         "public/01f-mill-units-after-feed.ngc",
         LC_MILL,
         BEAM,
-        checks=("5 TOOL CHECK T1, TRACE T1", "8 CHIP CHECK T1 W0.02", "12 CHIP CHECK T1 W0.05"),
-        modes=("M5", "S3000 M3", "M5", "S3000 M3", "M5"),
-        said=("MOD002 5",),
+        checks=("5 TOOL CHECK T1, TRACE T1",),  # behind line 5 M72 would give F back in the other units
+        modes=("M5", "S3000 M3"),
+        said=("CHK002 8", "CHK002 12", "MOD002 5"),
     ),
     Right(
         "public/01g-initial-inch-machine.ngc",
