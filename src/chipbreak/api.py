@@ -12,7 +12,7 @@ from chipbreak.editing.restore import restore as put_back
 from chipbreak.macros import check_axes, macro_files
 from chipbreak.macros.parameters import MacroSettings
 from chipbreak.model.from_source import interpret_source
-from chipbreak.pipeline import Result, rewrite, verify_filtered
+from chipbreak.pipeline import Result, interpreted_of, rewrite, verify_filtered
 from chipbreak.report.build import report_of
 from chipbreak.report.model import Report
 from chipbreak.self_check import written_edits
@@ -87,8 +87,7 @@ def motions(result: Result, settings: Settings) -> Iterator[CutMotion]:
 
     if not result.cuts:
         return
-    settings = settings.as_shown(result.shown)
-    interpreted = interpret_source(result.source, settings)
+    interpreted = interpreted_of(result, settings)
     for written in written_edits(interpreted, result.bracketed, result.edits):
         promise = written.edit.promise
         if isinstance(promise, VibratedCut):

@@ -103,6 +103,18 @@ class Result(NamedTuple):
         return tuple(report for report in self.reports if isinstance(report, CutReport))
 
 
+def interpreted_of(result: Result, settings: Settings) -> InterpretedProgram:
+    """The program of a result before its edits, under the settings of the run.
+
+    It is read again only where the run has not kept it: cycles were written out, or it was read in parts.
+    """
+    settings = settings.as_shown(result.shown)
+    kept = result.whole and result.whole.interpreted
+    if kept and kept.program.source is result.source and kept.settings == settings:
+        return kept
+    return interpret_source(result.source, settings)
+
+
 def rewrite(
     data: bytes,
     settings: Settings,

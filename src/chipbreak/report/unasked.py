@@ -6,11 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from chipbreak.model.from_source import interpret_source
 from chipbreak.operations.kinds import Kind
 from chipbreak.operations.main_program import main_program
 from chipbreak.operations.operations import Operation
-from chipbreak.pipeline import Result
+from chipbreak.pipeline import Result, interpreted_of
 from chipbreak.report.model import ExplainedUnasked
 from chipbreak.settings import Settings
 from chipbreak.vibration.request import profile_directive
@@ -28,7 +27,7 @@ def unasked_cuts(result: Result, settings: Settings) -> tuple[ExplainedUnasked, 
 
 def _found(result: Result, settings: Settings) -> Iterator[ExplainedUnasked]:
     source = result.source
-    cuts = main_program(interpret_source(source, settings)).cuts
+    cuts = main_program(interpreted_of(result, settings)).cuts
     asked = [range(cut.plan.chain.first, cut.plan.chain.last) for cut in result.cuts]
     asked += [range(cut.first, cut.last) for cut in result.left]
     rest = cuts[~np.isin(cuts, np.array([line for lines in asked for line in lines], np.int64))]

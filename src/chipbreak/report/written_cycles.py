@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from chipbreak.cycle_time.blocks import BlockTimer
 from chipbreak.cycle_time.clock import Clock, Machine
-from chipbreak.model.from_source import interpret_source
 from chipbreak.model.interpreted_program import InterpretedProgram
-from chipbreak.pipeline import Result
+from chipbreak.pipeline import Result, interpreted_of
 from chipbreak.report.model import ExplainedCycle
 from chipbreak.settings import Settings
 from chipbreak.unrolling import Span
@@ -16,7 +15,7 @@ def written_cycles(result: Result, settings: Settings) -> tuple[ExplainedCycle, 
     """Each cycle that was written out, in the order of the program."""
     if not result.cycles:
         return ()
-    interpreted = interpret_source(result.source, settings)
+    interpreted = interpreted_of(result, settings)
     return tuple(_explained(span, result, interpreted) for span in result.cycles)
 
 
