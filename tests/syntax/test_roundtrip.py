@@ -231,6 +231,7 @@ ENDLESS = {
     "labels never closed": ("O[" * 30_000, "not expected"),
     "labels and blanks": (("O" + " " * 250) * 250, "not expected"),
     "functions and blanks": ("X" + ("SIN" + " " * 250) * 250, "not expected"),
+    "a huge code": ("G" + "9" * 308, "too many digits"),
     "a huge number": ("X" + "9" * 400, "too many digits"),
     "a huge number in an expression": ("X[" + "9" * 400 + "]", "too many digits"),
     "a huge sequence number before a block delete": ("N" + "9" * 400 + "/X1", "too many digits"),

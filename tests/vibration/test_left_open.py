@@ -133,6 +133,8 @@ def test_a_smoothing_that_a_jump_may_bring_is_not_given_back() -> None:
         ("M#1", "M3", "VIB069"),
         ("G98 X[1", "G99 F0.1 S2000", "VIB050"),
         ("G20 ?", "G21 F0.1 S2000", "VIB050"),
+        ("G" + "9" * 308, "G99 F0.1 S2000", "VIB050"),
+        ("G98 X[" + "9" * 400 + "]", "G99 F0.1 S2000", "VIB050"),
         ("M4 ?", "M3 F0.1 S2000", "VIB069"),
     ],
 )
@@ -172,7 +174,14 @@ def test_a_cut_in_a_loop_that_ends_with_another_tolerance_stays() -> None:
 
 @pytest.mark.parametrize(
     ("line", "codes"),
-    [("G[64]", ["VIB050"]), ("G[60+1]", ["VIB050"]), ("M[5]", ["VIB046"]), ("G[90+5]", []), ("M[3]", [])],
+    [
+        ("G[64]", ["VIB050"]),
+        ("G[10**200]", ["VIB050"]),
+        ("G[60+1]", ["VIB050"]),
+        ("M[5]", ["VIB046"]),
+        ("G[90+5]", []),
+        ("M[3]", []),
+    ],
 )
 def test_a_code_that_is_worked_out_from_numbers_is_that_code(line: str, codes: list[str]) -> None:
     """A path mode of this kind cannot be given back; the others hold as if they were written plainly."""

@@ -17,7 +17,7 @@ from chipbreak.model.modal import TOOLS, UNKNOWN, UNREAD, LeftOpen, Position, Se
 from chipbreak.syntax.nodes import Block
 
 # A code as it may stand in a line that cannot be read; without digits where the control works it out.
-_CODE = re.compile(r"(?<![A-Z])([GM])[ \t]*(?:([0-9]+\.?[0-9]*)|[#\[])", re.ASCII)
+_CODE = re.compile(r"(?<![A-Z])([GM])[ \t]*(?:([0-9]{1,9}(?:\.[0-9]{0,9})?)|[#\[])", re.ASCII)
 
 
 def behind_unread(state: State, block: Block, dialect: Dialect, line: int) -> State:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 _O_WORD_SYNONYMS = {"CALLSUB": "CALL"}
 _CODE_LETTERS = frozenset("GgMm")
+_NO_CODE = 1e6  # no code is such a number
 _MACRO_KEYWORDS = {
     "condition": "IF",
     "loop": "WHILE",
@@ -123,7 +124,8 @@ class _Rules:
         expression = None if is_number else self.expression(children[-1])
         letter = str(children[0])
         if expression is not None and letter in _CODE_LETTERS:  # G[64] is G64
-            number = constant(expression)
+            value = constant(expression)
+            number = value if value is not None and abs(value) < _NO_CODE else None
         self.builder.add_word(Word(letter, value_text, number, expression, start, end))
 
     def _assignment(self, rule: str, children: list[Any], start: int, end: int) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -36,10 +35,13 @@ def is_token(node: Any) -> bool:
     return isinstance(node, str)
 
 
+_TOO_LARGE = 1e255  # more than a line of plain words can hold; a thousand times it is a float
+
+
 def finite(text: str, column: int) -> float:
-    """The number of a text; raises UnreadableError where a float cannot hold it."""
+    """The number of a text; raises UnreadableError where a float cannot hold it, or a multiple of it."""
     value = float(text)
-    if not math.isfinite(value):
+    if not abs(value) < _TOO_LARGE:
         raise UnreadableError("a number has too many digits", column)
     return value
 
