@@ -441,7 +441,7 @@ DIGITS = "a number has too many digits"
         ("M8 X1" + "0" * 255, DIGITS, 4),
         ("#1=2+1" + "0" * 255, DIGITS, 5),
         ("N1" + "0" * 255 + "/X1.", DIGITS, 0),
-        ("G1" + "0" * 400, DIGITS, 0),
+        ("G1" + "0" * 400, DIGITS, 1),
         # Two hundred operations in each other, and one more.
         ("#1=1" + "+1" * 200, "", 0),
         ("#1=1" + "+1" * 201, "it is nested too deeply", 3),
