@@ -145,6 +145,19 @@ def test_a_cut_behind_what_may_be_said_stays(line: str, again: str, code: str) -
     assert why_left(f"{HEAD}F0.1\n{line}\n{again}\n{cut}") == []
 
 
+@pytest.mark.parametrize(
+    ("line", "why"),
+    [
+        ("/F0.3", "F0.3 is that of line 6, which block delete may skip"),
+        ("IF[#1EQ1] F0.3", "F0.3 is that of line 6, which acts only under its condition"),
+    ],
+)
+def test_why_the_feed_is_not_known(line: str, why: str) -> None:
+    cut = "G0 X28. Z5.\n(VIB N1.5)\nG1 Z-5.\n(VIB OFF)\nG0 X40.\nM30\n"
+    (left,) = filtered(f"{HEAD}F0.1\n{line}\n{cut}").left
+    assert left.said.message == f"the feed is not known: {why}"
+
+
 def test_a_g_code_that_is_worked_out_may_be_any() -> None:
     cut = "G0 X28. Z5.\n(VIB N1.5)\nG1 Z-5. F0.1\n(VIB OFF)\nG0 X40.\nM30\n"
     assert why_left(f"{HEAD}G#1\n{cut}") == ["VIB050"]

@@ -261,8 +261,9 @@ class Obstacles:
     # --- words of messages ----------------------------------------------------------------------------
     def _how(self, line: int) -> str:
         """How a line has left open what it sets."""
-        if self.interpreted.program.block(line).is_optional:
-            return "with block delete (/)"
+        block = self.interpreted.program.block(line)
+        if block.is_optional:
+            return "with block delete (/)" if block.skip else "with its condition"
         if (self._jumps and line == self._jumps[1]) or any(line == nest.last for nest in self._nests):
             return "ends a loop, a branch or a jump, which"
         return "calls a subprogram, which"

@@ -372,7 +372,8 @@ def _feed_that_cannot_be(interpreted: InterpretedProgram, state: State, feed: Se
     word = program.block(feed.line).word("F")
     why = ""
     if program.block(feed.line).is_optional:
-        why = f"is that of line {line}, which block delete may skip"
+        skips = "block delete may skip" if program.block(feed.line).skip else "acts only under its condition"
+        why = f"is that of line {line}, which {skips}"
     elif word is None:
         why = f"of the shape of the finishing cycle in line {line} may hold behind it or not"
     elif state.kept is not None and word.number is not None and math.isnan(feed.value):
