@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from chipbreak.kinematics import remembered as module
 from chipbreak.kinematics.floats import Floats
-from chipbreak.kinematics.remembered import _MOST_KEPT, _MOST_NUMBERS, remembered
+from chipbreak.kinematics.remembered import _ENTRY, _MOST_NUMBERS, remembered
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,12 +97,27 @@ def test_long_answers_are_not_kept() -> None:
     assert asked == [_MOST_NUMBERS, _MOST_NUMBERS + 1, _MOST_NUMBERS + 1]
 
 
-def test_only_so_many_are_kept() -> None:
-    """The oldest are forgotten all at once."""
+def test_only_so_many_numbers_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The oldest is forgotten first: what was asked for counts, and what was given."""
+    monkeypatch.setattr(module, "_MOST_KEPT", 4 * (10 + _ENTRY))
+    asked: list[int] = []
+
+    @remembered
+    def work(number: int, values: Floats) -> Floats:
+        asked.append(number)
+        return values + number
+
+    for number in (0, 1, 2, 3, 0, 4, 3, 1, 0):
+        work(number, np.zeros(5))
+    assert asked == [0, 1, 2, 3, 4, 0]
+
+
+def test_one_is_kept_however_long_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "_MOST_KEPT", 1)
     counted = Counted()
-    for number in (*range(_MOST_KEPT), 0, _MOST_KEPT, 0):
+    for number in (1, 1, 2, 2, 1):
         counted.work(number)
-    assert counted.asked == [(number,) for number in (*range(_MOST_KEPT), _MOST_KEPT, 0)]
+    assert counted.asked == [(1,), (2,), (1,)]
 
 
 def test_what_is_kept_cannot_be_written() -> None:

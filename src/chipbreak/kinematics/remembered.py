@@ -9,15 +9,18 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterator
 from dataclasses import is_dataclass
 from functools import wraps
+from threading import Lock
 from typing import Any, Final, ParamSpec, TypeVar
 
 import numpy as np
 
 _MOST_NUMBERS = 1 << 13  # in one array: a longer cut is worked out anew
-_MOST_KEPT = 16
+_MOST_KEPT = 1 << 19  # numbers of all arrays, given and asked for, by one function: 4 MB
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
+_ENTRY = 128  # what one costs beside its arrays, in numbers
+_one_at_a_time: Final = Lock()
 _every: Final[list[dict[Hashable, Any]]] = []
 
 
@@ -28,7 +31,8 @@ def remembered(function: Callable[_P, _R]) -> Callable[_P, _R]:
     gives: its arrays cannot be written.  It gives no None.
     """
     known: dict[Hashable, _R] = {}
-    _every.append(known)
+    sizes: dict[Hashable, int] = {}  # of what is known, in numbers
+    _every.extend((known, sizes))
 
     @wraps(function)
     def work(*args: _P.args, **kwargs: _P.kwargs) -> _R:
@@ -41,19 +45,30 @@ def remembered(function: Callable[_P, _R]) -> Callable[_P, _R]:
             found = function(*args, **kwargs)
             for array in _arrays_in(found):
                 array.flags.writeable = False
-            if len(known) >= _MOST_KEPT:
-                known.clear()
             if not _is_long(found):
-                known[key] = found
+                with _one_at_a_time:
+                    known[key] = found
+                    sizes[key] = sum(array.size for array in _arrays_in((asked, found))) + _ENTRY
+                    _forget_oldest(known, sizes)
         return found
 
     return work
 
 
+def _forget_oldest(known: dict[Hashable, _R], sizes: dict[Hashable, int]) -> None:
+    """Forget what was found first, while all is more than is kept."""
+    too_many = sum(sizes.values()) - _MOST_KEPT
+    while too_many > 0 and len(known) > 1:
+        oldest = next(iter(known))
+        del known[oldest]
+        too_many -= sizes.pop(oldest)
+
+
 def forget() -> None:
     """Forget all that any function has given, for who changes how they work, or measures how long."""
-    for known in _every:
-        known.clear()
+    with _one_at_a_time:
+        for known in _every:
+            known.clear()
 
 
 def _parts_of(value: object) -> tuple[object, ...] | None:
