@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 import chipbreak
 from chipbreak.model import arrivals
+from chipbreak.model.interpreted_program import interpret
+from chipbreak.syntax.parse import parse
+from chipbreak.text.source import read
 
 HEAD = "G21 G18 G40 G99\nT0101\nG97 S2000 M3\nG0 X30. Z5.\n"
+# Says its F and S; or takes those in force.
+CUT = "G0 X28. Z5.\n(VIB N1.5)\nG1 Z-5. F0.1 S2000\n(VIB OFF)\nG0 X40.\nM30\n"
+BARE_CUT = "G0 X28. Z5.\n(VIB N1.5)\nG1 Z-5.\n(VIB OFF)\nG0 X40.\nM30\n"
 SETS = ("checks.enabled=false", "vibration.refused=leave", "planner.model=ideal")
 
 
@@ -38,9 +46,8 @@ def why_left(program: str, profile: str = "fanuc-lathe") -> list[str]:
     ],
 )
 def test_a_cut_behind_what_may_be_skipped_stays(skipped: str, again: str, code: str) -> None:
-    cut = "G0 X28. Z5.\n(VIB N1.5)\nG1 Z-5.\n(VIB OFF)\nG0 X40.\nM30\n"
-    assert why_left(f"{HEAD}F0.1\n/{skipped}\n{cut}") == [code]
-    assert why_left(f"{HEAD}F0.1\n/{skipped}\n{again}\n{cut}") == []
+    assert why_left(f"{HEAD}F0.1\n/{skipped}\n{BARE_CUT}") == [code]
+    assert why_left(f"{HEAD}F0.1\n/{skipped}\n{again}\n{BARE_CUT}") == []
 
 
 @pytest.mark.parametrize("line", ["S2000", "F0.1", "G99", "M3", "M8", "M1", "G4 X1.", "G54", "G21"])
@@ -95,24 +102,21 @@ def test_a_cut_behind_a_branch_that_sets_a_mode_stays(part: str, again: str) -> 
 )
 def test_a_cut_behind_a_jump_that_is_worked_out_stays(part: str, again: str, code: str) -> None:
     """It says its F and S, which are read by the modes that the jump brings."""
-    cut = "G0 X28. Z5.\n(VIB N1.5)\nG1 Z-5. F0.1 S2000\n(VIB OFF)\nM30\n"
-    assert why_left(f"{HEAD}{part}\n{cut}")[:1] == [code]
-    assert why_left(f"{HEAD}{part}\n{again}\n{cut}") == []
+    assert why_left(f"{HEAD}{part}\n{CUT}")[:1] == [code]
+    assert why_left(f"{HEAD}{part}\n{again}\n{CUT}") == []
 
 
 def test_a_jump_that_is_worked_out_brings_what_is_in_force_there() -> None:
-    cut = "G0 X28. Z5.\n(VIB N1.5)\nG1 Z-5.\n(VIB OFF)\nM30\n"
-    assert why_left(f"{HEAD}F0.1\nGOTO#1\nG4 X1.\nN20\n{cut}") == []
-    assert why_left(f"{HEAD}F0.1\nGOTO#1\nF0.2\nN20\n{cut}") == ["VIB050"]
+    assert why_left(f"{HEAD}F0.1\nGOTO#1\nG4 X1.\nN20\n{BARE_CUT}") == []
+    assert why_left(f"{HEAD}F0.1\nGOTO#1\nF0.2\nN20\n{BARE_CUT}") == ["VIB050"]
 
 
 def test_behind_very_many_places_of_a_jump_the_modes_are_open(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where it is not followed, what the program says in two ways is not known, and F and S are not."""
     monkeypatch.setattr(arrivals, "_MOST_NUMBERS", 50)
-    cut = "G0 X28. Z5.\n(VIB N1.5)\nG1 Z-5. F0.1 S2000\n(VIB OFF)\nM30\n"
     places = "".join(f"N{number}\n" for number in range(100, 200))
-    assert why_left(f"{HEAD}G98\nGOTO#1\nG99\n{places}{cut}") == ["VIB050"]
-    assert why_left(f"{HEAD}GOTO#1\n{places}{cut}") == []
+    assert why_left(f"{HEAD}G98\nGOTO#1\nG99\n{places}{CUT}") == ["VIB050"]
+    assert why_left(f"{HEAD}GOTO#1\n{places}{CUT}") == []
 
 
 def test_a_smoothing_that_a_jump_may_bring_is_not_given_back() -> None:
@@ -140,9 +144,8 @@ def test_a_smoothing_that_a_jump_may_bring_is_not_given_back() -> None:
 )
 def test_a_cut_behind_what_may_be_said_stays(line: str, again: str, code: str) -> None:
     """Under a condition, worked out by the control, or in a line that nobody here can read."""
-    cut = "G0 X28. Z5.\n(VIB N1.5)\nG1 Z-5.\n(VIB OFF)\nG0 X40.\nM30\n"
-    assert why_left(f"{HEAD}F0.1\n{line}\n{cut}")[:1] == [code]
-    assert why_left(f"{HEAD}F0.1\n{line}\n{again}\n{cut}") == []
+    assert why_left(f"{HEAD}F0.1\n{line}\n{BARE_CUT}")[:1] == [code]
+    assert why_left(f"{HEAD}F0.1\n{line}\n{again}\n{BARE_CUT}") == []
 
 
 @pytest.mark.parametrize(
@@ -153,8 +156,7 @@ def test_a_cut_behind_what_may_be_said_stays(line: str, again: str, code: str) -
     ],
 )
 def test_why_the_feed_is_not_known(line: str, why: str) -> None:
-    cut = "G0 X28. Z5.\n(VIB N1.5)\nG1 Z-5.\n(VIB OFF)\nG0 X40.\nM30\n"
-    (left,) = filtered(f"{HEAD}F0.1\n{line}\n{cut}").left
+    (left,) = filtered(f"{HEAD}F0.1\n{line}\n{BARE_CUT}").left
     assert left.said.message == f"the feed is not known: {why}"
 
 
@@ -165,10 +167,16 @@ def test_a_g_code_that_is_worked_out_may_be_any() -> None:
     assert why_left(f"{HEAD}G65 P9 M#1\n{HEAD}{cut}") == []
 
 
+def test_a_g_code_that_is_worked_out_may_set_another_origin() -> None:
+    settings = chipbreak.load("fanuc-lathe", SETS)
+    text = f"{HEAD}G#1\n(HERE)\nM30\n".encode()
+    program = interpret(parse(read(text, "origin.nc"), settings.dialect), settings)
+    assert math.isnan(program.before(6).position.z)
+
+
 @pytest.mark.parametrize("line", ["SETTING X[1", "IF[#1EQ1]THEN #2=98", "IF[#1EQ1] GOTO 5\nN5"])
 def test_what_says_no_code_leaves_the_modes_known(line: str) -> None:
-    cut = "G0 X28. Z5.\n(VIB N1.5)\nG1 Z-5. F0.1 S2000\n(VIB OFF)\nG0 X40.\nM30\n"
-    assert why_left(f"{HEAD}{line}\n{cut}") == []
+    assert why_left(f"{HEAD}{line}\n{CUT}") == []
 
 
 def test_the_programmed_speed_is_back_before_one_under_a_condition() -> None:
@@ -225,7 +233,14 @@ def test_what_may_cut_finds_the_programmed_speed(line: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("call", "codes"), [("/T0202", ["VIB040"] * 2), ("T0202", []), ("/T0202\nT0202", [])]
+    ("call", "codes"),
+    [
+        ("/T0202", ["VIB040"] * 2),
+        ("T0202 ?", ["VIB040"] * 2),
+        ("T0202", []),
+        ("/T0202\nT0202", []),
+        ("T0202 ?\nT0202\nG97 S2000", []),
+    ],
 )
 def test_the_nose_of_a_tool_that_may_not_have_been_called(call: str, codes: list[str]) -> None:
     noses = [

@@ -17,11 +17,11 @@ from chipbreak.model.modal import TOOLS, UNKNOWN, UNREAD, LeftOpen, Position, Se
 from chipbreak.syntax.nodes import Block
 
 # A code as it may stand in a line that cannot be read; without digits where the control works it out.
-_CODE = re.compile(r"(?<![A-Z])([GM])[ \t]*(?:([0-9]{1,9}(?:\.[0-9]{0,9})?)|[#\[])", re.ASCII)
+_CODE = re.compile(r"(?<![A-Z])([GMT])[ \t]*(?:([0-9]{1,9}(?:\.[0-9]{0,9})?)|[#\[])", re.ASCII)
 
 
 def behind_unread(state: State, block: Block, dialect: Dialect, line: int) -> State:
-    """The state behind a line that cannot be read: what its codes set, or do to the spindle, is not known.
+    """The state behind a line that cannot be read: what its codes set, or do to spindle and tool, is open.
 
     ``line`` is its number in the user's file.
     """
@@ -29,7 +29,10 @@ def behind_unread(state: State, block: Block, dialect: Dialect, line: int) -> St
     said = _CODE.findall(block.text.upper())
     codes = [_code_of(float(number), dialect) if number else None for letter, number in said if letter == "G"]
     after = _with_codes_open(state.forgotten(why), codes, dialect, why)
-    return after._replace(spindle_why=why) if any(letter == "M" for letter, _ in said) else after
+    letters = {letter for letter, _ in said}
+    if "T" in letters:
+        after = after._replace(left_open=merged(after.left_open, TOOLS, why))
+    return after._replace(spindle_why=why) if "M" in letters else after
 
 
 def behind_worked_out(state: State, block: Block, taken: str, dialect: Dialect, line: int) -> State:
@@ -39,7 +42,8 @@ def behind_worked_out(state: State, block: Block, taken: str, dialect: Dialect, 
     """
     unknown = {word.address for word in block.words_of("GM") if word.number is None}.difference(taken)
     if "G" in unknown:
-        state = _with_codes_open(state, [None], dialect, f"line {line} works out a G code")
+        why = f"line {line} works out a G code"  # which may be one of another origin
+        state = _with_codes_open(state.lost(why), [None], dialect, why)
     return state._replace(spindle_why=f"line {line} works out an M code") if "M" in unknown else state
 
 
