@@ -288,7 +288,7 @@ def _tried(context: Context, passes: Sequence[Pass], output: bytes | None) -> _T
     """Plan, write (or take the ``output`` there is) and look after every promise."""
     interpreted = context.interpreted
     diagnostics = [*context.said, *findings(interpreted, context.named_cycles)]
-    planned = _planned(passes, context)
+    planned = _planned(passes, replace(context, said=diagnostics))
     context.options.progress(_PLANNED)
     diagnostics += [diagnostic for one in planned for diagnostic in one.diagnostics]
     # Of two insertions before one line, what was planned later stands first.
@@ -365,7 +365,7 @@ def _planned(passes: Iterable[Pass], context: Context) -> list[Planned]:
     for one in passes:
         edits, diagnostics, left = one.plan(context)
         named = [edit._replace(pass_name=one.name) for edit in edits]
-        context = replace(context, planned=(*context.planned, *named))
+        context = replace(context, planned=(*context.planned, *named), said=(*context.said, *diagnostics))
         planned.append(Planned(named, diagnostics, left))
     return planned
 

@@ -5,18 +5,24 @@ from __future__ import annotations
 import pytest
 
 import chipbreak
+from chipbreak.text.diagnostics import Diagnostic
 
 # Too short for a vibration, which planning says.
 REFUSED, FINE = "G1 Z1.98 F0.05 N1.5", "G1 Z-3. F0.05 N1.5"
 
 
-def said(*cuts: str) -> list[tuple[str, int]]:
-    """What a program with these cuts is told: code and line."""
+def refused(*cuts: str) -> tuple[Diagnostic, ...]:
+    """What a program with these cuts is told."""
     passes = "".join(f"G0 X20. Z2.\n{cut}\nG0 X30.\n" for cut in cuts)
     data = f"G97 S1200 M3\n{passes}M30\n".encode()
     with pytest.raises(chipbreak.ProgramRejectedError) as caught:
         chipbreak.rewrite(data, chipbreak.load("generic-lathe"))
-    return [(one.code, one.place.line if one.place else 0) for one in caught.value.diagnostics]
+    return caught.value.diagnostics
+
+
+def said(*cuts: str) -> list[tuple[str, int]]:
+    """The same, as code and line."""
+    return [(one.code, one.place.line if one.place else 0) for one in refused(*cuts)]
 
 
 def test_the_last_that_is_tried() -> None:
@@ -74,3 +80,45 @@ def test_all_is_tried_where_none_is_refused() -> None:
     passes = f"G0 X20. Z2.\n{FINE}\nG0 X30.\n" * 203
     result = chipbreak.rewrite(f"G97 S1200 M3\n{passes}M30\n".encode(), chipbreak.load("generic-lathe"))
     assert len(result.cuts) == 203
+
+
+# Half the stroke that it would need, which is known once its blocks are made.
+WHOLE_CHIPS = "G1 Z-3. F0.05 N1.5 Q0.5"
+
+
+def test_so_many_with_whole_chips_are_said() -> None:
+    """As of those that planning refuses, and what would work for the first three."""
+    assert [code for code, _ in said(*[WHOLE_CHIPS] * 20)] == ["VIB060"] * 20
+    found = said(*[WHOLE_CHIPS] * 21)
+    assert [code for code, _ in found] == ["VIB060"] * 20 + ["VIB098"]
+    assert found[-1][1] == 3 + 3 * 20
+
+
+def test_whole_chips_behind_cuts_that_break_them() -> None:
+    """Each kind of cut is looked at, however many of another kind have held."""
+    found = said(*[FINE] * 5, *[WHOLE_CHIPS, FINE] * 21)
+    assert [code for code, _ in found] == ["VIB060"] * 20 + ["VIB098"]
+    assert found[0][1] == 3 + 3 * 5
+    assert found[-1][1] == 3 + 3 * (5 + 39)
+
+
+@pytest.mark.parametrize("count", [3, 21])
+def test_what_works_is_said_with_few_and_with_many(count: int) -> None:
+    """For the first three."""
+    helped = [one.help.startswith("works: Q 1.") for one in refused(*[WHOLE_CHIPS] * count)]
+    assert helped[:4] == [True, True, True, False][:count]
+
+
+def test_whole_chips_that_are_let_pass_end_nothing() -> None:
+    """However many there are."""
+    passes = f"G0 X20. Z2.\n{WHOLE_CHIPS}\nG0 X30.\n" * 21
+    data = f"G97 S1200 M3\n{passes}M30\n".encode()
+    result = chipbreak.rewrite(data, chipbreak.load("generic-lathe"), allow_unbroken=True)
+    assert len(result.cuts) == 21
+
+
+def test_only_the_first_are_tried_where_the_program_is_refused_anyway() -> None:
+    """A line that cannot be read is said before any cut is planned."""
+    unread = "(VIB N1.5)\nX2O."
+    assert [code for code, _ in said(*[FINE] * 199, REFUSED, unread)] == ["VIB013", "VIB018"]
+    assert [code for code, _ in said(*[FINE] * 200, REFUSED, unread)] == ["VIB098", "VIB018"]

@@ -15,7 +15,7 @@ from chipbreak.model.interpreted_program import InterpretedProgram
 from chipbreak.operations.main_program import MainProgram
 from chipbreak.operations.operations import Operation
 from chipbreak.settings.sections import Settings
-from chipbreak.text.diagnostics import Diagnostic, RefusalError
+from chipbreak.text.diagnostics import Diagnostic, RefusalError, has_errors
 from chipbreak.text.frozen_table import FrozenTable
 from chipbreak.text.named_tuple import NamedTuple
 from chipbreak.text.record import Record
@@ -51,7 +51,7 @@ class Context(Record):
     ``split_operations`` are the operations with each cycle that was written out as one of its own.
     ``named_cycles`` are lines of cycles of which it is said already why they stay as they are.
     ``reasons``: why cuts, by their line, stay under nose compensation, or why corners there are not drawn.
-    ``said`` is what was said of the program as it came in.
+    ``said`` is what was said of the program as it came in, and by the passes before.
     """
 
     interpreted: InterpretedProgram
@@ -65,6 +65,11 @@ class Context(Record):
     named_cycles: frozenset[int] = frozenset()
     reasons: Mapping[int, RefusalError] = field(default_factory=FrozenTable)
     said: Sequence[Diagnostic] = ()
+
+    @property
+    def is_refused(self) -> bool:
+        """True where an error was said already: no edit will be used."""
+        return has_errors(self.said)
 
     @property
     def cut_operations(self) -> Sequence[Operation]:

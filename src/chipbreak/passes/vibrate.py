@@ -18,7 +18,7 @@ from collections.abc import Mapping, Sequence
 from chipbreak.editing.edits import Edit
 from chipbreak.editing.promise import SpindleRestarted
 from chipbreak.passes.base import Context, Pass, Planned
-from chipbreak.text.diagnostics import Diagnostic
+from chipbreak.text.diagnostics import Diagnostic, has_errors
 from chipbreak.vibration.left_cut import said_of_left
 from chipbreak.vibration.request import requests_of
 
@@ -47,6 +47,7 @@ class Vibrate(Pass):
                 given_up=context.given_up,
                 allow_unbroken=context.options.allow_unbroken,
                 reasons=context.reasons,
+                is_refused=context.is_refused or has_errors(diagnostics),
             )
             edits = cuts.edits
             diagnostics = diagnostics + cuts.diagnostics

@@ -32,17 +32,25 @@ def beginnings(plan: CutPlan, settings: Settings) -> Iterator[CutPlan]:
     They start as the cut does and then have the same full strokes, so that what both of them fail by does not
     come from where they end.
     """
-    wave = plan.wave
-    least = _LEAST_VIBRATIONS + _RAMPS * 2.0 * wave.ramp_in_s / wave.period_s
-    cost = cost_of(plan, settings)
-    if cost < _LONG_COST or wave.vibrations < _LONGER * least:
+    if not is_long(plan, settings):
         return
-    share = max(BEGINNINGS_COST / 2.0 / cost, least / wave.vibrations)
+    wave = plan.wave
+    share = max(BEGINNINGS_COST / 2.0 / cost_of(plan, settings), _least_vibrations(plan) / wave.vibrations)
     for longer in (1.0, _OTHER_END):
         path = plan.path.beginning(longer * share * plan.path.length_mm)
         shorter = replace(wave, length_mm=path.length_mm)
         time_s, distance_mm = sample(shorter)
         yield replace(plan, path=path, wave=shorter, time_s=time_s, distance_mm=distance_mm)
+
+
+def is_long(plan: CutPlan, settings: Settings) -> bool:
+    """True for a cut that has beginnings worth looking at."""
+    return cost_of(plan, settings) >= _LONG_COST and plan.wave.vibrations >= _LONGER * _least_vibrations(plan)
+
+
+def _least_vibrations(plan: CutPlan) -> float:
+    """How many a beginning has at least."""
+    return _LEAST_VIBRATIONS + _RAMPS * 2.0 * plan.wave.ramp_in_s / plan.wave.period_s
 
 
 def failure_of(

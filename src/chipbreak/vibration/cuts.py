@@ -29,6 +29,7 @@ from chipbreak.vibration.chain import Chain, chains_of, legs_of
 from chipbreak.vibration.choice import NOTHING_FITS, Chooser, is_open
 from chipbreak.vibration.cut_edit import Step, cut_edit, feed_codes_of, overrides_of, settling
 from chipbreak.vibration.diameter_steps import diameter_steps
+from chipbreak.vibration.fails_alike import FailsAlike
 from chipbreak.vibration.findings import first_error
 from chipbreak.vibration.judged import Judged
 from chipbreak.vibration.large_changes import refuse_beyond_any_machine
@@ -74,6 +75,7 @@ def edits_of_cuts(
     given_up: Mapping[int, Diagnostic] = NONE_GIVEN_UP,
     allow_unbroken: bool = False,
     reasons: Mapping[int, RefusalError] = _NO_REASONS,
+    is_refused: bool = False,
 ) -> Cuts:
     """The edits of every vibrated cut.  Errors are diagnostics; with one, there are no edits.
 
@@ -82,10 +84,11 @@ def edits_of_cuts(
     stay as they are.
     ``allow_unbroken``: cuts too short to vibrate stay as they are, with a warning, where no word of theirs
     asks for vibration (it would reach the control).  ``reasons``: why cuts, by their line, stay under
-    nose compensation, or why corners there are not drawn.
+    nose compensation, or why corners there are not drawn.  ``is_refused``: the program is, whatever its cuts
+    are, so only the first of them are tried.
     """
     up = dict(given_up)
-    around = _Around(restarted_at, air_lines, allow_unbroken, reasons)
+    around = _Around(restarted_at, air_lines, allow_unbroken, reasons, is_refused)
     while True:  # each round gives up one cut more
         found = _tried(interpreted, requests, around, up)
         if isinstance(found, Cuts):
@@ -100,6 +103,7 @@ class _Around(NamedTuple):
     air_lines: Collection[int]
     allow_unbroken: bool
     reasons: Mapping[int, RefusalError]
+    is_refused: bool
 
 
 def _tried(
@@ -116,7 +120,7 @@ def _tried(
         return _without_loops(interpreted, chains, left, refused, error)
     advised = _MOST_ADVISED - len(refused)
     maker = _Maker(interpreted, Chooser(interpreted.settings), given_up, advised, around.allow_unbroken)
-    made = _made(maker, chains, names, around, is_refused=bool(refused))
+    made = _made(maker, chains, names, around, is_refused=around.is_refused or bool(refused))
     refused += made.refused
     left += made.left
     if refused:
@@ -206,11 +210,12 @@ def _made(
     waiting = list(reversed(chains))
     moves = 0
     behind = _Behind.of(maker.interpreted.settings)
+    alike = FailsAlike(maker.interpreted, allow_unbroken=around.allow_unbroken)
     while waiting:
         chain = waiting.pop()
         behind = behind.with_one_more(is_behind=is_refused or bool(made.refused))
-        if behind.is_enough or len(made.refused) >= _MOST_REFUSED:
-            made.refused.append(_not_tried(maker.interpreted, chain))
+        if behind.is_enough or len(made.refused) + len(alike) >= _MOST_REFUSED:
+            made.refused.extend([*alike.findings(), _not_tried(maker.interpreted, chain)])
             break
         if moves > MOST_MOVES_IN_ALL:
             said = _at_chain(maker.interpreted, chain, _too_many(moves))
@@ -225,7 +230,8 @@ def _made(
         except RefusalError as error:
             waiting += reversed(_instead(maker, chain, error, made, around))
             continue
-        made.cuts.extend(cuts)
+        alike.look_at(cuts)
+        made.cuts.extend(map(_without_knots, cuts))
         moves += sum(len(expansion.distance_mm) for _, expansion in cuts)
         behind = behind.with_cuts([plan for plan, _ in cuts], maker.interpreted.settings)
         names = _behind(names, cuts)
@@ -303,6 +309,12 @@ def _by_block(chain: Chain) -> list[Chain]:
     return [Chain((request,)) for request in chain.requests]
 
 
+def _without_knots(cut: tuple[CutPlan, Expansion]) -> tuple[CutPlan, Expansion]:
+    """A cut whose blocks are made: its knots have served, and a long program has many."""
+    plan, expansion = cut
+    return replace(plan, time_s=_NO_KNOTS, distance_mm=_NO_KNOTS), replace(expansion, printed=None)
+
+
 def _behind(names: LoopNames | None, cuts: Sequence[tuple[CutPlan, Expansion]]) -> LoopNames | None:
     """The names that are left for the loops behind some cuts."""
     loops = sum(len(expansion.loops or ()) for _, expansion in cuts)
@@ -368,10 +380,7 @@ class _Maker(NamedTuple):
             return plan, _expand(plan, self.interpreted.settings, names, advise=is_asked)
 
         is_chosen = is_open(chain)
-        plan, expansion = self.chooser.cut(chain, make, advise=advise) if is_chosen else make(chain)
-        # Its blocks are made: the knots have served, and a long program has many.
-        plan = replace(plan, time_s=_NO_KNOTS, distance_mm=_NO_KNOTS)
-        return plan, replace(expansion, printed=None)
+        return self.chooser.cut(chain, make, advise=advise) if is_chosen else make(chain)
 
     def _refuse_soon(self, plan: CutPlan, names: LoopNames | None, *, advise: bool) -> None:
         """Refuse a long cut for what its beginning shows, before all of it is made.  Errors: RefusalError."""
