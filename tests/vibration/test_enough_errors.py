@@ -117,8 +117,10 @@ def test_whole_chips_that_are_let_pass_end_nothing() -> None:
     assert len(result.cuts) == 21
 
 
+UNREAD, UNREAD_SAYS = "(VIB N1.5)\nX2O.", ["VIB065", "VIB018"]
+
+
 def test_only_the_first_are_tried_where_the_program_is_refused_anyway() -> None:
     """A line that cannot be read is said before any cut is planned."""
-    unread = "(VIB N1.5)\nX2O."
-    assert [code for code, _ in said(*[FINE] * 199, REFUSED, unread)] == ["VIB013", "VIB018"]
-    assert [code for code, _ in said(*[FINE] * 200, REFUSED, unread)] == ["VIB098", "VIB018"]
+    assert [code for code, _ in said(*[FINE] * 199, REFUSED, UNREAD)] == ["VIB013", *UNREAD_SAYS]
+    assert [code for code, _ in said(*[FINE] * 200, REFUSED, UNREAD)] == ["VIB098", *UNREAD_SAYS]
