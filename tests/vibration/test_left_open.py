@@ -119,6 +119,47 @@ def test_behind_very_many_places_of_a_jump_the_modes_are_open(monkeypatch: pytes
     assert why_left(f"{HEAD}GOTO#1\n{places}{CUT}") == []
 
 
+@pytest.mark.parametrize(
+    ("part", "again"),
+    [
+        ("o10 if [#1 EQ 1]\nG94\nM70\nG95\no10 endif\n", "G95"),
+        ("o10 if [#1 EQ 1]\nG94\nM70\nG95\no10 else\nM70\no10 endif\n", "G95"),
+        ("o10 while [#1 LT 3]\nG61\nM70\nG64\no10 endwhile\n", "G64"),
+        ("o10 if [#1 EQ 1]\nG64 P0.01\nM70\nG64\no10 endif\n", "G64"),
+        ("o10 while [#1 LT 3]\nG61\nM70\nG64\no11 endif\n", "G64"),
+    ],
+)
+def test_a_cut_behind_modes_that_were_kept_on_one_way_only_stays(part: str, again: str) -> None:
+    """M72 gives back those from before the branch, or those of its arm."""
+    head = "G21 G18 G7 G40 G95 G64\nM70\n"
+    cut = "G97 S2000 M3\nG0 X30. Z5.\n(VIB N1.5)\nG1 Z-5. F0.1\n(VIB OFF)\nM2\n"
+    assert why_left(f"{head}{part}M72\n{cut}", "linuxcnc-lathe") == ["VIB050"]
+    assert why_left(f"{head}{part}M72\n{again}\n{cut}", "linuxcnc-lathe") == []
+    assert why_left(f"{head}{part}M70\nM72\n{cut}", "linuxcnc-lathe") == _behind_improper_nests(part)
+
+
+def _behind_improper_nests(part: str) -> list[str]:
+    """What is open stays so where any way may come in."""
+    return ["VIB050"] if "o11 endif" in part else []
+
+
+@pytest.mark.parametrize("kept", ["F0.3", "S900", "F0.1 S2000"])
+def test_f_and_s_that_were_kept_on_one_way_only(kept: str) -> None:
+    """They are known where M72 gives the same back on both ways."""
+    head = "G21 G18 G7 G40 G95 G64 G97\nF0.1 S2000 M3\nM70\n"
+    part = f"o10 if [#1 EQ 1]\n{kept}\nM70\nF0.1 S2000\no10 endif\nM72\n"
+    cut = "G0 X30. Z5.\n(VIB N1.5)\nG1 Z-5.\n(VIB OFF)\nM2\n"
+    assert len(why_left(head + part + cut, "linuxcnc-lathe")) == (kept != "F0.1 S2000")
+
+
+def test_what_an_arm_kept_first_is_given_back_behind_the_branch() -> None:
+    """A way without M70 comes to no M72: that is an error of LinuxCNC."""
+    head = "G21 G18 G7 G40 G95 G64 G97\nF0.1 S2000 M3\no10 if [#1 EQ 1]\nM70\no10 endif\n"
+    cut = "G0 X30. Z5.\n(VIB N1.5)\nG1 Z-5.\n(VIB OFF)\nM2\n"
+    (found,) = filtered(f"{head}G94 F300 M72\n{cut}", "linuxcnc-lathe").cuts
+    assert found.plan.wave.feed_mm_rev == pytest.approx(0.1)
+
+
 def test_a_smoothing_that_a_jump_may_bring_is_not_given_back() -> None:
     """Of one code with other words the ways that are not known may bring either."""
     cut = "G97 S2000 M3\nG0 X30. Z5.\n(VIB N1.5)\nG1 Z-5. F0.1\n(VIB OFF)\nM2\n"

@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 from chipbreak.dialects.modes import Modes, Units
 from chipbreak.model.giving_back import is_same, is_same_path_mode
 from chipbreak.model.left_open import differing, merged
-from chipbreak.model.modal import Setting, State
+from chipbreak.model.modal import LeftOpen, Setting, State
 from chipbreak.syntax.nodes import Block, Control, Number
 from chipbreak.text.named_tuple import NamedTuple
 
@@ -69,7 +69,7 @@ class Jump(NamedTuple):
 class Carried(NamedTuple):
     """F, S, the modes and the tool as a way brings them; ``left_open`` are groups in which it is not sure.
 
-    ``path_words``, ``path_units`` and ``smooth_words`` are those of the state.
+    ``path_words``, ``path_units`` and ``smooth_words`` are those of the state; ``kept`` is what M70 has kept.
     """
 
     feed: Setting | None
@@ -80,6 +80,7 @@ class Carried(NamedTuple):
     path_words: str = ""
     path_units: Units = "mm"
     smooth_words: str = ""
+    kept: Carried | None = None
 
     def without(self, *, feed: bool, speed: bool) -> Carried:
         """The same where what is called on the way may have said another F, or another S."""
@@ -228,7 +229,8 @@ def carried_by(state: State) -> Carried:
     """F and S of a state; one that cannot be known is None."""
     left_open = frozenset(group for group, _ in state.left_open)
     words = (state.path_words, state.path_units, state.smooth_words)
-    return Carried(_known(state.feed), _known(state.speed), state.modes, left_open, state.tool, *words)
+    kept = None if state.kept is None else carried_by(state.kept)
+    return Carried(_known(state.feed), _known(state.speed), state.modes, left_open, state.tool, *words, kept)
 
 
 def _known(setting: Setting | None) -> Setting | None:
@@ -245,11 +247,12 @@ def together(ways: Sequence[Carried]) -> tuple[Carried, ...]:
     first = ways[0]
     left_open = differing(first.modes, (way.modes for way in ways)).union(*(way.left_open for way in ways))
     left_open |= {name for name, is_other in _OTHERWISE.items() if any(is_other(first, way) for way in ways)}
-    if not left_open.isdisjoint(_READ_BY):
-        return (first._replace(feed=None, speed=None, left_open=left_open),)
-    feed = _common([way.feed for way in ways])
-    speed = _common([way.speed for way in ways])
-    return (first._replace(feed=feed, speed=speed, left_open=left_open),)
+    is_read_alike = left_open.isdisjoint(_READ_BY)
+    feed = _common([way.feed for way in ways]) if is_read_alike else None
+    speed = _common([way.speed for way in ways]) if is_read_alike else None
+    # A way by which nothing was kept comes to no M72, which would end the program.
+    kept = next(iter(together([way.kept for way in ways if way.kept is not None])), None)
+    return (first._replace(feed=feed, speed=speed, left_open=left_open, kept=kept),)
 
 
 # What belongs to no modal group, or to the words beside a code of it.
@@ -268,19 +271,31 @@ def met(
     Empty where nothing has come by them yet.  ``said`` are the groups that a way which is not known may bring
     otherwise, and the tool.
     """
-    after = state.forgotten(why)
     if carried is None:
-        return after._replace(left_open=merged(state.left_open, said, why))
+        return _unsure(state, said, why)
     (all_ways,) = together([carried_by(state), *carried] if from_above or not carried else carried)
-    return after._replace(
-        modes=all_ways.modes,
-        feed=all_ways.feed,
-        speed=all_ways.speed,
-        tool=all_ways.tool,
-        path_words=all_ways.path_words,
-        path_units=all_ways.path_units,
-        smooth_words=all_ways.smooth_words,
-        left_open=merged(state.left_open if from_above else (), all_ways.left_open, why),
+    return _as_brought(state.forgotten(why), all_ways, state.left_open if from_above else (), why)
+
+
+def _unsure(state: State, said: frozenset[str], why: str) -> State:
+    """The state, and what M70 has kept, where any way may have come in."""
+    kept = None if state.kept is None else _unsure(state.kept, said, why)
+    return state.forgotten(why)._replace(left_open=merged(state.left_open, said, why), kept=kept)
+
+
+def _as_brought(state: State, ways: Carried, left_open: LeftOpen, why: str) -> State:
+    """The state with what some ways bring; ``left_open`` has its reasons already."""
+    kept = state.kept or state  # one that only other ways have kept is like this but for what they bring
+    return state._replace(
+        modes=ways.modes,
+        feed=ways.feed,
+        speed=ways.speed,
+        tool=ways.tool,
+        path_words=ways.path_words,
+        path_units=ways.path_units,
+        smooth_words=ways.smooth_words,
+        left_open=merged(left_open, ways.left_open, why),
+        kept=None if ways.kept is None else _as_brought(kept._replace(kept=None), ways.kept, (), why),
     )
 
 
