@@ -230,7 +230,7 @@ def _made(
         except RefusalError as error:
             waiting += reversed(_instead(maker, chain, error, made, around))
             continue
-        alike.look_at(cuts)
+        alike.look_at(chain, cuts)
         made.cuts.extend(map(_without_knots, cuts))
         moves += sum(len(expansion.distance_mm) for _, expansion in cuts)
         behind = behind.with_cuts([plan for plan, _ in cuts], maker.interpreted.settings)
