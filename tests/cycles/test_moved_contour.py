@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
+
 import pytest
 
 import chipbreak
+from chipbreak.cycles.moved_contour import MovedContour
+from chipbreak.editing.bracket import UNROLLED_CYCLES
+from chipbreak.editing.edits import Edit
+from chipbreak.editing.promise import Written
+from chipbreak.editing.restore import regions
 from chipbreak.model.flow import contour_calls
 from chipbreak.model.from_source import interpret_source
 from chipbreak.settings import load
+from chipbreak.text.diagnostics import SelfCheckError
 from chipbreak.text.source import read
 from longer import short_where
 
@@ -95,3 +103,26 @@ def test_roughing_passes_over_the_tool_of_the_contour() -> None:
         outputs.append(chipbreak.rewrite(program, load("fanuc-lathe", ['cycles.unroll="always"'])).data)
     passes = [data.split(b"PASS 1")[1].split(b"CHIPBREAK ROLLED")[0] for data in outputs]
     assert passes[0] == passes[1]
+
+
+@pytest.mark.parametrize(
+    ("number", "between", "holds"),
+    [
+        (10.0, "", True),
+        (99.0, "", False),  # no cycle names it
+        (10.0, "N10 G0 X50.\n", False),  # which the cycle would find first
+    ],
+)
+def test_a_contour_that_its_cycle_does_not_find_is_a_fault(number: float, between: str, holds: bool) -> None:
+    contour, rest = STAYS["T in the contour"]
+    settings = load("fanuc-lathe", ['cycles.unroll="always"'])
+    program = HEAD + contour + rest + TAIL
+    data = chipbreak.rewrite(program.encode(), settings).data.decode().replace(rest, rest + between)
+    was, now = (interpret_source(read(text.encode()), settings) for text in (program, data))
+    region = regions(read(data.encode()), UNROLLED_CYCLES)[-1]
+    texts = ("M30", *contour.splitlines())
+    promise = MovedContour(numbers=(number, 20.0), texts=texts)
+    line = program.count("\n") - 1
+    edit = Edit(line, line + 1, texts, "", "", promise)
+    with nullcontext() if holds else pytest.raises(SelfCheckError, match=f"N{number:g} is not found"):
+        promise.check(Written(edit, region, was, now, line))
