@@ -725,3 +725,23 @@ def test_a_contour_begins_behind_the_start_of_its_cycle(begins: bytes, is_refuse
     said = [one.code for one in result.diagnostics if "begins before the start point" in one.message]
     assert said == (["CYC006"] if is_refused else [])
     assert (b"UNROLLED G71" in result.data) != is_refused
+
+
+@pytest.mark.parametrize("dwell", ["G4 X1.", "G4 P500", "G4 U0.5"])
+def test_a_dwell_in_a_contour_belongs_to_its_finish(dwell: str) -> None:
+    """The finishing cycle dwells where the contour says it; roughing is what it is without."""
+    head = "O1\nG21 G40 G99\nT0101\nG97 S900 M3\nG0 X52. Z2.\nG71 U2. R1.\nG71 P10 Q20 U0.4 W0.1 F0.25\n"
+    settings = load("fanuc-lathe", ['cycles.unroll="always"'])
+    roughings, finishes = [], []
+    for between in ("", f"{dwell}\n"):
+        contour = f"N10 G0 X30.\nG1 Z-30. F0.1\n{between}X40.\nN20 X52.\n"
+        program = f"{head}{contour}G70 P10 Q20\nG28 U0 W0\nM30\n"
+        _, roughing, _, finish = (
+            chipbreak.rewrite(program.encode(), settings).data.decode().split("UNROLLED ")
+        )
+        roughings.append(roughing)
+        finishes.append([line for line in finish.splitlines() if not line.startswith("(")])
+    assert roughings[0] == roughings[1]
+    at = finishes[1].index(dwell)
+    assert finishes[1][:at] + finishes[1][at + 1 :] == finishes[0]
+    assert finishes[1][at - 1] == "G1 Z-30. F0.1"

@@ -625,6 +625,7 @@ def test_what_a_cut_takes() -> None:
     dwell = cut(waveform="dwell", form="stroke")
     assert (dwell.speed_mm_s, dwell.moves_per_vibration) == (1.25, 1)
     assert dwell.vibrations == 47  # 0.95 mm at 1.25 mm/s and 16 ms
+    assert cut(waveform="dwell", form="stroke", end_revolutions=3.0).vibrations == 42  # 0.85 mm
     assert dwell.duration_s == pytest.approx(0.4 + 47 * 0.008)
 
 

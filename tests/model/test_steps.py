@@ -28,3 +28,14 @@ def test_going_through_it_again_with_what_is_known_changes_nothing(
     assert found.lines == alone.lines
     assert repr(found.states) == repr(alone.states)
     assert repr(found.effects) == repr(alone.effects)
+
+
+@pytest.mark.parametrize("motion", ["G1", "G0"])
+def test_a_run_of_whole_numbers_leaves_the_motion_as_it_was(motion: str) -> None:
+    """What is kept of a block says whether it has points, and whether it has a code: one beside the other."""
+    moves = "".join(f"X{i} Y{2 * i}\n" for i in range(40))
+    program = f"G21 G90 G94 F100\nG0 X5 Y5\n{motion} X1 Y1\n{moves}M2\n"
+    interpreted = interpret_source(read(program.encode()), load("linuxcnc-mill"))
+    state = interpreted.before(43)
+    assert state.modes.motion == {"G1": "line", "G0": "rapid"}[motion]
+    assert (state.position.x, state.position.y) == (39.0, 78.0)
