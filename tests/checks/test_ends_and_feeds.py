@@ -56,6 +56,35 @@ def test_coolant_that_m72_gives_back_is_no_surer_than_it_was() -> None:
     assert "coolant" not in str(run(program.replace("/M8", "M8"), "linuxcnc-mill").diagnostics)
 
 
+_ONE_ARM = "o10 if [#1 EQ 1]\n{}\nM70\n{}\no10 endif\n"
+
+
+@pytest.mark.parametrize(
+    ("kept", "is_sure"),
+    [
+        ("M70\n", True),
+        (_ONE_ARM.format("M4", "M3") + "M70\n", True),
+        ("M70\n" + _ONE_ARM.format("M3", "M3"), True),
+        ("M70\n" + _ONE_ARM.format("M4", "M3"), False),
+        ("M70\n" + _ONE_ARM.format("M5", "M3"), False),
+        ("M70\n" + _ONE_ARM.format("M8", "M9"), False),
+        (_ONE_ARM.format("M4", "M3").replace("o10 endif", "o10 else\nM70\no10 endif"), False),
+        ("M70\nM4\n/M70\nM3\n", False),
+        ("o10 do\nM70\nM4\no10 while [#1 LT 3]\nM3\n", False),
+    ],
+)
+def test_what_m72_gives_back_may_be_of_another_m70(kept: str, is_sure: bool) -> None:
+    """A check behind it would start the spindle the other way round, or one that stood."""
+    cut = "G0 X3. Y4. Z5.\nG1 Z-1. F100.\nX9.\nG0 Z50.\n"
+    program = f"T1 M6\nG43 H1\nS900 M3\n{cut}{kept}M72\n{cut}M1\n(ROUGH)\n{cut}M5\nM9\nM2\n"
+    result = run(program, "linuxcnc-mill")
+    behind = (HEAD + program).split("\n").index("M72")
+    restarts = [
+        text for edit in result.edits if edit.first > behind for text in edit.content if "S900" in text
+    ]
+    assert restarts == (["S900 M3"] if is_sure else [])
+
+
 def test_a_program_without_an_end_is_checked_behind_its_last_cut() -> None:
     settings = chipbreak.load("haas-mill")
     cut = "T1\nM6\nS800 M3\nZ25.\nG95\nG1 Z-3. F0.1 E2.\nG0 Z25.\n"

@@ -127,13 +127,18 @@ def _all_set(effects: Sequence[BlockEffect], interpreted: InterpretedProgram) ->
 
 
 def conditional_state(
-    interpreted: InterpretedProgram, main: MainProgram, subprograms: Subprograms, parts: Sequence[Part]
+    interpreted: InterpretedProgram,
+    main: MainProgram,
+    subprograms: Subprograms,
+    nests: Sequence[Nest],
+    parts: Sequence[Part],
 ) -> Iterator[Conditional]:
     """What is conditional, wherever that changes, by line.
 
     What the body of a subprogram sets counts where it is called.
     """
-    walk = _Walk(interpreted, subprograms, [p for p in parts if main.has(p.first) or main.has(p.last)])
+    in_main = [part for part in parts if main.has(part.first) or main.has(part.last)]
+    walk = _Walk(interpreted, subprograms, nests, in_main)
     for effect in interpreted.effects:
         if main.has(effect.block.line):
             yield from walk.read(effect)
@@ -144,14 +149,20 @@ class _Walk:
     """One walk over the blocks; ``ends`` are the parts that it has not left yet, by their last lines."""
 
     def __init__(
-        self, interpreted: InterpretedProgram, subprograms: Subprograms, parts: Sequence[Part]
+        self,
+        interpreted: InterpretedProgram,
+        subprograms: Subprograms,
+        nests: Sequence[Nest],
+        parts: Sequence[Part],
     ) -> None:
         self.interpreted = interpreted
         self.subprograms = subprograms
+        self.nests = nests
         self.ends = list(parts)
         self.outermost = list(_outermost(parts))
         self.setters: dict[str, int] = {}
         self.kept: dict[str, int] = {}  # by LinuxCNC's M70, which M72 gives back
+        self.kept_by: BlockEffect | None = None
 
     def read(self, effect: BlockEffect) -> Iterator[Conditional]:
         """Take in a block, and say what it changes."""
@@ -160,7 +171,7 @@ class _Walk:
         before = dict(self.setters)
         called = self.subprograms.changes(effect) or frozenset()
         if effect.does("modes", "keep"):
-            self.kept = before
+            self._keep(effect)
         elif effect.does("modes"):
             self.setters |= self.kept
         if effect.block.is_optional or called:
@@ -170,6 +181,21 @@ class _Walk:
                 self.setters.pop(what, None)
         if self.setters != before:
             yield Conditional(line, dict(self.setters))
+
+    def _keep(self, effect: BlockEffect) -> None:
+        """M70 keeps what is set; where it may be left out, that or what the one before it has kept.
+
+        In a further pass of a loop it may find what the end of the pass before has set.
+        """
+        line = effect.block.line
+        others = [self.interpreted.behind(nest.last) for nest in self.nests if nest.first < line < nest.last]
+        kept: dict[str, int] = {}
+        if effect.block.is_optional or _is_within(line, self.outermost):
+            kept = self.kept
+            others += [self.kept_by.before] if self.kept_by is not None else []
+        unsure = frozenset[str]().union(*(differing(other, effect.before) for other in others))
+        self.kept = kept | dict.fromkeys(sorted(unsure), line) | self.setters
+        self.kept_by = effect
 
     def close(self, line: int) -> Iterator[Conditional]:
         """Leave the parts that end before a line."""

@@ -75,7 +75,7 @@ class Obstacles:
         calls = (effect for effect in interpreted.effects if calls_tool(effect, self.dialect))
         self.tool_changes = [effect.block.line for effect in calls]
         parts = optional_parts(interpreted, self._nests, self._jumps)
-        self._conditional = list(conditional_state(interpreted, main, subprograms, parts))
+        self._conditional = list(conditional_state(interpreted, main, subprograms, self._nests, parts))
         self._through = list(coolant_through(interpreted))
         self._turned = list(turned_offsets(interpreted))
         self._oriented = list(orientations(interpreted))
