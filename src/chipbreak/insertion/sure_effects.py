@@ -57,6 +57,8 @@ def differing(one: State, other: State) -> frozenset[str]:
     """What is set otherwise in two states, or may be."""
     parts = {what for what, name in _PARTS.items() if getattr(one, name) != getattr(other, name)}
     speeds = [state.speed and (state.speed.text, state.speed.value) for state in (one, other)]
+    if bool(one.spindle_why) != bool(other.spindle_why):
+        parts.add("the spindle")
     if not is_same_path_mode(one, other):
         parts.add("path")
     if one.smooth_words != other.smooth_words:

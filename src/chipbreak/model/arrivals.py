@@ -69,7 +69,8 @@ class Jump(NamedTuple):
 class Carried(NamedTuple):
     """F, S, the modes and the tool as a way brings them; ``left_open`` are groups in which it is not sure.
 
-    ``path_words``, ``path_units`` and ``smooth_words`` are those of the state; ``kept`` is what M70 has kept.
+    ``path_words``, ``path_units`` and ``smooth_words`` are those of the state, ``spindle`` too where it
+    ``is_spindle_sure``; ``kept`` is what M70 has kept.
     """
 
     feed: Setting | None
@@ -80,6 +81,8 @@ class Carried(NamedTuple):
     path_words: str = ""
     path_units: Units = "mm"
     smooth_words: str = ""
+    spindle: str = "stop"
+    is_spindle_sure: bool = True
     kept: Carried | None = None
 
     def without(self, *, feed: bool, speed: bool) -> Carried:
@@ -227,10 +230,19 @@ def runs_at_least_once(opener: Control) -> bool:
 # --- what they bring -----------------------------------------------------------------------------------
 def carried_by(state: State) -> Carried:
     """F and S of a state; one that cannot be known is None."""
-    left_open = frozenset(group for group, _ in state.left_open)
-    words = (state.path_words, state.path_units, state.smooth_words)
-    kept = None if state.kept is None else carried_by(state.kept)
-    return Carried(_known(state.feed), _known(state.speed), state.modes, left_open, state.tool, *words, kept)
+    return Carried(
+        _known(state.feed),
+        _known(state.speed),
+        state.modes,
+        frozenset(group for group, _ in state.left_open),
+        state.tool,
+        state.path_words,
+        state.path_units,
+        state.smooth_words,
+        state.spindle,
+        not state.spindle_why,
+        None if state.kept is None else carried_by(state.kept),
+    )
 
 
 def _known(setting: Setting | None) -> Setting | None:
@@ -252,7 +264,8 @@ def together(ways: Sequence[Carried]) -> tuple[Carried, ...]:
     speed = _common([way.speed for way in ways]) if is_read_alike else None
     # A way by which nothing was kept comes to no M72, which would end the program.
     kept = next(iter(together([way.kept for way in ways if way.kept is not None])), None)
-    return (first._replace(feed=feed, speed=speed, left_open=left_open, kept=kept),)
+    is_sure = all(way.is_spindle_sure and way.spindle == first.spindle for way in ways)
+    return (first._replace(feed=feed, speed=speed, left_open=left_open, is_spindle_sure=is_sure, kept=kept),)
 
 
 # What belongs to no modal group, or to the words beside a code of it.
@@ -295,6 +308,8 @@ def _as_brought(state: State, ways: Carried, left_open: LeftOpen, why: str) -> S
         path_units=ways.path_units,
         smooth_words=ways.smooth_words,
         left_open=merged(left_open, ways.left_open, why),
+        spindle=ways.spindle,
+        spindle_why="" if ways.is_spindle_sure else state.spindle_why or why,
         kept=None if ways.kept is None else _as_brought(kept._replace(kept=None), ways.kept, (), why),
     )
 

@@ -58,6 +58,7 @@ def _given_back(state: State, kept: State) -> State:
         feed=_feed_given_back(state, kept),
         speed=_speed_given_back(state, kept),
         spindle=kept.spindle,
+        spindle_why=kept.spindle_why,
         coolant=kept.coolant,
         path_words=kept.path_words,
         path_units=kept.path_units,
