@@ -85,6 +85,21 @@ def test_what_m72_gives_back_may_be_of_another_m70(kept: str, is_sure: bool) -> 
     assert restarts == (["S900 M3"] if is_sure else [])
 
 
+@pytest.mark.parametrize(
+    ("part", "is_sure"), [("M[3]", True), ("M#1", False), ("G#1", False), ("M#1\nM3\nM9", True)]
+)
+def test_a_check_behind_a_code_that_the_machine_works_out(part: str, is_sure: bool) -> None:
+    """It may be M5, another direction, or another plane: nothing can be put back."""
+    cut = "G0 X3. Y4. Z5.\nG1 Z-1. F100.\nX9.\nG0 Z50.\n"
+    program = f"T1 M6\nG43 H1\nS900 M3\n{cut}{part}\n{cut}M1\n(ROUGH)\n{cut}M5\nM9\nM30\n"
+    result = run(program)
+    behind = (HEAD + program).split("\n").index(part.split("\n", maxsplit=1)[0])
+    restarts = [
+        text for edit in result.edits if edit.first > behind for text in edit.content if "S900" in text
+    ]
+    assert restarts == (["S900 M3"] if is_sure else [])
+
+
 def test_a_program_without_an_end_is_checked_behind_its_last_cut() -> None:
     settings = chipbreak.load("haas-mill")
     cut = "T1\nM6\nS800 M3\nZ25.\nG95\nG1 Z-3. F0.1 E2.\nG0 Z25.\n"

@@ -152,6 +152,31 @@ def test_f_and_s_that_were_kept_on_one_way_only(kept: str) -> None:
     assert len(why_left(head + part + cut, "linuxcnc-lathe")) == (kept != "F0.1 S2000")
 
 
+@pytest.mark.parametrize(
+    ("part", "codes"),
+    [
+        ("o10 if [#1 EQ 1]\nM5\no10 endif\n", ["VIB069"]),
+        ("o10 if [#1 EQ 1]\nM4\no10 endif\n", ["VIB069"]),
+        ("o10 if [#1 EQ 1]\nM5\no10 endif\nM3\n", []),
+        ("o10 if [#1 EQ 1]\nM5\nM3\no10 endif\n", []),
+        ("o10 while [#1 LT 3]\nM5\no10 endwhile\n", ["VIB069"]),
+        ("M70\no10 if [#1 EQ 1]\nM5\nM70\nM3\no10 endif\nM72\n", ["VIB069"]),
+        ("M70\no10 if [#1 EQ 1]\nM5\nM70\nM3\no10 endif\nM72\nM3\n", []),
+        ("M70\nM5\n/M70\nM3\nM72\n", ["VIB069"]),
+    ],
+)
+def test_a_spindle_that_a_way_brings_otherwise(part: str, codes: list[str]) -> None:
+    head = "G21 G18 G7 G40 G95 G97\nF0.1 S2000 M3\n"
+    cut = "G0 X30. Z5.\n(VIB N1.5)\nG1 Z-5. F0.1 S2000\n(VIB OFF)\nM2\n"
+    assert why_left(head + part + cut, "linuxcnc-lathe") == codes
+
+
+def test_the_other_arm_has_the_spindle_from_before_the_branch() -> None:
+    head = "G21 G18 G7 G40 G95 G97\nF0.1 S2000 M3\no10 if [#1 EQ 1]\nM5\no10 else\n"
+    cut = "G0 X30. Z5.\n(VIB N1.5)\nG1 Z-5.\n(VIB OFF)\no10 endif\nM2\n"
+    assert len(filtered(head + cut, "linuxcnc-lathe").cuts) == 1
+
+
 def test_what_an_arm_kept_first_is_given_back_behind_the_branch() -> None:
     """A way without M70 comes to no M72: that is an error of LinuxCNC."""
     head = "G21 G18 G7 G40 G95 G64 G97\nF0.1 S2000 M3\no10 if [#1 EQ 1]\nM70\no10 endif\n"

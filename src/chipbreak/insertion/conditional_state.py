@@ -174,8 +174,9 @@ class _Walk:
             self._keep(effect)
         elif effect.does("modes"):
             self.setters |= self.kept
-        if effect.block.is_optional or called:
-            self.setters |= dict.fromkeys(sorted(_changed(effect) | called), line)
+        unsure = called | _perhaps_set(effect)
+        if unsure or effect.block.is_optional:
+            self.setters |= dict.fromkeys(sorted(unsure), line)
         elif self.setters and not _is_within(line, self.outermost):
             for what in set_by(effect, self.interpreted):
                 self.setters.pop(what, None)
@@ -219,12 +220,11 @@ def _is_within(line: int, parts: Sequence[tuple[int, int]]) -> bool:
     return at >= 0 and line <= parts[at][1]
 
 
-def _changed(effect: BlockEffect) -> set[str]:
-    """What a block changed that an insertion has to know."""
-    if not effect.block.is_optional:
-        return set()
-    one = effect.before
-    other = effect.after
-    changed = set(one.modes.changed(other.modes))
-    parts = {"the spindle": "spindle", "coolant": "coolant", "S": "speed", "the tool": "tool"}
-    return changed | {what for what, name in parts.items() if getattr(one, name) != getattr(other, name)}
+def _perhaps_set(effect: BlockEffect) -> frozenset[str]:
+    """What a block may set, or may not: one that may be skipped, or whose codes the machine works out."""
+    words = effect.block.words_of("GM")
+    worked_out = {word.address for word in words if word.number is None}.difference(effect.taken)
+    if not (effect.block.is_optional or worked_out):
+        return frozenset()
+    changed = differing(effect.before, effect.after)
+    return changed | {"the spindle", "coolant"} if "M" in worked_out else changed
