@@ -260,12 +260,24 @@ def together(ways: Sequence[Carried]) -> tuple[Carried, ...]:
     left_open = differing(first.modes, (way.modes for way in ways)).union(*(way.left_open for way in ways))
     left_open |= {name for name, is_other in _OTHERWISE.items() if any(is_other(first, way) for way in ways)}
     is_read_alike = left_open.isdisjoint(_READ_BY)
-    feed = _common([way.feed for way in ways]) if is_read_alike else None
-    speed = _common([way.speed for way in ways]) if is_read_alike else None
-    # A way by which nothing was kept comes to no M72, which would end the program.
-    kept = next(iter(together([way.kept for way in ways if way.kept is not None])), None)
-    is_sure = all(way.is_spindle_sure and way.spindle == first.spindle for way in ways)
-    return (first._replace(feed=feed, speed=speed, left_open=left_open, is_spindle_sure=is_sure, kept=kept),)
+    brought = first._replace(
+        feed=_common([way.feed for way in ways]) if is_read_alike else None,
+        speed=_common([way.speed for way in ways]) if is_read_alike else None,
+        left_open=left_open,
+        is_spindle_sure=_is_spindle_sure(ways),
+        kept=_kept_by(ways),
+    )
+    return (brought,)
+
+
+def _is_spindle_sure(ways: Sequence[Carried]) -> bool:
+    return all(way.is_spindle_sure and way.spindle == ways[0].spindle for way in ways)
+
+
+def _kept_by(ways: Sequence[Carried]) -> Carried | None:
+    """What M72 gives back; a way by which nothing was kept comes to none, which would end the program."""
+    kept = together([way.kept for way in ways if way.kept is not None])
+    return kept[0] if kept else None
 
 
 # What belongs to no modal group, or to the words beside a code of it.
