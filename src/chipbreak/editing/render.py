@@ -80,11 +80,17 @@ def print_moves(table: MoveTable, line_end: bytes) -> bytes:
     return b"".join(parts)
 
 
+def can_be_written(values: Floats, decimals: int) -> bool:
+    """True where numbers, (n,), keep each of their digits when they are printed with so many decimals."""
+    scaled = np.rint(values * 10.0**decimals)
+    return bool(np.isfinite(scaled).all() and np.abs(scaled).max(initial=0.0) < 2.0**53)
+
+
 def _cells(lead: str, values: Floats, decimals: int) -> NDArray[np.uint8]:
     """The characters of one column, (n, width), NUL where a number is shorter than the longest."""
-    scaled = np.rint(values * 10.0**decimals)
-    if not np.isfinite(scaled).all() or np.abs(scaled).max(initial=0.0) >= 2.0**53:
+    if not can_be_written(values, decimals):
         raise ValueError("a number that cannot be written in a program")
+    scaled = np.rint(values * 10.0**decimals)
     whole = np.abs(scaled).astype(np.int64)
     largest = int(whole.max(initial=0))
     digits = max(len(str(largest)), decimals + 1)

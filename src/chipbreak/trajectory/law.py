@@ -271,6 +271,8 @@ class ControlLaw(ABC):
         way = (
             f"this stroke takes at least {least * 1000:.4g} ms; ask for a lower frequency or a smaller stroke"
         )
+        if needed == inf:
+            raise RefusalError("VIB030", f"{stroke} leaves no time to move: the control stops as long", way)
         raise RefusalError("VIB030", f"{stroke} needs {needed / 1000:.3g} m/s2, {has}", way)
 
     @cached_property

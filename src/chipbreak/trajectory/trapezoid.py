@@ -21,6 +21,7 @@ from chipbreak.trajectory.planner import speed_for_time
 from chipbreak.trajectory.resting import Kind, RestingLaw
 
 _NONE = np.empty(0)
+_SAME_SHARE = 1e-9  # of a time is rounding
 
 
 @dataclass(frozen=True)
@@ -99,7 +100,8 @@ class Trapezoid(RestingLaw):
 
     def _acceleration_for(self, length_mm: float, time_s: float) -> float:
         moving_s = time_s - self.reversal_stop_s
-        return 4.0 * length_mm / moving_s**2 if moving_s > 0.0 else inf
+        # What rounding leaves of a stroke that is as long as the stop is no time to move.
+        return 4.0 * length_mm / moving_s**2 if moving_s > _SAME_SHARE * time_s else inf
 
 
 def trapezoids(lengths_mm: Floats, speeds_mm_s: Floats, acceleration_mm_s2: Floats) -> Floats:

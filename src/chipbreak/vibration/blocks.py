@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from chipbreak.editing.edits import MoveTable
-from chipbreak.editing.render import print_moves
+from chipbreak.editing.render import can_be_written, print_moves
 from chipbreak.kinematics.floats import Floats
 from chipbreak.kinematics.remembered import remembered
 from chipbreak.kinematics.toolpath import split_at
@@ -392,6 +392,9 @@ def _feed_words(cut: CutPlan, ends: _Ends, settings: Settings) -> tuple[Floats, 
             end_mm = float(np.abs(blocks.lengths_mm[plain_from:]).sum())
             end_s = end_mm / cut.wave.feed_speed_mm_s - float(spans[plain_from:].sum())
     feeds: Floats = np.maximum(exact, 10.0**-digits)
+    if not can_be_written(feeds, digits):
+        message = f"a block would need F{feeds.max():.3g}, which no program can say"
+        raise RefusalError("VIB031", message, "ask for a lower frequency or a smaller stroke")
     printed = np.round(feeds, digits)
     if _tail_is_programmed(cut, settings):
         # The F of the last block is printed as the program has it, whatever the digits of others.
